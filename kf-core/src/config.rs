@@ -1,0 +1,133 @@
+//! What a mission is configured with: the reference, the sensors, the monitor, the effects.
+
+use serde::{Deserialize, Serialize};
+
+use crate::effect::EffectTerm;
+use crate::sensor::SENSORS;
+
+/// How many effects a model can hold as constants, beside those that are states.
+pub const MAX_CONSTANT_EFFECTS: usize = 8;
+/// How many effects a model can hold as states.
+pub const MAX_ESTIMATED_EFFECTS: usize = 8;
+
+/// The climb rate that carries the reference altitude between fixes (input `u` of eq. 4).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ClimbRate {
+    /// Error of the climb rate (1 sigma), m/s.
+    pub sigma_mps: f32,
+    /// For how long that error keeps its sign, seconds.
+    pub correlation_time_s: f32,
+}
+
+/// The reference: what the receiver's altitude is worth.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ReferenceConfig {
+    /// Error of one fix (1 sigma), metres.
+    pub sigma_m: f32,
+    /// For how long that error keeps its sign, seconds; 0 for white noise. A fix every `dt` is then
+    /// weighted with the equivalent white noise `sigma^2 max(1, 2 tau / dt)`.
+    pub correlation_time_s: f32,
+    /// Prior altitude, metres; without it, the first fix.
+    pub prior_altitude_m: Option<f32>,
+    /// Prior uncertainty of the altitude (1 sigma), metres.
+    pub prior_sigma_m: f32,
+    /// How the altitude moves between fixes; without it, it does not (A = I, Q = 0).
+    pub climb_rate: Option<ClimbRate>,
+    /// A reference older than this is lost, seconds.
+    pub lost_after_s: f32,
+}
+
+/// A sensor's noise, and what is believed of its bias before the first measurement.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SensorConfig {
+    /// Error of one reading (1 sigma), metres.
+    pub sigma_m: f32,
+    /// As [`ReferenceConfig::correlation_time_s`].
+    pub correlation_time_s: f32,
+    /// Prior mean of the bias, metres.
+    pub prior_bias_m: f32,
+    /// Prior sigma of the bias, metres.
+    pub prior_sigma_m: f32,
+    /// Noise floor: how far the bias wanders in one second (1 sigma), metres per root second.
+    /// 0 claims a constant.
+    pub wander_m_per_sqrt_s: f32,
+}
+
+/// Where the monitor's sigma of eq. 17 comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum SigmaSource {
+    /// The spread of the calibrated residual in captive flight.
+    Residual,
+    /// The filter's own covariance of the bias.
+    Covariance,
+    /// The sensor's configured sigma.
+    Datasheet,
+}
+
+/// The monitor of eqs 16 and 17.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MonitorConfig {
+    /// Where sigma comes from.
+    pub sigma: SigmaSource,
+    /// Threshold in sigmas; the paper's is 1.
+    pub multiplier: f32,
+    /// Length of the moving average, seconds.
+    pub window_s: f32,
+}
+
+/// The paper's section 4: a second correction of the sensors in free flight.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum SecondCorrection {
+    /// None: the paper's section 3.
+    Off,
+    /// The moving average of the error is taken off the sensor.
+    MovingAverage,
+    /// A one-state Kalman filter of the error (random walk) takes the moving average's place.
+    Kalman {
+        /// How far the error wanders in one second (1 sigma), metres per root second.
+        wander_m_per_sqrt_s: f32,
+    },
+}
+
+/// Thresholds of the named checks of the calibration.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct QualityConfig {
+    /// Shortest calibration after settling, seconds.
+    pub minimum_duration_s: f32,
+    /// Largest spread of the trimmed altitude (1 sigma of block means), metres.
+    pub trimmed_altitude_m: f32,
+    /// Largest spread of the trimmed airspeed (1 sigma of block means), m/s.
+    pub trimmed_airspeed_mps: f32,
+    /// Largest drift of the reference against its own integrated climb rate over the last half of
+    /// the calibration, metres.
+    pub reference_drift_m: f32,
+    /// Fewest satellites.
+    pub minimum_satellites: u8,
+    /// Largest vertical accuracy that the receiver may report, metres.
+    pub vertical_accuracy_m: f32,
+    /// Largest drift of a bias over the calibration, in sigmas of the sensor's residual.
+    pub bias_drift_sigmas: f32,
+    /// Largest share of innovations beyond three sigmas.
+    pub implausible_share: f32,
+}
+
+/// Everything that one mission is configured with; `E` effects are states.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MissionConfig<const E: usize> {
+    /// First part of captive flight that is ignored, seconds.
+    pub settling_s: f32,
+    /// The reference.
+    pub reference: ReferenceConfig,
+    /// The sensors, in the order of [`crate::sensor::Sensor`].
+    pub sensors: [SensorConfig; SENSORS],
+    /// The monitor.
+    pub monitor: MonitorConfig,
+    /// Section 4's second correction.
+    pub second_correction: SecondCorrection,
+    /// The calibration's checks.
+    pub quality: QualityConfig,
+    /// Effects whose coefficients are states of the filter.
+    pub estimated_effects: [EffectTerm; E],
+    /// Effects whose coefficients are constants.
+    pub constant_effects: heapless::Vec<EffectTerm, MAX_CONSTANT_EFFECTS>,
+}

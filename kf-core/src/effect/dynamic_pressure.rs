@@ -1,0 +1,11 @@
+//! `baro.dynamic_pressure`: the head of the dynamic pressure.
+
+use crate::atmosphere::STANDARD_GRAVITY_MPS2;
+
+/// `V^2 / (2 g)` in metres: the altitude error of a port that reads the whole dynamic pressure.
+///
+/// From `dp = rho V^2 / 2` and the hydrostatic `dh = dp / (rho g)`; the density cancels.
+#[must_use]
+pub fn dynamic_pressure_head_m(true_airspeed_mps: f32) -> f32 {
+    true_airspeed_mps * true_airspeed_mps * (0.5 / STANDARD_GRAVITY_MPS2)
+}

@@ -1,0 +1,85 @@
+//! What enters the estimator at one tick.
+//!
+//! Axes: body forward-right-down, navigation north-east-down; accelerations are specific force.
+//! `None` means "no new sample at this tick", never "zero". Values may be non-finite: the estimator
+//! refuses those, counts them and goes on.
+
+use serde::{Deserialize, Serialize};
+
+/// One fix of the reference receiver.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct GpsFix {
+    /// Altitude above the flight's altitude datum, metres.
+    pub altitude_m: f32,
+    /// North, east and down velocity, metres a second.
+    pub velocity_north_mps: Option<f32>,
+    /// See [`Self::velocity_north_mps`].
+    pub velocity_east_mps: Option<f32>,
+    /// See [`Self::velocity_north_mps`]; positive while descending.
+    pub velocity_down_mps: Option<f32>,
+    /// The receiver's own estimate of its vertical accuracy (1 sigma), metres.
+    pub vertical_accuracy_m: Option<f32>,
+    /// Satellites used in the fix.
+    pub satellites: Option<u8>,
+    /// When the fix was taken, by the receiver's clock, microseconds. Two fixes with the same time
+    /// are one fix that was held. Without it, a fix that repeats every bit of the last is held.
+    pub fix_time_us: Option<u64>,
+}
+
+/// What the barometer delivered.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum BaroReading {
+    /// Static pressure, pascals; turned into altitude by [`crate::atmosphere::pressure_altitude_m`].
+    PressurePa(f32),
+    /// Pressure altitude, metres.
+    AltitudeM(f32),
+}
+
+/// One inertial sample.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ImuSample {
+    /// Specific force, body axes, m/s^2.
+    pub accel_mps2: [f32; 3],
+    /// Angular rate, body axes, rad/s.
+    pub gyro_radps: [f32; 3],
+}
+
+/// Signals that regressors of effects are made of; each is the latest value when new at this tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Signals {
+    /// True airspeed, m/s.
+    pub true_airspeed_mps: Option<f32>,
+    /// Angle of attack, rad.
+    pub angle_of_attack_rad: Option<f32>,
+    /// Sideslip angle, rad.
+    pub sideslip_rad: Option<f32>,
+    /// Throttle, 0 to 1.
+    pub throttle: Option<f32>,
+    /// Outside air temperature, degrees Celsius.
+    pub outside_air_temperature_c: Option<f32>,
+    /// Temperature of the barometer itself, degrees Celsius.
+    pub baro_temperature_c: Option<f32>,
+    /// Roll, pitch, yaw, rad.
+    pub attitude_rad: Option<[f32; 3]>,
+}
+
+/// Everything that is new at one tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct TickInput {
+    /// Time of the tick, microseconds since an arbitrary origin; must increase.
+    pub time_us: u64,
+    /// The umbilical discrete: true once the UAV has left the mother ship.
+    pub launch: bool,
+    /// A fix of the reference.
+    pub gps: Option<GpsFix>,
+    /// A barometer reading.
+    pub baro: Option<BaroReading>,
+    /// The mother ship's inertial altitude, metres.
+    pub imu_master_altitude_m: Option<f32>,
+    /// The UAV's inertial altitude, metres.
+    pub imu_slave_altitude_m: Option<f32>,
+    /// An inertial sample.
+    pub imu: Option<ImuSample>,
+    /// Signals for the effects.
+    pub signals: Signals,
+}

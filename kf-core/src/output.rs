@@ -1,0 +1,118 @@
+//! What the estimator says after one tick.
+
+use serde::{Deserialize, Serialize};
+
+use crate::config::MAX_ESTIMATED_EFFECTS;
+use crate::sensor::SENSORS;
+
+/// Where in the mission a tick lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Phase {
+    /// The first seconds of captive flight, ignored.
+    Settling,
+    /// Captive flight: biases are being estimated.
+    Calibrating,
+    /// After launch: the calibration is latched and the sensors are watched.
+    FreeFlight,
+}
+
+/// What a sensor's reading is worth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Trust {
+    /// Captive flight: nothing has been promised yet.
+    Calibrating,
+    /// Launched, and within bounds so far.
+    Trusted,
+    /// The error has once been beyond the bound (eq. 17, left).
+    Doubtful,
+    /// After that, the moving average has been beyond the bound (eq. 17, right).
+    Untrustworthy,
+    /// There is no reference to watch the sensor against: not known.
+    Unmonitored,
+}
+
+impl Trust {
+    /// The name used in files and reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Calibrating => "calibrating",
+            Self::Trusted => "trusted",
+            Self::Doubtful => "doubtful",
+            Self::Untrustworthy => "untrustworthy",
+            Self::Unmonitored => "unmonitored",
+        }
+    }
+}
+
+/// Why a reading was not used at this tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Rejection {
+    /// NaN or infinite, or a pressure that is none.
+    NotFinite,
+    /// The reading has been the same, to the bit, for too long.
+    Stuck,
+    /// A fix that was held since the last.
+    Held,
+    /// The filter refused the update: its innovation variance was not positive and finite.
+    Variance,
+}
+
+/// One sensor after one tick. A value that does not exist at this tick is `None`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SensorOutput {
+    /// Estimated (later: latched) bias, metres.
+    pub bias_m: f32,
+    /// Its variance by the filter, square metres.
+    pub bias_variance_m2: f32,
+    /// Innovation of this tick's update (reading minus prediction), metres.
+    pub innovation_m: Option<f32>,
+    /// Normalised innovation squared, signed as the innovation.
+    pub signed_nis: Option<f32>,
+    /// Sensor error of eq. 16 at this tick: reading minus bias, effects and reference, metres.
+    pub error_m: Option<f32>,
+    /// Moving average of the error over the monitor's window, metres; free flight only.
+    pub moving_average_m: Option<f32>,
+    /// Trust.
+    pub trust: Trust,
+    /// Why this tick's reading was not used, if it was not.
+    pub rejection: Option<Rejection>,
+}
+
+/// A coefficient after one tick.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CoefficientOutput {
+    /// Estimated coefficient, in the effect's unit.
+    pub coefficient: f32,
+    /// Its variance, in that unit squared.
+    pub variance: f32,
+}
+
+/// Everything that one tick says.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TickOutput {
+    /// Time of the tick, as it came in, microseconds.
+    pub time_us: u64,
+    /// The tick's time was not after the last one's: the tick was counted and otherwise ignored.
+    pub out_of_order: bool,
+    /// Phase of the mission.
+    pub phase: Phase,
+    /// True at the one tick at which the calibration was latched.
+    pub latched_now: bool,
+    /// Names of failed checks of the latched calibration, one bit each.
+    pub failed_checks: u16,
+    /// Reference altitude as estimated, metres.
+    pub altitude_m: f32,
+    /// Its variance, square metres.
+    pub altitude_variance_m2: f32,
+    /// Innovation of this tick's fix, metres.
+    pub gps_innovation_m: Option<f32>,
+    /// Normalised innovation squared of this tick's fix, signed as the innovation.
+    pub gps_signed_nis: Option<f32>,
+    /// Why this tick's fix was not used, if it was not.
+    pub gps_rejection: Option<Rejection>,
+    /// The sensors, in the order of [`crate::sensor::Sensor`].
+    pub sensors: [SensorOutput; SENSORS],
+    /// The estimated coefficients, in the model's order.
+    pub coefficients: heapless::Vec<CoefficientOutput, MAX_ESTIMATED_EFFECTS>,
+}

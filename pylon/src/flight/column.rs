@@ -1,0 +1,68 @@
+//! One channel's cells.
+
+/// Bit pattern of an empty cell: a NaN that no arithmetic and no parser makes.
+const EMPTY: u32 = 0x7fc0_dead;
+
+/// Cells of one channel, one a row; an empty cell means "no new sample at that time", which is not
+/// the same as a sample that is NaN.
+#[derive(Clone, Debug, Default)]
+pub struct Column(Vec<f32>);
+
+impl Column {
+    /// A column of `rows` empty cells.
+    #[must_use]
+    pub fn empty(rows: usize) -> Self {
+        Self(vec![f32::from_bits(EMPTY); rows])
+    }
+
+    /// Appends a cell.
+    pub fn push(&mut self, cell: Option<f32>) {
+        self.0.push(cell.unwrap_or(f32::from_bits(EMPTY)));
+    }
+
+    /// Sets the cell of a row that exists; says whether it does.
+    pub fn set(&mut self, row: usize, cell: Option<f32>) -> bool {
+        self.0.get_mut(row).map(|slot| *slot = cell.unwrap_or(f32::from_bits(EMPTY))).is_some()
+    }
+
+    /// The cell of a row: `None` when it is empty or there is no such row.
+    #[must_use]
+    #[inline]
+    pub fn get(&self, row: usize) -> Option<f32> {
+        self.0.get(row).copied().filter(|value| value.to_bits() != EMPTY)
+    }
+
+    /// Number of cells.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Whether there is no cell at all.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Every sample with its row.
+    pub fn samples(&self) -> impl Iterator<Item = (usize, f32)> + '_ {
+        self.0.iter().copied().enumerate().filter(|(_, value)| value.to_bits() != EMPTY)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tells_an_empty_cell_from_a_nan_sample() {
+        let mut column = Column::default();
+        column.push(None);
+        column.push(Some(f32::NAN));
+        column.push(Some(1.0));
+        assert_eq!(column.get(0), None);
+        assert!(column.get(1).is_some_and(f32::is_nan));
+        assert_eq!(column.samples().count(), 2);
+        assert_eq!(column.get(3), None);
+    }
+}

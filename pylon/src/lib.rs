@@ -1,0 +1,3 @@
+//! The workbench of Pylon: it compares what the estimator in [`kf_core`] says with measured flights.
+
+pub mod flight;
