@@ -1,1 +1,2 @@
 //! drivers
+#![no_std]

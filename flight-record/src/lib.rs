@@ -1,1 +1,2 @@
-//! flight-record
+//! A flight as bytes.
+#![no_std]

@@ -1,0 +1,50 @@
+//! The paper's calibration problem, the one that everybody is measured on.
+
+/// Initial state: altitude, biases of the mother ship's IMU, the UAV's IMU and the barometer, m.
+pub const STATE: [f32; 4] = [2100.0, 0.0, 0.0, 0.0];
+/// Diagonal of the initial covariance, m^2.
+pub const COVARIANCE: [f32; 4] = [50.0 * 50.0, 100.0 * 100.0, 150.0 * 150.0, 300.0 * 300.0];
+/// Diagonal of the measurement covariance, m^2.
+pub const NOISE: [f32; 4] = [25.0 * 25.0, 50.0 * 50.0, 70.0 * 70.0, 150.0 * 150.0];
+/// Which state each measurement sees.
+pub const OBSERVATION: [[f32; 4]; 4] =
+    [[1.0, 0.0, 0.0, 0.0], [1.0, 1.0, 0.0, 0.0], [1.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.0, 1.0]];
+
+/// A filter on that problem. `A = I` and `Q = 0`, so there is nothing to propagate: nobody is asked
+/// to, which favours the filters that would have multiplied by the identity.
+pub trait Filter {
+    /// Takes in the four measurements of one tick, metres.
+    fn tick(&mut self, measurements: &[f32; 4]);
+    /// The state in the order of [`STATE`], metres.
+    fn state(&self) -> [f32; 4];
+    /// The diagonal of its covariance, m^2.
+    fn variances(&self) -> [f32; 4];
+}
+
+/// Measurements of a trimmed flight at 2050 m with the paper's biases and white noise of the paper's
+/// sigmas; the same ones at every run.
+pub struct Measurements(u32);
+
+impl Measurements {
+    /// The sequence, from its start.
+    pub const fn new() -> Self {
+        Self(20_130_415)
+    }
+
+    /// A uniform number of zero mean and unit variance (Numerical Recipes' 32-bit generator).
+    fn white(&mut self) -> f32 {
+        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let uniform = (self.0 >> 8) as f32 / 16_777_216.0;
+        (uniform - 0.5) * 3.464_101_6
+    }
+
+    /// The next tick's.
+    pub fn next_tick(&mut self) -> [f32; 4] {
+        [
+            2050.0 + 25.0 * self.white(),
+            2050.0 + 12.0 + 50.0 * self.white(),
+            2050.0 - 72.8909 + 70.0 * self.white(),
+            2050.0 - 121.8691 + 150.0 * self.white(),
+        ]
+    }
+}

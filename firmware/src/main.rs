@@ -1,2 +1,0 @@
-//! firmware
-fn main() {}
