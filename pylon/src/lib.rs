@@ -1,3 +1,4 @@
 //! The workbench of Pylon: it compares what the estimator in [`kf_core`] says with measured flights.
 
 pub mod flight;
+pub mod output_file;

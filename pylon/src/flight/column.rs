@@ -15,9 +15,21 @@ impl Column {
         Self(vec![f32::from_bits(EMPTY); rows])
     }
 
+    /// A column without cells, with room for `rows` of them.
+    #[must_use]
+    pub fn with_capacity(rows: usize) -> Self {
+        Self(Vec::with_capacity(rows))
+    }
+
     /// Appends a cell.
+    #[inline]
     pub fn push(&mut self, cell: Option<f32>) {
         self.0.push(cell.unwrap_or(f32::from_bits(EMPTY)));
+    }
+
+    /// Appends every cell of another column.
+    pub fn append(&mut self, mut other: Self) {
+        self.0.append(&mut other.0);
     }
 
     /// Sets the cell of a row that exists; says whether it does.

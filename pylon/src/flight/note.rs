@@ -1,0 +1,27 @@
+//! Remarks about an input that was usable, but not in every respect as it should be.
+
+use std::fmt;
+
+/// One line for the user: what was found in an input and what was made of it.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Note(String);
+
+impl Note {
+    /// A note of that text; line breaks become spaces, so that a note stays one line.
+    #[must_use]
+    pub fn new(text: impl Into<String>) -> Self {
+        Self(text.into().replace(['\n', '\r'], " "))
+    }
+
+    /// The text.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        &self.0
+    }
+}
+
+impl fmt::Display for Note {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.0)
+    }
+}
