@@ -1,0 +1,99 @@
+//! Reads frames.
+
+use cobs::{DecodeResult, DecoderState};
+
+use crate::CRC;
+use crate::frame::{Frame, FrameError, HEAD, MAX_FRAME, TAIL};
+use crate::payload::Kind;
+
+/// Reads the frames of one stream, byte by byte; finds its place again after anything.
+#[derive(Debug)]
+pub struct Decoder {
+    stuffing: DecoderState,
+    /// The bytes since the last zero are more than a frame can have.
+    too_long: bool,
+    frame: [u8; MAX_FRAME],
+    len: usize,
+    next_sequence: u32,
+}
+
+impl Default for Decoder {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Decoder {
+    /// At the start of a stream.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            stuffing: DecoderState::Idle,
+            too_long: false,
+            frame: [0; MAX_FRAME],
+            len: 0,
+            next_sequence: 0,
+        }
+    }
+
+    /// Takes one byte; returns the frame that it closes, or why it closes none.
+    ///
+    /// # Errors
+    /// The bytes since the last zero are no frame. The next zero starts afresh.
+    pub fn push(&mut self, byte: u8) -> Result<Option<Frame<'_>>, FrameError> {
+        if self.too_long {
+            if byte != 0 {
+                return Ok(None);
+            }
+            *self = Self { next_sequence: self.next_sequence, ..Self::new() };
+            return Err(FrameError::TooLong);
+        }
+        match self.stuffing.feed(byte) {
+            Ok(DecodeResult::NoData | DecodeResult::DataStart) => Ok(None),
+            Ok(DecodeResult::DataContinue(unstuffed)) => {
+                match self.frame.get_mut(self.len) {
+                    Some(slot) => {
+                        *slot = unstuffed;
+                        self.len += 1;
+                    }
+                    None => self.too_long = true,
+                }
+                Ok(None)
+            }
+            Ok(DecodeResult::DataComplete) => {
+                let len = core::mem::take(&mut self.len);
+                self.close(len).map(Some)
+            }
+            // Only a zero can be wrong, so the next byte starts afresh.
+            Err(_) => {
+                self.len = 0;
+                Err(FrameError::Stuffing)
+            }
+        }
+    }
+
+    /// Whether bytes have come that no zero has closed: at the end of a stream, that it was cut.
+    #[must_use]
+    pub const fn is_inside_frame(&self) -> bool {
+        self.too_long || !matches!(self.stuffing, DecoderState::Idle)
+    }
+
+    /// Checks the frame in the buffer.
+    fn close(&mut self, len: usize) -> Result<Frame<'_>, FrameError> {
+        let frame = self.frame.get(..len).ok_or(FrameError::TooLong)?;
+        let (checked, check) = frame.split_last_chunk::<TAIL>().ok_or(FrameError::TooShort)?;
+        let (head, payload) = checked.split_first_chunk::<HEAD>().ok_or(FrameError::TooShort)?;
+        if CRC.checksum(checked) != u32::from_le_bytes(*check) {
+            return Err(FrameError::Check);
+        }
+        let [kind, sequence @ ..] = *head;
+        let kind = Kind::from_byte(kind).ok_or(FrameError::Kind(kind))?;
+        let sequence = u32::from_le_bytes(sequence);
+        let missed = sequence.wrapping_sub(self.next_sequence);
+        if missed > u32::MAX / 2 {
+            return Err(FrameError::Repeated);
+        }
+        self.next_sequence = sequence.wrapping_add(1);
+        Ok(Frame { kind, sequence, missed, payload })
+    }
+}

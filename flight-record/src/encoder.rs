@@ -1,0 +1,52 @@
+//! Writes frames.
+
+use crate::CRC;
+use crate::frame::{HEAD, MAX_FRAME, MAX_STUFFED, TAIL};
+use crate::payload::Payload;
+
+/// The payload does not fit into a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct EncodeError;
+
+/// Writes the frames of one stream.
+#[derive(Clone, Debug, Default)]
+pub struct Encoder {
+    sequence: u32,
+}
+
+impl Encoder {
+    /// At the start of a stream.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { sequence: 0 }
+    }
+
+    /// The bytes of the next frame, its closing zero included; they lie in `buffer`.
+    ///
+    /// # Errors
+    /// The payload is too long; the stream goes on as if it had not been offered.
+    pub fn encode<'a, P: Payload>(
+        &mut self,
+        payload: &P,
+        buffer: &'a mut [u8; MAX_STUFFED],
+    ) -> Result<&'a [u8], EncodeError> {
+        let mut frame = [0; MAX_FRAME];
+        let (head, rest) = frame.split_at_mut_checked(HEAD).ok_or(EncodeError)?;
+        let room = rest.len().checked_sub(TAIL).and_then(|room| rest.get_mut(..room)).ok_or(EncodeError)?;
+        let payload_len = postcard::to_slice(payload, room).map_err(|_| EncodeError)?.len();
+        if let [kind, sequence @ ..] = head {
+            *kind = P::KIND as u8;
+            sequence.copy_from_slice(&self.sequence.to_le_bytes());
+        }
+        let checked = frame.get(..HEAD + payload_len).ok_or(EncodeError)?;
+        let check = CRC.checksum(checked).to_le_bytes();
+        let end = HEAD + payload_len + TAIL;
+        frame.get_mut(HEAD + payload_len..end).ok_or(EncodeError)?.copy_from_slice(&check);
+
+        let whole = frame.get(..end).ok_or(EncodeError)?;
+        let stuffed = cobs::try_encode(whole, buffer).map_err(|_| EncodeError)?;
+        *buffer.get_mut(stuffed).ok_or(EncodeError)? = 0;
+        self.sequence = self.sequence.wrapping_add(1);
+        buffer.get(..=stuffed).ok_or(EncodeError)
+    }
+}

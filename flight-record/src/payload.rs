@@ -1,0 +1,156 @@
+//! What a frame can carry.
+
+use kf_core::input::TickInput;
+use kf_core::output::TickOutput;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+/// First bytes of a header's payload.
+pub const MAGIC: [u8; 4] = *b"PYFR";
+/// Version of this format; a reader refuses any other.
+pub const FORMAT_VERSION: u16 = 1;
+
+/// Kind of a payload: the first byte of its frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Kind {
+    /// [`Header`].
+    Header = 1,
+    /// [`TickInput`].
+    Input = 2,
+    /// [`TickRecord`].
+    Tick = 3,
+    /// [`End`].
+    End = 4,
+    /// [`Summary`].
+    Summary = 5,
+}
+
+impl Kind {
+    /// The kind of that byte, or `None`.
+    #[must_use]
+    pub const fn from_byte(byte: u8) -> Option<Self> {
+        match byte {
+            1 => Some(Self::Header),
+            2 => Some(Self::Input),
+            3 => Some(Self::Tick),
+            4 => Some(Self::End),
+            5 => Some(Self::Summary),
+            _ => None,
+        }
+    }
+}
+
+/// A type that a frame can carry.
+pub trait Payload: Serialize + DeserializeOwned {
+    /// The kind of its frames.
+    const KIND: Kind;
+}
+
+/// Which way a stream goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, serde::Deserialize)]
+pub enum Stream {
+    /// Into the flight computer: one [`TickInput`] a tick.
+    Inputs,
+    /// Out of it: one [`TickRecord`] a tick.
+    Outputs,
+}
+
+/// What [`TickRecord::cost`] counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, serde::Deserialize)]
+pub enum CostUnit {
+    /// Instructions, as QEMU counts them.
+    Instructions,
+    /// Clock cycles of the core.
+    Cycles,
+}
+
+/// The first frame of a stream.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, serde::Deserialize)]
+pub struct Header {
+    /// [`MAGIC`].
+    pub magic: [u8; 4],
+    /// [`FORMAT_VERSION`].
+    pub version: u16,
+    /// Which way the stream goes.
+    pub stream: Stream,
+    /// Fingerprint of the model that the flight is meant for, or was flown with.
+    pub model: u64,
+}
+
+impl Header {
+    /// The header of a stream of this version.
+    #[must_use]
+    pub const fn new(stream: Stream, model: u64) -> Self {
+        Self { magic: MAGIC, version: FORMAT_VERSION, stream, model }
+    }
+}
+
+impl Payload for Header {
+    const KIND: Kind = Kind::Header;
+}
+
+impl Payload for TickInput {
+    const KIND: Kind = Kind::Input;
+}
+
+/// What one tick said, and what it cost.
+#[derive(Clone, Debug, PartialEq, Serialize, serde::Deserialize)]
+pub struct TickRecord {
+    /// What the mission's tick took, in the summary's [`Summary::cost_unit`].
+    pub cost: u32,
+    /// What it said.
+    pub output: TickOutput,
+}
+
+impl Payload for TickRecord {
+    const KIND: Kind = Kind::Tick;
+}
+
+/// The last frame of a stream of inputs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, serde::Deserialize)]
+pub struct End {
+    /// How many inputs the stream held.
+    pub inputs: u32,
+}
+
+impl Payload for End {
+    const KIND: Kind = Kind::End;
+}
+
+/// The last frame of a stream of outputs: what the flight computer counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, serde::Deserialize)]
+pub struct Summary {
+    /// Ticks that ran the mission.
+    pub ticks: u32,
+    /// Timer ticks at which no input was ready, so that the mission waited.
+    pub underruns: u32,
+    /// Timer ticks at which results had no room, so that the mission waited.
+    pub stalls: u32,
+    /// Results that were lost because they had no room and the mission could not wait.
+    pub lost_results: u32,
+    /// Input frames that were no frames ([`crate::FrameError`]).
+    pub bad_frames: u32,
+    /// Input frames whose payload was not what it said it was, or out of place.
+    pub bad_payloads: u32,
+    /// Input frames that are missing between those that came, by their sequence numbers.
+    pub missed_frames: u32,
+    /// The input had no [`End`], or its count was not the number of inputs that came.
+    pub input_cut: bool,
+    /// Polls of a sensor that failed.
+    pub sensor_faults: u32,
+    /// Unit of the costs.
+    pub cost_unit: CostUnit,
+    /// Sum of the ticks' costs.
+    pub cost_sum: u64,
+    /// The dearest tick's.
+    pub cost_worst: u32,
+    /// Most stack that was ever in use, bytes.
+    pub stack_used_bytes: u32,
+    /// Stack there is, bytes.
+    pub stack_size_bytes: u32,
+}
+
+impl Payload for Summary {
+    const KIND: Kind = Kind::Summary;
+}
