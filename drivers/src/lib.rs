@@ -1,2 +1,24 @@
-//! drivers
-#![no_std]
+//! What a sensor driver is to the flight computer: one trait for each kind of sensor, and the suite
+//! that turns one poll of every sensor into the estimator's input.
+//!
+//! The drivers of the chips (MS5611 barometer, ICM-42688-P inertial unit, u-blox receiver) will
+//! implement these traits; the emulated board has the ones of [`Replay`], fed from a flight record.
+//!
+//! A driver is split-phase: `poll` never waits. It starts the next transfer or conversion when one is
+//! due, takes what has arrived since the last call, and returns a sample at most once. Time comes in
+//! as an argument, microseconds by the flight computer's clock; a driver has no clock of its own.
+#![cfg_attr(not(test), no_std)]
+#![forbid(unsafe_code)]
+
+mod error;
+mod replay;
+mod sensor;
+mod suite;
+
+pub use error::SensorError;
+pub use replay::{Replay, ReplayUmbilical, ReplayedSuite};
+pub use sensor::{
+    AltitudeLink, Barometer, BarometerSample, InertialUnit, LaunchDiscrete, SatelliteReceiver, VehicleLink,
+    VehicleState,
+};
+pub use suite::{Faults, Suite};

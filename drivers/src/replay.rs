@@ -1,0 +1,183 @@
+//! Sensors that deliver what a flight record says.
+
+use kf_core::input::{GpsFix, ImuSample, TickInput};
+
+use crate::error::SensorError;
+use crate::sensor::{
+    AltitudeLink, Barometer, BarometerSample, InertialUnit, LaunchDiscrete, SatelliteReceiver, VehicleLink,
+    VehicleState,
+};
+use crate::suite::Suite;
+
+/// A sensor that delivers what it was given, once.
+#[derive(Clone, Copy, Debug)]
+pub struct Replay<Sample>(Option<Sample>);
+
+impl<Sample> Replay<Sample> {
+    /// A sensor with nothing to deliver.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self(None)
+    }
+}
+
+impl<Sample> Default for Replay<Sample> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl SatelliteReceiver for Replay<GpsFix> {
+    fn poll(&mut self, _now_us: u64) -> Result<Option<GpsFix>, SensorError> {
+        Ok(self.0.take())
+    }
+}
+
+impl Barometer for Replay<BarometerSample> {
+    fn poll(&mut self, _now_us: u64) -> Result<Option<BarometerSample>, SensorError> {
+        Ok(self.0.take())
+    }
+}
+
+impl InertialUnit for Replay<ImuSample> {
+    fn poll(&mut self, _now_us: u64) -> Result<Option<ImuSample>, SensorError> {
+        Ok(self.0.take())
+    }
+}
+
+impl AltitudeLink for Replay<f32> {
+    fn poll(&mut self, _now_us: u64) -> Result<Option<f32>, SensorError> {
+        Ok(self.0.take())
+    }
+}
+
+impl VehicleLink for Replay<VehicleState> {
+    fn poll(&mut self, _now_us: u64) -> Result<Option<VehicleState>, SensorError> {
+        Ok(self.0.take())
+    }
+}
+
+/// The umbilical of a flight record.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ReplayUmbilical {
+    open: bool,
+}
+
+impl ReplayUmbilical {
+    /// A closed umbilical.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { open: false }
+    }
+}
+
+impl LaunchDiscrete for ReplayUmbilical {
+    fn poll(&mut self, _now_us: u64) -> Result<bool, SensorError> {
+        Ok(self.open)
+    }
+}
+
+/// A suite whose every sensor replays a flight record.
+pub type ReplayedSuite = Suite<
+    Replay<GpsFix>,
+    Replay<BarometerSample>,
+    Replay<ImuSample>,
+    Replay<f32>,
+    Replay<f32>,
+    Replay<VehicleState>,
+    ReplayUmbilical,
+>;
+
+impl ReplayedSuite {
+    /// A suite with nothing to deliver, on the mother ship.
+    #[must_use]
+    pub const fn replayed() -> Self {
+        Self::new(
+            Replay::new(),
+            Replay::new(),
+            Replay::new(),
+            Replay::new(),
+            Replay::new(),
+            Replay::new(),
+            ReplayUmbilical::new(),
+        )
+    }
+
+    /// Gives every sensor its part of a record, to deliver at the next poll.
+    pub fn load(&mut self, record: &TickInput) {
+        let signals = record.signals;
+        self.receiver.0 = record.gps;
+        self.barometer.0 =
+            Some(BarometerSample { reading: record.baro, temperature_c: signals.baro_temperature_c });
+        self.imu.0 = record.imu;
+        self.imu_master.0 = record.imu_master_altitude_m;
+        self.imu_slave.0 = record.imu_slave_altitude_m;
+        self.vehicle.0 = Some(VehicleState {
+            true_airspeed_mps: signals.true_airspeed_mps,
+            angle_of_attack_rad: signals.angle_of_attack_rad,
+            sideslip_rad: signals.sideslip_rad,
+            throttle: signals.throttle,
+            outside_air_temperature_c: signals.outside_air_temperature_c,
+            attitude_rad: signals.attitude_rad,
+        });
+        self.launch.open = record.launch;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use kf_core::input::{BaroReading, Signals};
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// A number, or none: all that differs between two inputs is how many of these there are.
+    fn cell() -> impl Strategy<Value = Option<f32>> {
+        proptest::option::of(-1e6f32..1e6)
+    }
+
+    prop_compose! {
+        fn any_record()(
+            (time_us, launch) in any::<(u64, bool)>(),
+            gps in cell(),
+            baro in cell(),
+            master in cell(),
+            slave in cell(),
+            imu in proptest::option::of(proptest::array::uniform6(-100f32..100.0)),
+            signals in proptest::array::uniform6(cell()),
+            attitude in proptest::option::of(proptest::array::uniform3(-4f32..4.0)),
+        ) -> TickInput {
+            let [tas, aoa, sideslip, throttle, oat, baro_temperature] = signals;
+            TickInput {
+                time_us,
+                launch,
+                gps: gps.map(|altitude_m| GpsFix { altitude_m, ..GpsFix::default() }),
+                baro: baro.map(BaroReading::AltitudeM),
+                imu_master_altitude_m: master,
+                imu_slave_altitude_m: slave,
+                imu: imu.map(|[a, b, c, d, e, f]| ImuSample { accel_mps2: [a, b, c], gyro_radps: [d, e, f] }),
+                signals: Signals {
+                    true_airspeed_mps: tas,
+                    angle_of_attack_rad: aoa,
+                    sideslip_rad: sideslip,
+                    throttle,
+                    outside_air_temperature_c: oat,
+                    baro_temperature_c: baro_temperature,
+                    attitude_rad: attitude,
+                },
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_loaded_is_polled_once(record in any_record()) {
+            let mut suite = ReplayedSuite::replayed();
+            suite.load(&record);
+            prop_assert_eq!(suite.poll(record.time_us), record);
+            let empty = TickInput { time_us: 7, launch: record.launch, ..TickInput::default() };
+            prop_assert_eq!(suite.poll(7), empty);
+            prop_assert_eq!(suite.faults().count, 0);
+        }
+    }
+}

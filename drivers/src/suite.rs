@@ -1,0 +1,170 @@
+//! All sensors of the flight computer, polled once a tick.
+
+use kf_core::input::{Signals, TickInput};
+
+use crate::error::SensorError;
+use crate::sensor::{AltitudeLink, Barometer, InertialUnit, LaunchDiscrete, SatelliteReceiver, VehicleLink};
+
+/// How often polls have failed; none ever stops the others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Faults {
+    /// Failed polls of all sensors.
+    pub count: u32,
+    /// The last one's error.
+    pub last: Option<SensorError>,
+}
+
+/// The sensors of a flight computer.
+#[derive(Clone, Debug)]
+pub struct Suite<Receiver, Baro, Imu, Master, Slave, Vehicle, Launch> {
+    /// The reference.
+    pub receiver: Receiver,
+    /// The barometer.
+    pub barometer: Baro,
+    /// The inertial unit.
+    pub imu: Imu,
+    /// The mother ship's inertial altitude.
+    pub imu_master: Master,
+    /// The UAV's inertial altitude.
+    pub imu_slave: Slave,
+    /// The vehicle's other equipment.
+    pub vehicle: Vehicle,
+    /// The umbilical discrete.
+    pub launch: Launch,
+    launched: bool,
+    faults: Faults,
+}
+
+impl<Receiver, Baro, Imu, Master, Slave, Vehicle, Launch>
+    Suite<Receiver, Baro, Imu, Master, Slave, Vehicle, Launch>
+where
+    Receiver: SatelliteReceiver,
+    Baro: Barometer,
+    Imu: InertialUnit,
+    Master: AltitudeLink,
+    Slave: AltitudeLink,
+    Vehicle: VehicleLink,
+    Launch: LaunchDiscrete,
+{
+    /// A suite, on the mother ship, without a fault.
+    pub const fn new(
+        receiver: Receiver,
+        barometer: Baro,
+        imu: Imu,
+        imu_master: Master,
+        imu_slave: Slave,
+        vehicle: Vehicle,
+        launch: Launch,
+    ) -> Self {
+        Self {
+            receiver,
+            barometer,
+            imu,
+            imu_master,
+            imu_slave,
+            vehicle,
+            launch,
+            launched: false,
+            faults: Faults { count: 0, last: None },
+        }
+    }
+
+    /// Polls every sensor once. A failed poll counts as a fault and as no sample; while the umbilical
+    /// can not be read it is what it last was.
+    pub fn poll(&mut self, now_us: u64) -> TickInput {
+        if let Some(launched) = self.faults.note(self.launch.poll(now_us).map(Some)) {
+            self.launched = launched;
+        }
+        let gps = self.faults.note(self.receiver.poll(now_us));
+        let baro = self.faults.note(self.barometer.poll(now_us)).unwrap_or_default();
+        let imu = self.faults.note(self.imu.poll(now_us));
+        let imu_master_altitude_m = self.faults.note(self.imu_master.poll(now_us));
+        let imu_slave_altitude_m = self.faults.note(self.imu_slave.poll(now_us));
+        let vehicle = self.faults.note(self.vehicle.poll(now_us)).unwrap_or_default();
+        TickInput {
+            time_us: now_us,
+            launch: self.launched,
+            gps,
+            baro: baro.reading,
+            imu_master_altitude_m,
+            imu_slave_altitude_m,
+            imu,
+            signals: Signals {
+                true_airspeed_mps: vehicle.true_airspeed_mps,
+                angle_of_attack_rad: vehicle.angle_of_attack_rad,
+                sideslip_rad: vehicle.sideslip_rad,
+                throttle: vehicle.throttle,
+                outside_air_temperature_c: vehicle.outside_air_temperature_c,
+                baro_temperature_c: baro.temperature_c,
+                attitude_rad: vehicle.attitude_rad,
+            },
+        }
+    }
+
+    /// The faults so far.
+    pub const fn faults(&self) -> Faults {
+        self.faults
+    }
+}
+
+impl Faults {
+    fn note<T>(&mut self, polled: Result<Option<T>, SensorError>) -> Option<T> {
+        polled.unwrap_or_else(|error| {
+            self.count = self.count.saturating_add(1);
+            self.last = Some(error);
+            None
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use kf_core::input::{GpsFix, ImuSample};
+
+    use super::*;
+    use crate::replay::Replay;
+    use crate::sensor::{BarometerSample, VehicleState};
+
+    /// A sensor that fails every second poll.
+    struct Flaky {
+        polls: u32,
+    }
+
+    impl Flaky {
+        fn fails(&mut self) -> Result<(), SensorError> {
+            self.polls += 1;
+            if self.polls.is_multiple_of(2) { Err(SensorError::Bus) } else { Ok(()) }
+        }
+    }
+
+    impl LaunchDiscrete for Flaky {
+        fn poll(&mut self, _now_us: u64) -> Result<bool, SensorError> {
+            self.fails().map(|()| true)
+        }
+    }
+
+    impl AltitudeLink for Flaky {
+        fn poll(&mut self, _now_us: u64) -> Result<Option<f32>, SensorError> {
+            self.fails().map(|()| Some(5.0))
+        }
+    }
+
+    #[test]
+    fn a_fault_is_counted_and_hides_nothing_else() {
+        let mut suite = Suite::new(
+            Replay::<GpsFix>::new(),
+            Replay::<BarometerSample>::new(),
+            Replay::<ImuSample>::new(),
+            Replay::<f32>::new(),
+            Flaky { polls: 0 },
+            Replay::<VehicleState>::new(),
+            Flaky { polls: 0 },
+        );
+        let good = suite.poll(1);
+        assert_eq!((good.launch, good.imu_slave_altitude_m), (true, Some(5.0)));
+        assert_eq!(suite.faults(), Faults::default());
+        let faulty = suite.poll(2);
+        assert_eq!((faulty.launch, faulty.imu_slave_altitude_m), (true, None), "the umbilical holds");
+        assert_eq!(suite.faults(), Faults { count: 2, last: Some(SensorError::Bus) });
+    }
+}
