@@ -2,3 +2,4 @@
 
 pub mod flight;
 pub mod output_file;
+pub mod statistics;

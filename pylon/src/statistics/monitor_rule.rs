@@ -1,0 +1,319 @@
+//! What a monitor's rule costs and what it catches, for a residual's own autocorrelation.
+//!
+//! The rule of eqs 16 and 17: doubtful once `|error| > threshold`; untrustworthy once, after that,
+//! `|moving average| > threshold`. An average lies between the least and the greatest of what it
+//! averages, so the second condition never holds before the first has: the time of `untrustworthy`
+//! is the moving average's first passage alone.
+
+use serde::Serialize;
+use statrs::distribution::{ContinuousCDF, Normal};
+
+use super::ResidualModel;
+use super::first_passage::{Excursions, Passages};
+
+/// Draws for a figure that is printed.
+const DRAWS: usize = 256;
+/// Draws while windows are being tried.
+const SEARCH_DRAWS: usize = 64;
+/// A delay's quantile that a rule is chosen by.
+const CERTAINTY: f64 = 0.9;
+/// Windows tried, each this much longer than the last.
+const WINDOW_RATIO: f64 = std::f64::consts::SQRT_2;
+/// Longest window, as a share of the longest lag that the data say anything about.
+const WINDOW_PER_LONGEST_LAG: f64 = 1.0;
+/// No fault is waited for longer than this, seconds.
+const HORIZON_S: f64 = 600.0;
+
+/// A monitor's rule: `|moving average over window_s| > threshold_m`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct MonitorRule {
+    /// Threshold, metres: the multiplier times sigma.
+    pub threshold_m: f64,
+    /// Length of the moving average, seconds.
+    pub window_s: f64,
+}
+
+/// A fault of a sensor that had been healthy.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Fault {
+    /// An error that is there at once, metres.
+    Step {
+        /// Size, metres.
+        size_m: f64,
+    },
+    /// An error that grows, metres a second.
+    Ramp {
+        /// Growth, metres a second.
+        rate_mps: f64,
+    },
+}
+
+impl Fault {
+    /// Moving average of the fault alone, that long after it began.
+    #[must_use]
+    pub fn moving_average_m(self, window_s: f64, after_s: f64) -> f64 {
+        match self {
+            Self::Step { size_m } => size_m * (after_s / window_s).min(1.0),
+            Self::Ramp { rate_mps } if after_s < window_s => rate_mps * after_s * after_s / (2.0 * window_s),
+            Self::Ramp { rate_mps } => rate_mps * (after_s - 0.5 * window_s),
+        }
+    }
+
+    /// When the fault's own moving average reaches `level_m`; `None` if it never does.
+    fn reaches_s(self, window_s: f64, level_m: f64) -> Option<f64> {
+        match self {
+            Self::Step { size_m } => (size_m >= level_m).then(|| window_s * level_m / size_m),
+            Self::Ramp { rate_mps } => {
+                let within = (2.0 * window_s * level_m / rate_mps).sqrt();
+                Some(if within < window_s { within } else { level_m / rate_mps + 0.5 * window_s })
+            }
+        }
+    }
+}
+
+/// How long after a fault the sensor is called untrustworthy.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Delay {
+    /// The fault.
+    pub fault: Fault,
+    /// Median delay, seconds; `None` when fewer than half of such faults are ever detected.
+    pub median_s: Option<f64>,
+    /// Delay of the slowest tenth, seconds; `None` when fewer than nine in ten are ever detected.
+    pub ninety_percent_s: Option<f64>,
+}
+
+/// What a rule costs on a healthy sensor and how soon it detects faults.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RuleQuality {
+    /// The rule.
+    pub rule: MonitorRule,
+    /// Share of a healthy sensor's readings beyond the threshold (eq. 17, left).
+    pub healthy_share_beyond: f64,
+    /// Median time until a healthy sensor's first reading beyond the threshold, seconds; `None` when
+    /// longer than ten minutes.
+    pub healthy_first_doubt_s: Option<f64>,
+    /// Times an hour at which a healthy sensor would be called untrustworthy (eq. 17, right).
+    pub false_alarms_per_hour: f64,
+    /// Detection of the faults asked about.
+    pub delays: Vec<Delay>,
+}
+
+fn samples_of(model: &ResidualModel, window_s: f64) -> u64 {
+    (window_s / model.sample_interval_s).round().max(1.0) as u64
+}
+
+/// Assesses a rule for a residual.
+///
+/// `None` for a residual without spread or a rule without a positive threshold and window.
+#[must_use]
+pub fn assess_rule(model: &ResidualModel, rule: MonitorRule, faults: &[Fault]) -> Option<RuleQuality> {
+    let positive = |value: f64| value.is_finite() && value > 0.0;
+    if !positive(rule.threshold_m) || !positive(rule.window_s) || !positive(model.variance()) {
+        return None;
+    }
+    let window = samples_of(model, rule.window_s);
+    let normal = Normal::new(0.0, 1.0).ok()?;
+    let healthy_share_beyond = 2.0 * normal.sf(rule.threshold_m / model.variance().sqrt());
+    let rate = Excursions::draw(model, window, DRAWS)?.rate_per_s(rule.threshold_m);
+    Some(RuleQuality {
+        rule,
+        healthy_share_beyond,
+        healthy_first_doubt_s: first_doubt_s(model, rule.threshold_m, healthy_share_beyond),
+        false_alarms_per_hour: rate * 3_600.0,
+        delays: faults.iter().map(|&fault| delay(model, rule, fault)).collect(),
+    })
+}
+
+/// Median time to the first reading beyond the threshold.
+fn first_doubt_s(model: &ResidualModel, threshold_m: f64, share_beyond: f64) -> Option<f64> {
+    // Drawn sample by sample while that is cheap; rare readings beyond the threshold come at the
+    // rate of their excursions.
+    const DRAWN_SAMPLES: f64 = 2_000.0;
+    let interval = model.sample_interval_s;
+    if share_beyond > 20.0 / DRAWN_SAMPLES {
+        let mut first: Vec<u64> = (0..DRAWS as u64)
+            .map(|seed| {
+                let draw = model.simulate(1, seed).take(DRAWN_SAMPLES as usize);
+                draw.take_while(|error| error.abs() <= threshold_m).count() as u64
+            })
+            .collect();
+        first.sort_unstable();
+        let median = first[first.len() / 2];
+        if (median as f64) < DRAWN_SAMPLES {
+            return Some((median + 1) as f64 * interval);
+        }
+    }
+    let rate = Excursions::draw(model, 1, DRAWS)?.rate_per_s(threshold_m);
+    let median = std::f64::consts::LN_2 / rate;
+    (median < HORIZON_S).then_some(median)
+}
+
+fn delay(model: &ResidualModel, rule: MonitorRule, fault: Fault) -> Delay {
+    let window = samples_of(model, rule.window_s);
+    let margin = 3.0 * model.variance_of_mean(window).sqrt();
+    let certain_s = fault.reaches_s(rule.window_s, rule.threshold_m + margin);
+    let horizon_s = certain_s.unwrap_or(HORIZON_S).min(HORIZON_S) + 4.0 * rule.window_s;
+    let signal = |after_s| fault.moving_average_m(rule.window_s, after_s);
+    let passages = Passages::draw(model, window, rule.threshold_m, horizon_s, DRAWS, signal);
+    Delay { fault, median_s: passages.quantile_s(0.5), ninety_percent_s: passages.quantile_s(CERTAINTY) }
+}
+
+/// What a rule is to achieve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RuleSearch {
+    /// False alarms an hour at most.
+    pub false_alarms_per_hour: f64,
+    /// The fault that is to be detected soonest.
+    pub fault: Fault,
+    /// Shortest and longest window to consider, seconds.
+    pub windows_s: (f64, f64),
+}
+
+/// The rule that detects the fault soonest (nine times in ten) at the stated false-alarm rate.
+///
+/// For each window the threshold follows from the rate; windows longer than the longest lag that
+/// the residual's record shows are not considered, since nobody knows what they average over.
+/// `None` when the residual has no spread, or no rule detects the fault.
+#[must_use]
+pub fn recommend_rule(model: &ResidualModel, search: &RuleSearch) -> Option<MonitorRule> {
+    let normal = Normal::new(0.0, 1.0).ok()?;
+    let target_per_s = search.false_alarms_per_hour / 3_600.0;
+    let longest_s = search.windows_s.1.min(WINDOW_PER_LONGEST_LAG * model.longest_lag_s);
+    let mut window_s = search.windows_s.0.max(model.sample_interval_s);
+    let mut best: Option<(f64, MonitorRule)> = None;
+    while window_s <= longest_s {
+        let window = samples_of(model, window_s);
+        let excursions = Excursions::draw(model, window, SEARCH_DRAWS)?;
+        let sigma_m = model.variance_of_mean(window).sqrt();
+        let threshold_m = threshold_of_rate(&excursions, sigma_m, target_per_s);
+        let certain_m = threshold_m + normal.inverse_cdf(CERTAINTY) * sigma_m;
+        if let Some(delay_s) = search.fault.reaches_s(window_s, certain_m)
+            && best.is_none_or(|(soonest, _)| delay_s < soonest)
+        {
+            best = Some((delay_s, MonitorRule { threshold_m, window_s }));
+        }
+        window_s *= WINDOW_RATIO;
+    }
+    best.map(|(_, rule)| rule)
+}
+
+/// The threshold at which excursions come at that rate, by bisection between 0 and 12 sigmas.
+fn threshold_of_rate(excursions: &Excursions, sigma_m: f64, rate_per_s: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 12.0 * sigma_m);
+    for _ in 0..24 {
+        let middle = 0.5 * (low + high);
+        if excursions.rate_per_s(middle) > rate_per_s {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    high
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statistics::Component;
+
+    fn residual() -> ResidualModel {
+        ResidualModel {
+            sample_interval_s: 0.02,
+            white_variance_m2: 4.0,
+            components: vec![Component { time_s: 1.0, variance_m2: 1.0 }],
+            longest_lag_s: 20.0,
+        }
+    }
+
+    const STEP: Fault = Fault::Step { size_m: 6.0 };
+
+    #[test]
+    fn paper_rule_doubts_a_healthy_sensor_at_once() {
+        let model = residual();
+        let rule = MonitorRule { threshold_m: model.variance().sqrt(), window_s: 2.0 };
+        let quality = assess_rule(&model, rule, &[STEP]).unwrap();
+        assert!((quality.healthy_share_beyond - 0.317_3).abs() < 1e-3);
+        // Nearly independent readings at 31.7 %: the second or third one.
+        assert!(quality.healthy_first_doubt_s.unwrap() <= 0.06);
+        assert!(quality.delays[0].median_s.unwrap() < 2.0);
+    }
+
+    #[test]
+    fn recommended_rule_keeps_its_false_alarm_rate() {
+        let model = residual();
+        let search = RuleSearch { false_alarms_per_hour: 0.1, fault: STEP, windows_s: (0.1, 60.0) };
+        let rule = recommend_rule(&model, &search).unwrap();
+        assert!(rule.window_s <= model.longest_lag_s);
+        let quality = assess_rule(&model, rule, &[STEP]).unwrap();
+        // Found with 64 draws, assessed with 256.
+        assert!((quality.false_alarms_per_hour / 0.1).ln().abs() < 0.3, "{quality:?}");
+        // No neighbour detects the step sooner by more than the draws' error.
+        for factor in [0.5, 2.0] {
+            let window_s = rule.window_s * factor;
+            let excursions = Excursions::draw(&model, samples_of(&model, window_s), 256).unwrap();
+            let sigma = model.variance_of_mean(samples_of(&model, window_s)).sqrt();
+            let threshold_m = threshold_of_rate(&excursions, sigma, 0.1 / 3_600.0);
+            let other = assess_rule(&model, MonitorRule { threshold_m, window_s }, &[STEP]).unwrap();
+            let delay = other.delays[0].ninety_percent_s.unwrap_or(f64::INFINITY);
+            assert!(
+                delay > 0.95 * quality.delays[0].ninety_percent_s.unwrap(),
+                "{factor}: {delay} {quality:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_lower_rate_costs_a_longer_delay() {
+        let model = residual();
+        let delay_at = |false_alarms_per_hour| {
+            let search = RuleSearch { false_alarms_per_hour, fault: STEP, windows_s: (0.1, 60.0) };
+            let rule = recommend_rule(&model, &search).unwrap();
+            assess_rule(&model, rule, &[STEP]).unwrap().delays[0].ninety_percent_s.unwrap()
+        };
+        assert!(delay_at(10.0) < delay_at(0.1));
+        assert!(delay_at(0.1) < delay_at(0.001));
+    }
+
+    #[test]
+    fn a_step_below_the_threshold_is_not_detected() {
+        let model = residual();
+        let rule = MonitorRule { threshold_m: 20.0, window_s: 2.0 };
+        let delays = assess_rule(&model, rule, &[STEP]).unwrap().delays;
+        assert_eq!((delays[0].median_s, delays[0].ninety_percent_s), (None, None));
+    }
+
+    #[test]
+    fn fault_averages_are_the_integrals() {
+        for fault in [STEP, Fault::Ramp { rate_mps: 1.5 }] {
+            let error = |t: f64| match fault {
+                Fault::Step { size_m } => {
+                    if t > 0.0 {
+                        size_m
+                    } else {
+                        0.0
+                    }
+                }
+                Fault::Ramp { rate_mps } => rate_mps * t.max(0.0),
+            };
+            for after_s in [0.3, 1.9, 2.1, 7.0] {
+                let n = 20_000;
+                let integral: f64 =
+                    (0..n).map(|i| error(after_s - 2.0 * (f64::from(i) + 0.5) / f64::from(n))).sum::<f64>()
+                        / f64::from(n);
+                assert!((fault.moving_average_m(2.0, after_s) - integral).abs() < 1e-3);
+                let level = fault.moving_average_m(2.0, after_s);
+                if level < 6.0 {
+                    assert!((fault.reaches_s(2.0, level).unwrap() - after_s).abs() < 1e-9);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn refuses_rules_that_are_none() {
+        for (threshold_m, window_s) in [(0.0, 1.0), (1.0, 0.0), (f64::NAN, 1.0), (1.0, f64::INFINITY)] {
+            assert_eq!(assess_rule(&residual(), MonitorRule { threshold_m, window_s }, &[]), None);
+        }
+    }
+}
