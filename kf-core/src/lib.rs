@@ -11,10 +11,26 @@
 //! compute the same bits.
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
+// Matrix algebra reads best in the indices of its source; the linked image is checked for panics.
+#![allow(clippy::needless_range_loop)]
 
 pub mod atmosphere;
+pub mod block_statistics;
+mod calibration;
 pub mod config;
 pub mod effect;
+pub mod error;
+pub mod estimator;
+mod free_flight;
 pub mod input;
+pub mod latch;
+pub mod mission;
+pub mod monitor;
+pub mod moving_average;
 pub mod output;
+pub mod quality;
+pub mod reading;
+pub mod reference;
 pub mod sensor;
+pub mod time;
+pub mod ud;

@@ -5,8 +5,10 @@ use serde::{Deserialize, Serialize};
 use crate::sensor::Sensor;
 
 mod dynamic_pressure;
+mod signals;
 
 pub use dynamic_pressure::dynamic_pressure_head_m;
+pub use signals::SignalHolder;
 
 /// An effect of the catalogue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]

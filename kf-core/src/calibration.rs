@@ -1,0 +1,394 @@
+//! Captive flight: the biases are estimated, and what their quality is judged by is gathered.
+
+use crate::block_statistics::{BlockStatistics, Trend};
+use crate::config::{MissionConfig, QualityConfig, SigmaSource};
+use crate::error::FilterError;
+use crate::estimator::{ConfigError, Estimator, MeasurementNoise};
+use crate::input::GpsFix;
+use crate::latch::{LatchRecord, SensorLatch};
+use crate::quality::{Check, FailedChecks};
+use crate::reference::{AcceptedFix, ReferenceTracker};
+use crate::sensor::{SENSORS, Sensor};
+use crate::time::seconds_between;
+
+/// Error of a climb rate that is not measured (1 sigma, m/s): the altitude may then do what an
+/// aircraft does.
+const UNKNOWN_CLIMB_RATE_MPS: f32 = 10.0;
+/// An innovation beyond this many sigmas is implausible.
+const IMPLAUSIBLE_SIGMAS: f32 = 3.0;
+/// A drift counts when it is beyond this many of its standard errors.
+const SIGNIFICANT_SIGMAS: f32 = 3.0;
+
+/// An innovation in metres, and its normalised square with the innovation's sign.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Surprise {
+    pub innovation_m: f32,
+    pub signed_nis: f32,
+}
+
+/// Noise of a source whose error may be correlated in time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct SourceNoise {
+    single: MeasurementNoise,
+    /// `2 sigma^2 tau`: spectral density at zero frequency of a first-order Gauss-Markov error, m^2 s.
+    density_m2_s: f32,
+}
+
+impl SourceNoise {
+    fn new(sigma_m: f32, correlation_time_s: f32) -> Result<Self, FilterError> {
+        let variance_m2 = sigma_m * sigma_m;
+        let density_m2_s = 2.0 * variance_m2 * correlation_time_s;
+        if !density_m2_s.is_finite() {
+            return Err(FilterError::NotFinite);
+        }
+        if density_m2_s < 0.0 {
+            return Err(FilterError::NotPositive);
+        }
+        Ok(Self { single: MeasurementNoise::from_variance_m2(variance_m2)?, density_m2_s })
+    }
+
+    /// White noise that carries the same information over many correlation times, for a measurement
+    /// `interval_s` after the last one; the first one counts in full.
+    #[inline(always)]
+    fn equivalent(&self, interval_s: Option<f32>) -> MeasurementNoise {
+        match interval_s {
+            Some(interval_s) if self.density_m2_s > interval_s * self.single.variance_m2() => {
+                MeasurementNoise::from_variance_m2(self.density_m2_s / interval_s).unwrap_or(self.single)
+            }
+            _ => self.single,
+        }
+    }
+
+    /// The innovation of one measurement is judged by the error of one measurement, not by the
+    /// equivalent white noise that the gain is computed with.
+    #[inline(always)]
+    fn surprise(&self, innovation: crate::ud::Innovation, used: MeasurementNoise) -> Surprise {
+        const UNIT: f32 = crate::estimator::UNIT_M;
+        let innovation_m = innovation.value * UNIT;
+        let variance_m2 = if used == self.single {
+            innovation.variance * (UNIT * UNIT)
+        } else {
+            innovation.variance * (UNIT * UNIT) - used.variance_m2() + self.single.variance_m2()
+        };
+        Surprise { innovation_m, signed_nis: innovation_m * innovation_m.abs() / variance_m2 }
+    }
+}
+
+/// What one tick of captive flight found.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct CaptiveStep {
+    pub reference: Option<Result<Surprise, FilterError>>,
+    pub sensors: [Option<Result<Surprise, FilterError>>; SENSORS],
+}
+
+/// The calibration while it is being made.
+#[derive(Clone, Debug)]
+pub(crate) struct Calibration<const HEAD: usize, const TAIL: usize, const E: usize> {
+    estimator: Estimator<HEAD, TAIL, E>,
+    /// The altitude has a prior: from the configuration, or the first fix.
+    has_altitude: bool,
+    reference_noise: SourceNoise,
+    sensor_noise: [SourceNoise; SENSORS],
+    start_us: Option<u64>,
+    propagated_us: u64,
+    last_reading_us: [Option<u64>; SENSORS],
+    residuals: [BlockStatistics; SENSORS],
+    altitude: BlockStatistics,
+    airspeed: BlockStatistics,
+    reference_drift: BlockStatistics,
+    innovations: u32,
+    implausible: u32,
+    reference_was_lost: bool,
+}
+
+impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAIL, E> {
+    pub(crate) fn new(config: &MissionConfig<E>) -> Result<Self, ConfigError> {
+        let reference = &config.reference;
+        if HEAD > 0 && reference.climb_rate.is_some() {
+            return Err(ConfigError::ClimbRateNeedsDenseFilter);
+        }
+        let mut sensor_noise = [SourceNoise::new(1.0, 0.0)?; SENSORS];
+        for (noise, sensor) in sensor_noise.iter_mut().zip(&config.sensors) {
+            *noise = SourceNoise::new(sensor.sigma_m, sensor.correlation_time_s)?;
+        }
+        Ok(Self {
+            estimator: Estimator::new(config, reference.prior_altitude_m.unwrap_or(0.0))?,
+            has_altitude: reference.prior_altitude_m.is_some(),
+            reference_noise: SourceNoise::new(reference.sigma_m, reference.correlation_time_s)?,
+            sensor_noise,
+            start_us: None,
+            propagated_us: 0,
+            last_reading_us: [None; SENSORS],
+            residuals: core::array::from_fn(|_| BlockStatistics::default()),
+            altitude: BlockStatistics::default(),
+            airspeed: BlockStatistics::default(),
+            reference_drift: BlockStatistics::default(),
+            innovations: 0,
+            implausible: 0,
+            reference_was_lost: false,
+        })
+    }
+
+    pub(crate) const fn estimator(&self) -> &Estimator<HEAD, TAIL, E> {
+        &self.estimator
+    }
+
+    /// Takes one tick of captive flight. `readings_m` are finite and free of constant effects.
+    #[inline]
+    pub(crate) fn step(
+        &mut self,
+        config: &MissionConfig<E>,
+        time_us: u64,
+        fix: Option<(&GpsFix, AcceptedFix)>,
+        tracker: &ReferenceTracker,
+        readings_m: &[Option<f32>; SENSORS],
+        regressors_m: &[f32; E],
+    ) -> CaptiveStep {
+        let mut step = CaptiveStep::default();
+        if self.start_us.is_none() {
+            self.start_us = Some(time_us);
+            self.propagated_us = time_us;
+        }
+        if !tracker.is_fresh(time_us) {
+            self.reference_was_lost |= self.has_altitude && tracker.last_fix().is_some();
+            return step;
+        }
+        if fix.is_none() && readings_m.iter().all(Option::is_none) {
+            return step;
+        }
+        if let Some((fix, accepted)) = fix {
+            if !self.has_altitude {
+                self.has_altitude = true;
+                // The configuration has already made an estimator once; a finite altitude can not
+                // make it fail.
+                if let Ok(estimator) = Estimator::new(config, fix.altitude_m) {
+                    self.estimator = estimator;
+                }
+            }
+            self.altitude.add(time_us, fix.altitude_m);
+            if let Some(difference_m) = accepted.altitude_minus_climb_m {
+                self.reference_drift.add(time_us, difference_m);
+            }
+        }
+        if !self.has_altitude {
+            return step;
+        }
+        if self.propagate(config, time_us, tracker, fix.map(|(_, accepted)| accepted)).is_err() {
+            step.reference = Some(Err(FilterError::NotFinite));
+            return step;
+        }
+        if let Some((fix, accepted)) = fix {
+            let noise = self.reference_noise.equivalent(accepted.interval_s);
+            let result = self.estimator.update_reference(fix.altitude_m, noise);
+            let surprise = result.map(|innovation| self.reference_noise.surprise(innovation, noise));
+            self.judge(surprise);
+            step.reference = Some(surprise);
+        }
+        step.sensors = [
+            self.take_reading::<0>(config, time_us, readings_m, regressors_m),
+            self.take_reading::<1>(config, time_us, readings_m, regressors_m),
+            self.take_reading::<2>(config, time_us, readings_m, regressors_m),
+        ];
+        self.estimator.fold();
+        step
+    }
+
+    /// Eqs 4 and 5 up to now, where the configuration has them.
+    #[inline]
+    fn propagate(
+        &mut self,
+        config: &MissionConfig<E>,
+        time_us: u64,
+        tracker: &ReferenceTracker,
+        accepted: Option<AcceptedFix>,
+    ) -> Result<(), FilterError> {
+        let seconds = seconds_between(self.propagated_us, time_us);
+        self.propagated_us = time_us;
+        if let Some(climb) = &config.reference.climb_rate {
+            let (climb_m, variance_m2) = if accepted.is_some_and(|fix| fix.interval_s.is_none()) {
+                // First fix ever, or after a loss: the altitude may be anywhere again.
+                (0.0, config.reference.prior_sigma_m * config.reference.prior_sigma_m)
+            } else {
+                let density = |sigma: f32| 2.0 * sigma * sigma * climb.correlation_time_s;
+                match tracker.climb_rate_mps() {
+                    Some(rate) => (rate * seconds, density(climb.sigma_mps) * seconds),
+                    None => (0.0, density(UNKNOWN_CLIMB_RATE_MPS) * seconds),
+                }
+            };
+            self.estimator.climb(climb_m, variance_m2)?;
+        }
+        for (sensor, config) in Sensor::ALL.into_iter().zip(&config.sensors) {
+            if config.wander_m_per_sqrt_s > 0.0 {
+                let variance_m2 = config.wander_m_per_sqrt_s * config.wander_m_per_sqrt_s * seconds;
+                self.estimator.wander(sensor, variance_m2)?;
+            }
+        }
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn take_reading<const SENSOR: usize>(
+        &mut self,
+        config: &MissionConfig<E>,
+        time_us: u64,
+        readings_m: &[Option<f32>; SENSORS],
+        regressors_m: &[f32; E],
+    ) -> Option<Result<Surprise, FilterError>> {
+        let reading_m = readings_m[SENSOR]?;
+        let interval_s = self.last_reading_us[SENSOR].map(|last_us| seconds_between(last_us, time_us));
+        let noise = self.sensor_noise[SENSOR].equivalent(interval_s);
+        let mut own_m = *regressors_m;
+        for (regressor_m, effect) in own_m.iter_mut().zip(&config.estimated_effects) {
+            if effect.id.sensor().index() != SENSOR {
+                *regressor_m = 0.0;
+            }
+        }
+        let result = self.estimator.update_sensor::<SENSOR>(reading_m, &own_m, noise);
+        let surprise = result.map(|innovation| self.sensor_noise[SENSOR].surprise(innovation, noise));
+        if surprise.is_ok() {
+            self.last_reading_us[SENSOR] = Some(time_us);
+        }
+        self.judge(surprise);
+        Some(surprise)
+    }
+
+    fn judge(&mut self, surprise: Result<Surprise, FilterError>) {
+        if let Ok(surprise) = surprise {
+            self.innovations = self.innovations.saturating_add(1);
+            if surprise.signed_nis.abs() > IMPLAUSIBLE_SIGMAS * IMPLAUSIBLE_SIGMAS {
+                self.implausible = self.implausible.saturating_add(1);
+            }
+        }
+    }
+
+    /// Notes a calibrated residual that still contains the bias (its spread does not care).
+    #[inline]
+    pub(crate) fn note_residual(&mut self, time_us: u64, sensor: Sensor, residual_m: f32) {
+        if let Some(statistics) = self.residuals.get_mut(sensor.index()) {
+            statistics.add(time_us, residual_m);
+        }
+    }
+
+    /// Notes the airspeed, m/s.
+    #[inline]
+    pub(crate) fn note_airspeed(&mut self, time_us: u64, airspeed_mps: f32) {
+        self.airspeed.add(time_us, airspeed_mps);
+    }
+
+    /// Copies the calibration at launch.
+    pub(crate) fn latch(
+        &self,
+        config: &MissionConfig<E>,
+        time_us: u64,
+        tracker: &ReferenceTracker,
+        settled: bool,
+        inputs_valid: bool,
+        sensors_alive: bool,
+    ) -> LatchRecord {
+        let duration_s = self.start_us.map_or(0.0, |start_us| seconds_between(start_us, time_us));
+        let mut sensors = [SensorLatch::default(); SENSORS];
+        for ((latch, sensor), residuals) in sensors.iter_mut().zip(Sensor::ALL).zip(&self.residuals) {
+            let summary = residuals.summary();
+            let bias_variance_m2 = self.estimator.bias_variance_m2(sensor);
+            let residual_sigma_m = summary.map_or(0.0, |summary| summary.deviation);
+            let sigma_m = match config.monitor.sigma {
+                SigmaSource::Residual => residual_sigma_m,
+                SigmaSource::Covariance => libm::sqrtf(bias_variance_m2),
+                SigmaSource::Datasheet => config.sensors[sensor.index()].sigma_m,
+            };
+            let calibrated = summary.is_some();
+            *latch = SensorLatch {
+                bias_m: self.estimator.bias_m(sensor),
+                bias_variance_m2,
+                readings: summary.map_or(0, |summary| summary.count),
+                residual_sigma_m,
+                standard_error_m: summary.map_or(0.0, |summary| summary.standard_error),
+                bound_m: if calibrated { config.monitor.multiplier * sigma_m } else { 0.0 },
+            };
+        }
+        let mut failed = FailedChecks::default();
+        failed.note(Check::Settled, settled);
+        failed.note(Check::LongEnough, duration_s >= config.quality.minimum_duration_s);
+        failed.note(Check::InputsValid, inputs_valid);
+        failed.note(Check::SensorsAlive, sensors_alive);
+        let is_fresh = tracker.is_fresh(time_us) && !self.reference_was_lost;
+        failed.note(Check::ReferenceFresh, is_fresh);
+        self.check_statistics(&config.quality, tracker, &mut failed);
+
+        let states = 1 + SENSORS + E;
+        let mut state = heapless::Vec::new();
+        let mut covariance = heapless::Vec::new();
+        let biases = Sensor::ALL.map(|sensor| self.estimator.bias_m(sensor));
+        let coefficients = self.estimator.coefficients();
+        let values = core::iter::once(self.estimator.altitude_m()).chain(biases).chain(coefficients);
+        // `states <= MAX_STATES`: a shape with more effects is refused by `Mission::new`.
+        state.extend(values.take(states));
+        for row in 0..states {
+            covariance.extend((row..states).map(|column| self.estimator.covariance(row, column)));
+        }
+        LatchRecord { time_us, duration_s, failed_checks: failed.bits(), sensors, state, covariance }
+    }
+
+    fn check_statistics(
+        &self,
+        limits: &QualityConfig,
+        tracker: &ReferenceTracker,
+        failed: &mut FailedChecks,
+    ) {
+        let quiet = |statistics: &BlockStatistics, limit: f32| {
+            statistics.summary().is_none_or(|summary| summary.block_deviation <= limit)
+        };
+        failed.note(Check::TrimmedAltitude, quiet(&self.altitude, limits.trimmed_altitude_m));
+        failed.note(Check::TrimmedAirspeed, quiet(&self.airspeed, limits.trimmed_airspeed_mps));
+        failed.note(
+            Check::InnovationsPlausible,
+            self.implausible as f32 <= limits.implausible_share * self.innovations as f32,
+        );
+
+        let trends: [Option<Trend>; SENSORS] =
+            core::array::from_fn(|i| self.residuals.get(i).and_then(|residuals| residuals.trend(0, 32)));
+        let mut stationary = true;
+        for (trend, residuals) in trends.iter().zip(&self.residuals) {
+            if let (Some(trend), Some(summary)) = (trend, residuals.summary()) {
+                stationary &= !is_significant(trend)
+                    || trend.drift.abs() <= limits.bias_drift_sigmas * summary.deviation;
+            }
+        }
+        failed.note(Check::BiasesStationary, stationary);
+
+        let drifts_alone = self
+            .reference_drift
+            .trend(16, 32)
+            .is_some_and(|trend| is_significant(&trend) && trend.drift.abs() > limits.reference_drift_m);
+        let reported = tracker.last_fix().is_none_or(|fix| {
+            fix.vertical_accuracy_m.is_none_or(|sigma_m| sigma_m <= limits.vertical_accuracy_m)
+                && fix.satellites.is_none_or(|count| count >= limits.minimum_satellites)
+        });
+        let converged = reported && !drifts_alone && !drift_is_common(&trends, limits.reference_drift_m);
+        failed.note(Check::ReferenceConverged, converged);
+    }
+}
+
+fn is_significant(trend: &Trend) -> bool {
+    trend.drift.abs() > SIGNIFICANT_SIGMAS * trend.drift_sigma
+}
+
+/// Whether at least two sensors drift against the reference, all by as much: then it is the
+/// reference's drift before it is theirs by coincidence.
+fn drift_is_common(trends: &[Option<Trend>; SENSORS], limit_m: f32) -> bool {
+    let mut known = trends.iter().flatten();
+    let Some(first) = known.next() else { return false };
+    let mut others = 0;
+    for trend in known {
+        others += 1;
+        let apart = trend.drift - first.drift;
+        let variance = trend.drift_sigma * trend.drift_sigma + first.drift_sigma * first.drift_sigma;
+        if !is_significant(trend)
+            || trend.drift.abs() <= limit_m
+            || apart * apart > SIGNIFICANT_SIGMAS * SIGNIFICANT_SIGMAS * variance
+        {
+            return false;
+        }
+    }
+    others > 0 && is_significant(first) && first.drift.abs() > limit_m
+}

@@ -1,0 +1,13 @@
+//! Why an operation of the filter was refused. The filter is then as it was.
+
+/// Refusal of a filter operation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FilterError {
+    /// A measurement, row, matrix or variance is NaN or infinite, or makes the result so.
+    NotFinite,
+    /// A noise variance is not positive, so an innovation variance need not be.
+    NotPositive,
+    /// The operation would couple states that this filter's shape keeps uncoupled
+    /// (process noise on a tail state while there are head states).
+    Shape,
+}

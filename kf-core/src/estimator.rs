@@ -1,0 +1,301 @@
+//! The estimation problem of eqs 9 to 15, with effects: which states there are, in which units, and
+//! which row of H each measurement has.
+//!
+//! State, as the outside sees it: `x = [h, b_1..b_S, theta_1..theta_E]`. Stored: biases, coefficients,
+//! altitude last, so that U stays sparse. Altitudes are kept as deviations from a fixed reference
+//! altitude in units of [`UNIT_M`], coefficients in units that make them of the same order.
+
+use crate::config::MissionConfig;
+use crate::effect::EffectTerm;
+use crate::error::FilterError;
+use crate::sensor::{SENSORS, Sensor};
+use crate::ud::{Innovation, NoiseVariance, Row, UdFilter};
+
+/// Unit of the filter's altitudes, metres: biases of tens to hundreds of metres become O(1). A power
+/// of two, so that scaling rounds nothing.
+pub const UNIT_M: f32 = 64.0;
+
+/// Why an estimator cannot be made from a configuration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ConfigError {
+    /// `HEAD + TAIL` is not three biases, the estimated effects and the altitude, or `HEAD` is
+    /// neither 0 nor the number of biases.
+    Shape,
+    /// A climb rate puts process noise on the altitude, which needs a filter with `HEAD = 0`.
+    ClimbRateNeedsDenseFilter,
+    /// A number is not finite, or a sigma, time or window is not positive where it must be.
+    OutOfRange,
+}
+
+impl From<FilterError> for ConfigError {
+    fn from(_: FilterError) -> Self {
+        Self::OutOfRange
+    }
+}
+
+/// The filter of the paper's problem: biases, effects' coefficients, altitude.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Estimator<const HEAD: usize, const TAIL: usize, const E: usize> {
+    filter: UdFilter<HEAD, TAIL>,
+    /// What stored altitudes are relative to, metres.
+    origin_m: f32,
+    /// Size of one unit of each stored coefficient, in the coefficient's own unit.
+    coefficient_unit: [f32; E],
+}
+
+impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimator<HEAD, TAIL, E> {
+    const ALTITUDE: usize = TAIL.saturating_sub(1);
+
+    /// The prior of eq. 3: `altitude_m` with `config.reference.prior_sigma_m`, biases and
+    /// coefficients with theirs.
+    ///
+    /// # Errors
+    /// [`ConfigError`].
+    pub fn new(config: &MissionConfig<E>, altitude_m: f32) -> Result<Self, ConfigError> {
+        if (HEAD != 0 && HEAD != SENSORS) || HEAD + TAIL != SENSORS + E + 1 {
+            return Err(ConfigError::Shape);
+        }
+        let mut state = [(0.0, 0.0); SENSORS];
+        for (state, sensor) in state.iter_mut().zip(&config.sensors) {
+            *state = (sensor.prior_bias_m / UNIT_M, square(sensor.prior_sigma_m / UNIT_M));
+        }
+        let coefficient_unit =
+            config.estimated_effects.map(|effect| UNIT_M / effect.id.typical_regressor_m());
+        let mut head = [0.0; HEAD];
+        let mut head_variance = [0.0; HEAD];
+        let mut tail = [0.0; TAIL];
+        let mut tail_variance = [0.0; TAIL];
+        for (i, (bias, variance)) in state.into_iter().enumerate() {
+            let (values, variances) = if HEAD == 0 {
+                (&mut tail[..], &mut tail_variance[..])
+            } else {
+                (&mut head[..], &mut head_variance[..])
+            };
+            set(values, i, bias);
+            set(variances, i, variance);
+        }
+        for (j, (effect, unit)) in config.estimated_effects.iter().zip(coefficient_unit).enumerate() {
+            set(&mut tail, Self::coefficient_index(j), effect.coefficient / unit);
+            set(&mut tail_variance, Self::coefficient_index(j), square(effect.sigma / unit));
+        }
+        set(&mut tail_variance, Self::ALTITUDE, square(config.reference.prior_sigma_m / UNIT_M));
+        if !altitude_m.is_finite() {
+            return Err(ConfigError::OutOfRange);
+        }
+        let filter = UdFilter::new(head, head_variance, tail, tail_variance)?;
+        Ok(Self { filter, origin_m: altitude_m, coefficient_unit })
+    }
+
+    /// Position of a coefficient in the tail.
+    const fn coefficient_index(effect: usize) -> usize {
+        SENSORS - HEAD + effect
+    }
+
+    /// Position of a sensor's bias, head first.
+    const fn bias_index(sensor: usize) -> usize {
+        sensor
+    }
+
+    /// Takes a fix of the reference: `y = h + v`.
+    ///
+    /// # Errors
+    /// [`FilterError::NotFinite`]; the state is then unchanged.
+    #[inline(always)]
+    pub fn update_reference(
+        &mut self,
+        altitude_m: f32,
+        noise: MeasurementNoise,
+    ) -> Result<Innovation, FilterError> {
+        let mut tail = [0.0; TAIL];
+        tail[Self::ALTITUDE] = 1.0;
+        let row = Row { head: None, tail, first: Self::ALTITUDE };
+        self.update(&row, altitude_m, noise)
+    }
+
+    /// Takes a reading of sensor number `SENSOR`: `y = h + b + sum_j theta_j phi_j + v`.
+    ///
+    /// `regressors_m` are the phi of this sensor, metres per unit of coefficient; zero for an effect
+    /// on another sensor. (The sensor is a type parameter so that each has its own sparse row.)
+    ///
+    /// # Errors
+    /// As [`Self::update_reference`].
+    #[inline(always)]
+    pub fn update_sensor<const SENSOR: usize>(
+        &mut self,
+        reading_m: f32,
+        regressors_m: &[f32; E],
+        noise: MeasurementNoise,
+    ) -> Result<Innovation, FilterError> {
+        const { assert!(SENSOR < SENSORS) };
+        let mut tail = [0.0; TAIL];
+        let (head, first) = if HEAD == 0 {
+            tail[Self::bias_index(SENSOR)] = 1.0;
+            (None, Self::bias_index(SENSOR))
+        } else {
+            (Some(SENSOR), 0)
+        };
+        for j in 0..E {
+            tail[Self::coefficient_index(j)] = regressors_m[j] * self.coefficient_unit[j] * (1.0 / UNIT_M);
+        }
+        tail[Self::ALTITUDE] = 1.0;
+        self.update(&Row { head, tail, first }, reading_m, noise)
+    }
+
+    #[inline(always)]
+    fn update(
+        &mut self,
+        row: &Row<TAIL>,
+        reading_m: f32,
+        noise: MeasurementNoise,
+    ) -> Result<Innovation, FilterError> {
+        let scaled = (reading_m - self.origin_m) * (1.0 / UNIT_M);
+        self.filter.update(row, scaled, noise.0)
+    }
+
+    /// Carries the altitude on by `climb_m` metres whose error has the variance `variance_m2`
+    /// (eqs 4 and 5).
+    ///
+    /// # Errors
+    /// [`FilterError`]; [`FilterError::Shape`] if `HEAD > 0` and the variance is not zero.
+    pub fn climb(&mut self, climb_m: f32, variance_m2: f32) -> Result<(), FilterError> {
+        if variance_m2 != 0.0 {
+            self.filter.add_tail_noise(Self::ALTITUDE, variance_m2 / square(UNIT_M))?;
+        }
+        self.filter.shift_tail(Self::ALTITUDE, climb_m / UNIT_M)
+    }
+
+    /// Lets a bias wander by that variance (the noise floor).
+    ///
+    /// # Errors
+    /// [`FilterError`].
+    pub fn wander(&mut self, sensor: Sensor, variance_m2: f32) -> Result<(), FilterError> {
+        let variance = variance_m2 / square(UNIT_M);
+        if HEAD == 0 {
+            self.filter.add_tail_noise(Self::bias_index(sensor.index()), variance)
+        } else {
+            self.filter.add_head_noise(sensor.index(), variance)
+        }
+    }
+
+    /// Ends a tick; see [`UdFilter::fold`].
+    #[inline(always)]
+    pub fn fold(&mut self) {
+        self.filter.fold();
+    }
+
+    /// Estimated altitude of the reference, metres.
+    #[must_use]
+    #[inline]
+    pub fn altitude_m(&self) -> f32 {
+        get(self.filter.tail(), Self::ALTITUDE) * UNIT_M + self.origin_m
+    }
+
+    /// Its variance, square metres.
+    #[must_use]
+    pub fn altitude_variance_m2(&self) -> f32 {
+        self.filter.variance(HEAD + Self::ALTITUDE) * square(UNIT_M)
+    }
+
+    /// Estimated bias, metres.
+    #[must_use]
+    #[inline]
+    pub fn bias_m(&self, sensor: Sensor) -> f32 {
+        let states: &[f32] = if HEAD == 0 { self.filter.tail() } else { self.filter.head() };
+        get(states, Self::bias_index(sensor.index())) * UNIT_M
+    }
+
+    /// Its variance, square metres.
+    #[must_use]
+    pub fn bias_variance_m2(&self, sensor: Sensor) -> f32 {
+        self.filter.variance(Self::bias_index(sensor.index())) * square(UNIT_M)
+    }
+
+    /// Estimated coefficients, each in its effect's unit.
+    #[must_use]
+    #[inline]
+    pub fn coefficients(&self) -> [f32; E] {
+        let mut coefficients = self.coefficient_unit;
+        for (j, coefficient) in coefficients.iter_mut().enumerate() {
+            *coefficient *= get(self.filter.tail(), Self::coefficient_index(j));
+        }
+        coefficients
+    }
+
+    /// Variance of one coefficient, in its effect's unit squared; zero if there is no such effect.
+    #[must_use]
+    pub fn coefficient_variance(&self, effect: usize) -> f32 {
+        let unit = get(&self.coefficient_unit, effect);
+        self.filter.variance(HEAD + Self::coefficient_index(effect)) * square(unit)
+    }
+
+    /// Covariance of two states in metres and coefficient units, in the paper's order: altitude,
+    /// biases, coefficients.
+    #[must_use]
+    pub fn covariance(&self, row: usize, column: usize) -> f32 {
+        let (row, row_unit) = self.stored(row);
+        let (column, column_unit) = self.stored(column);
+        self.filter.covariance(row, column) * row_unit * column_unit
+    }
+
+    /// Stored position and unit of a state given in the paper's order.
+    fn stored(&self, index: usize) -> (usize, f32) {
+        match index.checked_sub(1) {
+            None => (HEAD + Self::ALTITUDE, UNIT_M),
+            Some(bias) if bias < SENSORS => (Self::bias_index(bias), UNIT_M),
+            Some(other) => {
+                let effect = other - SENSORS;
+                (HEAD + Self::coefficient_index(effect), get(&self.coefficient_unit, effect))
+            }
+        }
+    }
+}
+
+/// Variance of a measurement's noise in the filter's unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeasurementNoise(NoiseVariance);
+
+impl MeasurementNoise {
+    /// From a variance in square metres.
+    ///
+    /// # Errors
+    /// [`FilterError`] if it is not positive and finite.
+    pub fn from_variance_m2(variance_m2: f32) -> Result<Self, FilterError> {
+        NoiseVariance::new(variance_m2 / square(UNIT_M)).map(Self)
+    }
+
+    /// The variance in square metres.
+    #[must_use]
+    pub fn variance_m2(self) -> f32 {
+        self.0.get() * square(UNIT_M)
+    }
+}
+
+/// Sum of the constant effects on a sensor is taken off its reading before the filter sees it.
+pub(crate) fn constant_correction_m(
+    effects: &[EffectTerm],
+    sensor: Sensor,
+    mut regressor_m: impl FnMut(&EffectTerm) -> f32,
+) -> f32 {
+    effects
+        .iter()
+        .filter(|effect| effect.id.sensor() == sensor)
+        .map(|effect| effect.coefficient * regressor_m(effect))
+        .sum()
+}
+
+const fn square(x: f32) -> f32 {
+    x * x
+}
+
+/// `values[index]`, for an index that the shape's invariant (checked in `new`) keeps in range.
+#[inline(always)]
+fn get(values: &[f32], index: usize) -> f32 {
+    values.get(index).copied().unwrap_or(0.0)
+}
+
+/// As [`get`].
+fn set(values: &mut [f32], index: usize, value: f32) {
+    if let Some(slot) = values.get_mut(index) {
+        *slot = value;
+    }
+}

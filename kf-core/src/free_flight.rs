@@ -1,0 +1,151 @@
+//! Free flight: the latched sensors are watched (section 4 of the paper).
+
+use crate::config::{MissionConfig, SecondCorrection};
+use crate::latch::LatchRecord;
+use crate::monitor::Monitor;
+use crate::moving_average::MovingAverage;
+use crate::output::Trust;
+use crate::sensor::{SENSORS, Sensor};
+use crate::time::{microseconds, seconds_between};
+use crate::ud::{NoiseVariance, Row, UdFilter};
+
+/// One sensor's error after this tick's reading.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct WatchedError {
+    /// Error of eq. 16 less the second correction, metres.
+    pub error_m: f32,
+    /// Its moving average, metres.
+    pub moving_average_m: f32,
+}
+
+/// The second correction of one sensor.
+#[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "there is no heap to box the window on")]
+enum Correction {
+    Off,
+    MovingAverage { average: MovingAverage, value_m: f32 },
+    Kalman { filter: UdFilter<0, 1>, noise: NoiseVariance, wander_m2_per_s: f32, last_us: u64 },
+}
+
+impl Correction {
+    fn new(
+        kind: &SecondCorrection,
+        sigma_m: f32,
+        bias_variance_m2: f32,
+        window_us: u64,
+        time_us: u64,
+    ) -> Self {
+        match *kind {
+            SecondCorrection::Off => Self::Off,
+            SecondCorrection::MovingAverage => {
+                Self::MovingAverage { average: MovingAverage::new(window_us), value_m: 0.0 }
+            }
+            SecondCorrection::Kalman { wander_m_per_sqrt_s } => {
+                let noise = NoiseVariance::new(sigma_m * sigma_m);
+                let filter = UdFilter::new([], [], [0.0], [bias_variance_m2]);
+                match (noise, filter) {
+                    (Ok(noise), Ok(filter)) => Self::Kalman {
+                        filter,
+                        noise,
+                        wander_m2_per_s: wander_m_per_sqrt_s * wander_m_per_sqrt_s,
+                        last_us: time_us,
+                    },
+                    // A sensor whose residual has no spread has nothing to be corrected by.
+                    _ => Self::Off,
+                }
+            }
+        }
+    }
+
+    /// What is taken off the next reading, metres.
+    fn value_m(&self) -> f32 {
+        match self {
+            Self::Off => 0.0,
+            Self::MovingAverage { value_m, .. } => *value_m,
+            Self::Kalman { filter, .. } => filter.tail()[0],
+        }
+    }
+
+    /// Learns from the uncorrected error.
+    fn learn(&mut self, time_us: u64, error_m: f32) {
+        match self {
+            Self::Off => {}
+            Self::MovingAverage { average, value_m } => *value_m = average.add(time_us, error_m),
+            Self::Kalman { filter, noise, wander_m2_per_s, last_us } => {
+                let variance = *wander_m2_per_s * seconds_between(*last_us, time_us);
+                *last_us = time_us;
+                let row = Row { head: None, tail: [1.0], first: 0 };
+                // A refused step leaves the filter, and so the correction, as it was.
+                if filter.add_tail_noise(0, variance).is_ok() && filter.update(&row, error_m, *noise).is_ok()
+                {
+                    filter.fold();
+                }
+            }
+        }
+    }
+}
+
+/// One sensor's watch.
+#[derive(Clone, Debug)]
+struct Watch {
+    monitor: Monitor,
+    correction: Correction,
+    last_us: u64,
+}
+
+/// The watch over every sensor that flies free.
+#[derive(Clone, Debug)]
+pub(crate) struct FreeFlight {
+    /// `None`: nothing to watch this sensor by.
+    watches: [Option<Watch>; SENSORS],
+    silent_after_us: u64,
+}
+
+impl FreeFlight {
+    pub(crate) fn new<const E: usize>(config: &MissionConfig<E>, latch: &LatchRecord) -> Self {
+        let window_us = microseconds(config.monitor.window_s);
+        let watch = |sensor: Sensor| {
+            let latched = latch.sensors.get(sensor.index())?;
+            let is_watched = sensor.flies_free() && latched.bound_m > 0.0 && latched.bound_m.is_finite();
+            is_watched.then(|| Watch {
+                monitor: Monitor::new(latched.bound_m, window_us),
+                correction: Correction::new(
+                    &config.second_correction,
+                    latched.residual_sigma_m,
+                    latched.bias_variance_m2,
+                    window_us,
+                    latch.time_us,
+                ),
+                last_us: latch.time_us,
+            })
+        };
+        Self { watches: Sensor::ALL.map(watch), silent_after_us: microseconds(config.reference.lost_after_s) }
+    }
+
+    /// Takes the error of eq. 16 of one sensor, metres; `None` if the sensor is not watched or the
+    /// error overflows.
+    #[inline]
+    pub(crate) fn take(&mut self, sensor: Sensor, time_us: u64, error_m: f32) -> Option<WatchedError> {
+        let watch = self.watches.get_mut(sensor.index())?.as_mut()?;
+        let corrected_m = error_m - watch.correction.value_m();
+        if !corrected_m.is_finite() {
+            return None;
+        }
+        watch.correction.learn(time_us, error_m);
+        watch.last_us = time_us;
+        let moving_average_m = watch.monitor.update(time_us, corrected_m);
+        Some(WatchedError { error_m: corrected_m, moving_average_m })
+    }
+
+    /// What a sensor is worth. A flag that was raised stays; otherwise, a sensor without a reference,
+    /// or one that has gone silent, is not known.
+    #[inline]
+    pub(crate) fn trust(&self, sensor: Sensor, time_us: u64, has_reference: bool) -> Trust {
+        let Some(Some(watch)) = self.watches.get(sensor.index()) else { return Trust::Unmonitored };
+        let is_silent = time_us.saturating_sub(watch.last_us) > self.silent_after_us;
+        match watch.monitor.trust() {
+            Trust::Trusted if !has_reference || is_silent => Trust::Unmonitored,
+            trust => trust,
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! The latched calibration: copied once at launch, frozen, protected by a CRC.
+
+use crc::{CRC_32_ISO_HDLC, Crc};
+use serde::{Deserialize, Serialize};
+
+use crate::config::MAX_ESTIMATED_EFFECTS;
+use crate::sensor::SENSORS;
+
+/// Most states: altitude, biases, coefficients.
+pub const MAX_STATES: usize = 1 + SENSORS + MAX_ESTIMATED_EFFECTS;
+/// Entries of the packed upper triangle of a covariance of that many states.
+pub const MAX_COVARIANCE: usize = MAX_STATES * (MAX_STATES + 1) / 2;
+/// No record is longer than this, bytes.
+pub const MAX_RECORD_BYTES: usize = 1024;
+
+/// Version of the record's layout.
+const VERSION: u8 = 1;
+const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+
+/// Why a record was not made or not believed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LatchError {
+    /// The buffer is too short.
+    BufferTooShort,
+    /// The bytes are not a record, or not all of one, or were changed.
+    Corrupt,
+    /// A record of another version of the layout.
+    Version,
+}
+
+/// One sensor's calibration.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SensorLatch {
+    /// Bias, metres.
+    pub bias_m: f32,
+    /// Its variance by the filter, square metres.
+    pub bias_variance_m2: f32,
+    /// Readings that the calibration used.
+    pub readings: u32,
+    /// Spread of the calibrated residual (1 sigma), metres; zero without two readings.
+    pub residual_sigma_m: f32,
+    /// Standard error of the residual's mean by batch means, metres: what the bias is worth when
+    /// the residual is autocorrelated.
+    pub standard_error_m: f32,
+    /// The monitor's bound, metres; zero where there is nothing to monitor with.
+    pub bound_m: f32,
+}
+
+/// The calibration at launch.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LatchRecord {
+    /// When it was latched, microseconds.
+    pub time_us: u64,
+    /// For how long was calibrated, seconds.
+    pub duration_s: f32,
+    /// Bits of [`crate::quality::FailedChecks`].
+    pub failed_checks: u16,
+    /// The sensors, in the order of [`crate::sensor::Sensor`].
+    pub sensors: [SensorLatch; SENSORS],
+    /// States in the paper's order: altitude, biases (metres), coefficients (their units).
+    pub state: heapless::Vec<f32, MAX_STATES>,
+    /// Upper triangle of P in that order and units, row by row.
+    pub covariance: heapless::Vec<f32, MAX_COVARIANCE>,
+}
+
+impl LatchRecord {
+    /// Writes the record as version, postcard, CRC-32 and returns the part of `buffer` it takes.
+    /// [`MAX_RECORD_BYTES`] are always enough.
+    ///
+    /// # Errors
+    /// [`LatchError::BufferTooShort`].
+    pub fn to_bytes<'a>(&self, buffer: &'a mut [u8]) -> Result<&'a mut [u8], LatchError> {
+        postcard::to_slice_crc32(&(VERSION, self), buffer, CRC.digest())
+            .map_err(|_| LatchError::BufferTooShort)
+    }
+
+    /// Reads a record.
+    ///
+    /// # Errors
+    /// [`LatchError::Corrupt`], [`LatchError::Version`].
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, LatchError> {
+        let (version, record, rest): (u8, Self, &[u8]) = postcard::take_from_bytes_crc32(bytes, CRC.digest())
+            .map(|((version, record), rest)| (version, record, rest))
+            .map_err(|_| LatchError::Corrupt)?;
+        if version != VERSION {
+            return Err(LatchError::Version);
+        }
+        if !rest.is_empty() {
+            return Err(LatchError::Corrupt);
+        }
+        Ok(record)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn record(bias_m: f32, states: usize) -> LatchRecord {
+        let sensor =
+            SensorLatch { bias_m, residual_sigma_m: 40.3308, readings: u32::MAX, ..SensorLatch::default() };
+        LatchRecord {
+            time_us: u64::MAX,
+            duration_s: 70.0,
+            failed_checks: 0x3ff,
+            sensors: [sensor; SENSORS],
+            state: (0..states).map(|k| k as f32 - 0.1).collect(),
+            covariance: (0..states * (states + 1) / 2).map(|k| k as f32 * 1.7).collect(),
+        }
+    }
+
+    #[test]
+    fn the_largest_record_fits() {
+        let mut buffer = [0; MAX_RECORD_BYTES];
+        assert!(record(1.0, MAX_STATES).to_bytes(&mut buffer).is_ok());
+        let mut short = [0; 20];
+        assert_eq!(record(1.0, 4).to_bytes(&mut short), Err(LatchError::BufferTooShort));
+    }
+
+    proptest! {
+        #[test]
+        fn comes_back_as_it_went(bias_m in any::<f32>().prop_filter("NaN is not equal to itself", |x| !x.is_nan()), states in 0..=MAX_STATES) {
+            let record = record(bias_m, states);
+            let mut buffer = [0; MAX_RECORD_BYTES];
+            let bytes = record.to_bytes(&mut buffer).unwrap();
+            prop_assert_eq!(LatchRecord::from_bytes(bytes), Ok(record));
+        }
+
+        #[test]
+        fn any_changed_bit_is_noticed(byte in 0_usize..1024, bit in 0_u8..8) {
+            let mut buffer = [0; MAX_RECORD_BYTES];
+            let bytes = record(-121.8691, 8).to_bytes(&mut buffer).unwrap();
+            let byte = byte % bytes.len();
+            bytes[byte] ^= 1 << bit;
+            prop_assert!(LatchRecord::from_bytes(bytes).is_err());
+        }
+
+        #[test]
+        fn no_bytes_are_taken_for_a_record_by_accident(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
+            prop_assert!(LatchRecord::from_bytes(&bytes).is_err());
+        }
+
+        #[test]
+        fn a_record_cut_short_is_corrupt(length in 0_usize..1024) {
+            let mut buffer = [0; MAX_RECORD_BYTES];
+            let bytes = record(1.0, 4).to_bytes(&mut buffer).unwrap();
+            let length = length % bytes.len();
+            prop_assert_eq!(LatchRecord::from_bytes(&bytes[..length]), Err(LatchError::Corrupt));
+        }
+    }
+}

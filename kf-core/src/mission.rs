@@ -1,0 +1,404 @@
+//! One mission, tick by tick: settling, calibration, latch, watch.
+
+use crate::atmosphere::pressure_altitude_m;
+use crate::calibration::{Calibration, CaptiveStep, Surprise};
+use crate::config::{MAX_ESTIMATED_EFFECTS, MissionConfig};
+use crate::effect::SignalHolder;
+use crate::error::FilterError;
+use crate::estimator::{ConfigError, constant_correction_m};
+use crate::free_flight::FreeFlight;
+use crate::input::{BaroReading, GpsFix, TickInput};
+use crate::latch::LatchRecord;
+use crate::output::{CoefficientOutput, Phase, Rejection, SensorOutput, TickOutput, Trust};
+use crate::reading::StuckDetector;
+use crate::reference::{AcceptedFix, ReferenceTracker};
+use crate::sensor::{SENSORS, Sensor};
+use crate::time::microseconds;
+
+/// How often a source's readings were used or not.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SourceCounters {
+    /// Readings that were finite, new and moving.
+    pub accepted: u32,
+    /// NaN or infinite, or a pressure that is none.
+    pub not_finite: u32,
+    /// A fix held since the last.
+    pub held: u32,
+    /// A sensor that repeats itself.
+    pub stuck: u32,
+    /// Updates that the filter refused.
+    pub variance: u32,
+}
+
+impl SourceCounters {
+    fn count(&mut self, rejection: Option<Rejection>) {
+        let counter = match rejection {
+            None => &mut self.accepted,
+            Some(Rejection::NotFinite) => &mut self.not_finite,
+            Some(Rejection::Held) => &mut self.held,
+            Some(Rejection::Stuck) => &mut self.stuck,
+            Some(Rejection::Variance) => &mut self.variance,
+        };
+        *counter = counter.saturating_add(1);
+    }
+}
+
+/// Everything that was counted; nothing is left out of a computation without being counted here.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// Ticks taken.
+    pub ticks: u32,
+    /// Ticks ignored because their time was not after the last one's.
+    pub out_of_order: u32,
+    /// The reference.
+    pub gps: SourceCounters,
+    /// The sensors, in the order of [`Sensor`].
+    pub sensors: [SourceCounters; SENSORS],
+    /// Signals that were not finite.
+    pub signals_not_finite: u32,
+    /// Readings taken without an effect that the model has, because its signal was not there.
+    pub effects_without_signal: u32,
+    /// Times that the launch discrete fell back or rose again after launch.
+    pub launch_repeats: u32,
+}
+
+/// A mission from the first tick on. See the crate's documentation for `HEAD` and `TAIL`; `E`
+/// effects are states.
+#[derive(Clone, Debug)]
+pub struct Mission<const HEAD: usize, const TAIL: usize, const E: usize> {
+    config: MissionConfig<E>,
+    phase: Phase,
+    first_us: Option<u64>,
+    last_us: u64,
+    launch_was: bool,
+    tracker: ReferenceTracker,
+    signals: SignalHolder,
+    stuck: [StuckDetector; SENSORS],
+    last_accepted_us: [Option<u64>; SENSORS],
+    calibration: Calibration<HEAD, TAIL, E>,
+    latch: Option<LatchRecord>,
+    free_flight: Option<FreeFlight>,
+    counters: Counters,
+}
+
+impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E> {
+    /// A mission before its first tick.
+    ///
+    /// # Errors
+    /// [`ConfigError`].
+    pub fn new(config: &MissionConfig<E>) -> Result<Self, ConfigError> {
+        if E > MAX_ESTIMATED_EFFECTS {
+            return Err(ConfigError::Shape);
+        }
+        check(config)?;
+        Ok(Self {
+            phase: Phase::Settling,
+            first_us: None,
+            last_us: 0,
+            launch_was: false,
+            tracker: ReferenceTracker::new(&config.reference),
+            signals: SignalHolder::default(),
+            stuck: core::array::from_fn(|_| StuckDetector::default()),
+            last_accepted_us: [None; SENSORS],
+            calibration: Calibration::new(config)?,
+            latch: None,
+            free_flight: None,
+            counters: Counters::default(),
+            config: config.clone(),
+        })
+    }
+
+    /// The calibration as latched at launch, once there was one.
+    #[must_use]
+    pub const fn latch(&self) -> Option<&LatchRecord> {
+        self.latch.as_ref()
+    }
+
+    /// What was counted.
+    #[must_use]
+    pub const fn counters(&self) -> &Counters {
+        &self.counters
+    }
+
+    /// Takes everything that is new at one tick. Bad input is refused, counted and said in the
+    /// output; it never stops the mission.
+    pub fn tick(&mut self, input: &TickInput) -> TickOutput {
+        let time_us = input.time_us;
+        if self.first_us.is_some() && time_us <= self.last_us {
+            self.counters.out_of_order = self.counters.out_of_order.saturating_add(1);
+            let mut output = self.output(time_us);
+            output.out_of_order = true;
+            return output;
+        }
+        self.counters.ticks = self.counters.ticks.saturating_add(1);
+        let first_us = *self.first_us.get_or_insert(time_us);
+        self.last_us = time_us;
+
+        let latched_now = self.follow_launch(input.launch, time_us);
+        if self.phase == Phase::Settling
+            && time_us.saturating_sub(first_us) >= microseconds(self.config.settling_s)
+        {
+            self.phase = Phase::Calibrating;
+        }
+
+        self.signals.take(&input.signals);
+        self.counters.signals_not_finite = self.signals.refused();
+        let (accepted, gps_rejection) = self.take_fix(time_us, input.gps.as_ref());
+        let reference_m = self.tracker.altitude_m(time_us);
+        let regressors_m = self.regressors();
+        let (readings_m, mut rejections) = self.take_readings(time_us, input, reference_m);
+
+        let step = if self.phase == Phase::Calibrating {
+            let fix = input.gps.as_ref().zip(accepted);
+            let step =
+                self.calibration.step(&self.config, time_us, fix, &self.tracker, &readings_m, &regressors_m);
+            let is_new = input.signals.true_airspeed_mps.is_some() || input.gps.is_some();
+            if let (true, Some(airspeed_mps)) = (is_new, self.signals.airspeed_mps()) {
+                self.calibration.note_airspeed(time_us, airspeed_mps);
+            }
+            step
+        } else {
+            CaptiveStep::default()
+        };
+
+        let mut output = self.output(time_us);
+        output.latched_now = latched_now;
+        let reference = split(step.reference);
+        output.gps_rejection = gps_rejection.or(reference.1);
+        output.gps_innovation_m = reference.0.map(|surprise| surprise.innovation_m);
+        output.gps_signed_nis = reference.0.map(|surprise| surprise.signed_nis);
+        if input.gps.is_some() {
+            self.counters.gps.count(output.gps_rejection);
+        }
+        let coefficients = self.calibration.estimator().coefficients();
+        for sensor in Sensor::ALL {
+            let i = sensor.index();
+            let (surprise, refused) = split(step.sensors[i]);
+            rejections[i] = rejections[i].or(refused);
+            if readings_m[i].is_some() || rejections[i].is_some() {
+                self.counters.sensors[i].count(rejections[i]);
+            }
+            let out = &mut output.sensors[i];
+            out.rejection = rejections[i];
+            out.innovation_m = surprise.map(|surprise| surprise.innovation_m);
+            out.signed_nis = surprise.map(|surprise| surprise.signed_nis);
+            if let (Some(reading_m), Some(reference_m), None) = (readings_m[i], reference_m, refused) {
+                let effects_m = effect_sum(&self.config, sensor, &coefficients, &regressors_m);
+                let residual_m = reading_m - effects_m - reference_m;
+                self.watch(sensor, time_us, residual_m, out);
+            }
+            if let Some(free_flight) = &self.free_flight {
+                out.trust = free_flight.trust(sensor, time_us, reference_m.is_some());
+            }
+        }
+        output
+    }
+
+    /// Follows the launch discrete; true at the tick at which the calibration is latched.
+    fn follow_launch(&mut self, launch: bool, time_us: u64) -> bool {
+        let changed = launch != self.launch_was;
+        self.launch_was = launch;
+        if self.latch.is_some() {
+            if changed {
+                self.counters.launch_repeats = self.counters.launch_repeats.saturating_add(1);
+            }
+            return false;
+        }
+        if !launch {
+            return false;
+        }
+        let mut delivering = false;
+        let mut silent = false;
+        let mut faults = self.counters.out_of_order > 0
+            || self.counters.gps.not_finite > 0
+            || self.counters.signals_not_finite > 0;
+        for sensor in Sensor::ALL {
+            let i = sensor.index();
+            let counters = &self.counters.sensors[i];
+            faults |= counters.not_finite > 0 || counters.variance > 0;
+            silent |= counters.stuck > 0;
+            if let (true, Some(last_us)) = (sensor.flies_free(), self.last_accepted_us[i]) {
+                let is_recent =
+                    time_us.saturating_sub(last_us) <= microseconds(self.config.reference.lost_after_s);
+                delivering |= is_recent;
+                silent |= !is_recent;
+            }
+        }
+        let latch = self.calibration.latch(
+            &self.config,
+            time_us,
+            &self.tracker,
+            self.phase == Phase::Calibrating,
+            !faults,
+            delivering && !silent,
+        );
+        self.free_flight = Some(FreeFlight::new(&self.config, &latch));
+        self.latch = Some(latch);
+        self.phase = Phase::FreeFlight;
+        true
+    }
+
+    fn take_fix(&mut self, time_us: u64, fix: Option<&GpsFix>) -> (Option<AcceptedFix>, Option<Rejection>) {
+        let Some(fix) = fix else { return (None, None) };
+        match self.tracker.take(time_us, fix) {
+            Ok(accepted) => {
+                self.signals.take_fix(fix);
+                (Some(accepted), None)
+            }
+            Err(rejection) => (None, Some(rejection)),
+        }
+    }
+
+    /// Regressors of the estimated effects, metres per unit; zero where a signal is missing.
+    fn regressors(&self) -> [f32; E] {
+        self.config.estimated_effects.map(|effect| self.signals.regressor_m(effect.id).unwrap_or(0.0))
+    }
+
+    /// The readings that are measurements, free of constant effects, and why the others are not.
+    fn take_readings(
+        &mut self,
+        time_us: u64,
+        input: &TickInput,
+        reference_m: Option<f32>,
+    ) -> ([Option<f32>; SENSORS], [Option<Rejection>; SENSORS]) {
+        let baro_m = input.baro.map(|reading| match reading {
+            BaroReading::PressurePa(pressure_pa) => pressure_altitude_m(pressure_pa).unwrap_or(f32::NAN),
+            BaroReading::AltitudeM(altitude_m) => altitude_m,
+        });
+        let raw_m = [input.imu_master_altitude_m, input.imu_slave_altitude_m, baro_m];
+        let mut readings_m = [None; SENSORS];
+        let mut rejections = [None; SENSORS];
+        for sensor in Sensor::ALL {
+            let i = sensor.index();
+            let Some(raw_m) = raw_m[i] else { continue };
+            if !raw_m.is_finite() {
+                rejections[i] = Some(Rejection::NotFinite);
+                continue;
+            }
+            let sigma_m = self.config.sensors[i].sigma_m;
+            let reference_sigma_m = self.config.reference.sigma_m;
+            if self.stuck[i].is_stuck(time_us, raw_m, reference_m, sigma_m, reference_sigma_m) {
+                rejections[i] = Some(Rejection::Stuck);
+                continue;
+            }
+            let missing = &mut self.counters.effects_without_signal;
+            let signals = &self.signals;
+            let correction_m = constant_correction_m(&self.config.constant_effects, sensor, |effect| {
+                signals.regressor_m(effect.id).unwrap_or_else(|| {
+                    *missing = missing.saturating_add(1);
+                    0.0
+                })
+            });
+            for effect in &self.config.estimated_effects {
+                if effect.id.sensor() == sensor && signals.regressor_m(effect.id).is_none() {
+                    *missing = missing.saturating_add(1);
+                }
+            }
+            self.last_accepted_us[i] = Some(time_us);
+            readings_m[i] = Some(raw_m - correction_m);
+        }
+        (readings_m, rejections)
+    }
+
+    /// Eq. 16 for one sensor: `residual_m` is the reading less effects and reference.
+    fn watch(&mut self, sensor: Sensor, time_us: u64, residual_m: f32, output: &mut SensorOutput) {
+        match (&mut self.free_flight, &self.latch) {
+            (Some(free_flight), Some(latch)) => {
+                let error_m = residual_m - latch.sensors[sensor.index()].bias_m;
+                match free_flight.take(sensor, time_us, error_m) {
+                    Some(watched) => {
+                        output.error_m = Some(watched.error_m);
+                        output.moving_average_m = Some(watched.moving_average_m);
+                    }
+                    None => output.error_m = error_m.is_finite().then_some(error_m),
+                }
+            }
+            _ => {
+                let error_m = residual_m - output.bias_m;
+                output.error_m = error_m.is_finite().then_some(error_m);
+                if self.phase == Phase::Calibrating && residual_m.is_finite() {
+                    self.calibration.note_residual(time_us, sensor, residual_m);
+                }
+            }
+        }
+    }
+
+    /// What holds whether or not this tick brought anything.
+    fn output(&self, time_us: u64) -> TickOutput {
+        let estimator = self.calibration.estimator();
+        let has_reference = self.tracker.is_fresh(time_us);
+        let sensors = Sensor::ALL.map(|sensor| SensorOutput {
+            bias_m: estimator.bias_m(sensor),
+            bias_variance_m2: estimator.bias_variance_m2(sensor),
+            innovation_m: None,
+            signed_nis: None,
+            error_m: None,
+            moving_average_m: None,
+            trust: self
+                .free_flight
+                .as_ref()
+                .map_or(Trust::Calibrating, |watch| watch.trust(sensor, time_us, has_reference)),
+            rejection: None,
+        });
+        let mut coefficients = heapless::Vec::new();
+        // `E <= MAX_ESTIMATED_EFFECTS`, checked by `new`.
+        coefficients.extend(estimator.coefficients().into_iter().enumerate().map(|(j, coefficient)| {
+            CoefficientOutput { coefficient, variance: estimator.coefficient_variance(j) }
+        }));
+        TickOutput {
+            time_us,
+            out_of_order: false,
+            phase: self.phase,
+            latched_now: false,
+            failed_checks: self.latch.as_ref().map_or(0, |latch| latch.failed_checks),
+            altitude_m: estimator.altitude_m(),
+            altitude_variance_m2: estimator.altitude_variance_m2(),
+            gps_innovation_m: None,
+            gps_signed_nis: None,
+            gps_rejection: None,
+            sensors,
+            coefficients,
+        }
+    }
+}
+
+/// Sum of the estimated effects on one sensor, metres.
+fn effect_sum<const E: usize>(
+    config: &MissionConfig<E>,
+    sensor: Sensor,
+    coefficients: &[f32; E],
+    regressors_m: &[f32; E],
+) -> f32 {
+    let terms = config.estimated_effects.iter().zip(coefficients).zip(regressors_m);
+    terms.filter(|((effect, _), _)| effect.id.sensor() == sensor).map(|((_, c), phi)| c * phi).sum()
+}
+
+fn split(result: Option<Result<Surprise, FilterError>>) -> (Option<Surprise>, Option<Rejection>) {
+    match result {
+        None => (None, None),
+        Some(Ok(surprise)) => (Some(surprise), None),
+        Some(Err(_)) => (None, Some(Rejection::Variance)),
+    }
+}
+
+/// Ranges that the rest relies on; sigmas and priors are checked where the filter is made.
+fn check<const E: usize>(config: &MissionConfig<E>) -> Result<(), ConfigError> {
+    let not_negative = |x: f32| x.is_finite() && x >= 0.0;
+    let positive = |x: f32| x.is_finite() && x > 0.0;
+    let monitor = &config.monitor;
+    let climb = config.reference.climb_rate;
+    let effects = config.estimated_effects.iter().chain(&config.constant_effects);
+    let correction_is_valid = match config.second_correction {
+        crate::config::SecondCorrection::Kalman { wander_m_per_sqrt_s } => not_negative(wander_m_per_sqrt_s),
+        _ => true,
+    };
+    let is_valid = not_negative(config.settling_s)
+        && positive(config.reference.lost_after_s)
+        && climb.is_none_or(|c| positive(c.sigma_mps) && positive(c.correlation_time_s))
+        && positive(monitor.multiplier)
+        && positive(monitor.window_s)
+        && correction_is_valid
+        && config.sensors.iter().all(|sensor| not_negative(sensor.wander_m_per_sqrt_s))
+        && effects.into_iter().all(|effect| effect.coefficient.is_finite() && not_negative(effect.sigma));
+    if is_valid { Ok(()) } else { Err(ConfigError::OutOfRange) }
+}

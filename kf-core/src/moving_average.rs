@@ -1,0 +1,147 @@
+//! The moving average of eq. 17.
+
+/// How many parts the window is divided into.
+const BINS: usize = 32;
+
+/// Sum of the samples that fell into one part of the window, or into several.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Bin {
+    sum: f32,
+    count: u32,
+}
+
+/// Mean of the samples of the last `window`, at any sample rate, at constant cost and memory.
+///
+/// The window is kept as 32 bins; the oldest leaves as a whole, so the mean covers between 31/32 of
+/// the window and all of it. No running sum outlives the window (each bin starts from zero and the
+/// total is added up anew when one closes), so f32 rounding can not accumulate however long it runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MovingAverage {
+    bins: [Bin; BINS],
+    open: usize,
+    open_ends_us: u64,
+    bin_us: u64,
+    /// Totals of the closed bins.
+    closed: Bin,
+    started: bool,
+}
+
+impl MovingAverage {
+    /// A moving average over `window_us` microseconds (at least 32).
+    #[must_use]
+    pub fn new(window_us: u64) -> Self {
+        Self {
+            bins: [Bin::default(); BINS],
+            open: 0,
+            open_ends_us: 0,
+            bin_us: (window_us / BINS as u64).max(1),
+            closed: Bin::default(),
+            started: false,
+        }
+    }
+
+    /// Adds a sample (finite, times increasing) and returns the mean of the window.
+    #[inline]
+    pub fn add(&mut self, time_us: u64, sample: f32) -> f32 {
+        if time_us >= self.open_ends_us {
+            self.close_bins(time_us);
+        }
+        // `open < BINS` always; the fallback is never taken.
+        let Some(bin) = self.bins.get_mut(self.open) else { return sample };
+        bin.sum += sample;
+        // 2^32 samples do not fit into a bin at any rate that a clock of microseconds can count.
+        bin.count = bin.count.saturating_add(1);
+        (self.closed.sum + bin.sum) / (self.closed.count.saturating_add(bin.count)) as f32
+    }
+
+    /// Moves on to the bin that holds `time_us`, and adds the closed ones up.
+    #[inline(never)]
+    fn close_bins(&mut self, time_us: u64) {
+        if !self.started {
+            self.started = true;
+            self.open_ends_us = time_us.saturating_add(self.bin_us);
+            return;
+        }
+        for _ in 0..BINS {
+            if time_us < self.open_ends_us {
+                break;
+            }
+            self.open = (self.open + 1) % BINS;
+            if let Some(bin) = self.bins.get_mut(self.open) {
+                *bin = Bin::default();
+            }
+            self.open_ends_us = self.open_ends_us.saturating_add(self.bin_us);
+        }
+        if time_us >= self.open_ends_us {
+            // Nothing for longer than the window: every bin has just been emptied.
+            self.open_ends_us = time_us.saturating_add(self.bin_us);
+        }
+        self.closed = Bin::default();
+        for bin in &self.bins {
+            self.closed.sum += bin.sum;
+            self.closed.count = self.closed.count.saturating_add(bin.count);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Mean over exactly the samples newer than `window_us`.
+    fn exact(samples: &[(u64, f32)], window_us: u64) -> f64 {
+        let now = samples.last().unwrap().0;
+        let inside: Vec<f64> =
+            samples.iter().filter(|(t, _)| t + window_us > now).map(|(_, x)| f64::from(*x)).collect();
+        inside.iter().sum::<f64>() / inside.len() as f64
+    }
+
+    #[test]
+    fn lags_a_ramp_by_half_the_window() {
+        let window_us = 3_000_000;
+        let mut average = MovingAverage::new(window_us);
+        let mut last = 0.0;
+        for k in 0..4_000_u64 {
+            last = average.add(k * 5_000, k as f32 * 0.005);
+        }
+        let lag = 3_999.0 * 0.005 - last;
+        // 31/32 to all of the window, at either end one sample.
+        assert!(lag > 1.5 * 31.0 / 32.0 - 0.005 && lag < 1.5 + 0.005, "{lag}");
+    }
+
+    #[test]
+    fn does_not_drift_in_ten_hours() {
+        let mut average = MovingAverage::new(2_000_000);
+        let mut last = 0.0;
+        for k in 0..7_200_000_u64 {
+            // Large values first: a running sum would keep their rounding.
+            let x = if k < 7_190_000 { 1.0e4 + (k % 7) as f32 * 0.1 } else { 0.25 };
+            last = average.add(k * 5_000, x);
+        }
+        assert_eq!(last, 0.25);
+    }
+
+    proptest! {
+        #[test]
+        fn agrees_with_the_exact_mean_of_a_window_between_31_and_32_parts(
+            steps in prop::collection::vec((1_u64..400_000, -100.0_f32..100.0), 1..300),
+        ) {
+            let window_us = 3_200_000;
+            let mut average = MovingAverage::new(window_us);
+            let mut samples: Vec<(u64, f32)> = Vec::new();
+            let mut now = 17;
+            for (dt, x) in steps {
+                now += dt;
+                samples.push((now, x));
+                let got = f64::from(average.add(now, x));
+                // Some window between the two limits gives this very mean.
+                let possible = (0..=101).any(|part| {
+                    let width = window_us * 31 / 32 + part * (window_us / 32) / 100;
+                    (exact(&samples, width) - got).abs() < 1e-3
+                });
+                prop_assert!(possible, "{got} at {now}");
+            }
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! The named checks that decide how a calibration is labelled.
+//!
+//! A launch can not be refused: a calibration that fails checks is latched as such.
+
+/// A check of the calibration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Check {
+    /// The settling time was over before launch.
+    Settled = 0,
+    /// The calibration lasted long enough.
+    LongEnough = 1,
+    /// The altitude was quiet.
+    TrimmedAltitude = 2,
+    /// The airspeed was quiet.
+    TrimmedAirspeed = 3,
+    /// The reference's own altitude had converged: it did not drift against its integrated climb
+    /// rate, nor all sensors against it alike, and the receiver itself reports accuracy and satellites.
+    ReferenceConverged = 4,
+    /// The reference was there all through the calibration and at launch.
+    ReferenceFresh = 5,
+    /// No bias drifted.
+    BiasesStationary = 6,
+    /// Innovations were as large as the model says.
+    InnovationsPlausible = 7,
+    /// Every number was finite, and time increased.
+    InputsValid = 8,
+    /// A sensor that flies free was delivering, and none was stuck or had gone silent.
+    SensorsAlive = 9,
+}
+
+impl Check {
+    /// Every check, in the order of its bit.
+    pub const ALL: [Self; 10] = [
+        Self::Settled,
+        Self::LongEnough,
+        Self::TrimmedAltitude,
+        Self::TrimmedAirspeed,
+        Self::ReferenceConverged,
+        Self::ReferenceFresh,
+        Self::BiasesStationary,
+        Self::InnovationsPlausible,
+        Self::InputsValid,
+        Self::SensorsAlive,
+    ];
+
+    /// The name used in files and reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Settled => "settled",
+            Self::LongEnough => "long_enough",
+            Self::TrimmedAltitude => "trimmed_altitude",
+            Self::TrimmedAirspeed => "trimmed_airspeed",
+            Self::ReferenceConverged => "reference_converged",
+            Self::ReferenceFresh => "reference_fresh",
+            Self::BiasesStationary => "biases_stationary",
+            Self::InnovationsPlausible => "innovations_plausible",
+            Self::InputsValid => "inputs_valid",
+            Self::SensorsAlive => "sensors_alive",
+        }
+    }
+}
+
+/// Checks that failed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FailedChecks(u16);
+
+impl FailedChecks {
+    /// From the bits of [`Self::bits`].
+    #[must_use]
+    pub const fn from_bits(bits: u16) -> Self {
+        Self(bits)
+    }
+
+    /// One bit a check, in the order of [`Check::ALL`].
+    #[must_use]
+    pub const fn bits(self) -> u16 {
+        self.0
+    }
+
+    /// Notes the outcome of a check.
+    pub fn note(&mut self, check: Check, passed: bool) {
+        if !passed {
+            self.0 |= 1 << check as u8;
+        }
+    }
+
+    /// Whether a check failed.
+    #[must_use]
+    pub const fn contains(self, check: Check) -> bool {
+        self.0 & (1 << check as u8) != 0
+    }
+
+    /// Whether the calibration is good: none failed.
+    #[must_use]
+    pub const fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// Every check that failed.
+    pub fn iter(self) -> impl Iterator<Item = Check> {
+        Check::ALL.into_iter().filter(move |check| self.contains(*check))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_check_has_its_own_bit_and_name() {
+        for (k, check) in Check::ALL.into_iter().enumerate() {
+            let mut failed = FailedChecks::default();
+            failed.note(check, true);
+            assert!(failed.is_empty());
+            failed.note(check, false);
+            assert_eq!(failed.bits(), 1 << k);
+            assert!(failed.iter().eq([check]));
+            assert!(Check::ALL[..k].iter().all(|other| other.name() != check.name()));
+        }
+    }
+}

@@ -1,0 +1,164 @@
+//! The reference receiver: which fixes are measurements, and where the altitude is between them.
+
+use crate::config::ReferenceConfig;
+use crate::input::GpsFix;
+use crate::output::Rejection;
+use crate::reading::is_held;
+use crate::time::seconds_between;
+
+/// A fix that is a measurement.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AcceptedFix {
+    /// Seconds since the last one; `None` for the first, and for the first after a loss.
+    pub interval_s: Option<f32>,
+    /// Altitude minus the climb rate's integral since the first fix, metres: its drift is the
+    /// receiver's own (code altitude against Doppler). `None` without a climb rate.
+    pub altitude_minus_climb_m: Option<f32>,
+}
+
+/// Follows the reference.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReferenceTracker {
+    lost_after_us: u64,
+    carries_climb: bool,
+    last: Option<(u64, GpsFix)>,
+    /// Integral of the climb rate since the first fix, metres.
+    climbed_m: f32,
+}
+
+impl ReferenceTracker {
+    /// A tracker that has seen no fix. With a climb rate in the configuration the altitude is
+    /// carried between fixes; without (the paper's), the last fix stands as it is.
+    #[must_use]
+    pub fn new(config: &ReferenceConfig) -> Self {
+        Self {
+            lost_after_us: crate::time::microseconds(config.lost_after_s),
+            carries_climb: config.climb_rate.is_some(),
+            last: None,
+            climbed_m: 0.0,
+        }
+    }
+
+    /// Takes a fix.
+    ///
+    /// # Errors
+    /// [`Rejection::NotFinite`] if any of its numbers is not, [`Rejection::Held`] if it is the last
+    /// fix again.
+    #[inline]
+    pub fn take(&mut self, time_us: u64, fix: &GpsFix) -> Result<AcceptedFix, Rejection> {
+        let numbers = [fix.velocity_north_mps, fix.velocity_east_mps, fix.velocity_down_mps];
+        let finite = fix.altitude_m.is_finite() && numbers.iter().flatten().all(|x| x.is_finite());
+        if !finite || fix.vertical_accuracy_m.is_some_and(|x| !x.is_finite()) {
+            return Err(Rejection::NotFinite);
+        }
+        if self.last.as_ref().is_some_and(|(_, last)| is_held(fix, last)) {
+            return Err(Rejection::Held);
+        }
+        let fresh = self.is_fresh(time_us);
+        let mut interval_s = None;
+        if let Some((last_us, last)) = &self.last {
+            let seconds = seconds_between(*last_us, time_us);
+            if let (Some(before), Some(now)) = (last.velocity_down_mps, fix.velocity_down_mps) {
+                self.climbed_m -= 0.5 * (before + now) * seconds;
+            }
+            interval_s = fresh.then_some(seconds);
+        }
+        self.last = Some((time_us, *fix));
+        let altitude_minus_climb_m = fix.velocity_down_mps.map(|_| fix.altitude_m - self.climbed_m);
+        Ok(AcceptedFix { interval_s, altitude_minus_climb_m })
+    }
+
+    /// Whether the last fix is recent enough to measure against.
+    #[must_use]
+    #[inline]
+    pub fn is_fresh(&self, time_us: u64) -> bool {
+        self.last.as_ref().is_some_and(|(last_us, _)| time_us.saturating_sub(*last_us) <= self.lost_after_us)
+    }
+
+    /// The last fix.
+    #[must_use]
+    pub fn last_fix(&self) -> Option<&GpsFix> {
+        self.last.as_ref().map(|(_, fix)| fix)
+    }
+
+    /// Climb rate by the last fix, m/s, up positive.
+    #[must_use]
+    #[inline]
+    pub fn climb_rate_mps(&self) -> Option<f32> {
+        self.last.as_ref().and_then(|(_, fix)| fix.velocity_down_mps).map(|down| -down)
+    }
+
+    /// Altitude of the reference now, metres; `None` when it is lost.
+    ///
+    /// This is eq. 16's `y_GPS`: the last fix, carried on by its climb rate where one is configured.
+    #[must_use]
+    #[inline]
+    pub fn altitude_m(&self, time_us: u64) -> Option<f32> {
+        let (last_us, fix) = self.last.as_ref()?;
+        let age_us = time_us.saturating_sub(*last_us);
+        if age_us > self.lost_after_us {
+            return None;
+        }
+        if age_us == 0 || !self.carries_climb {
+            return Some(fix.altitude_m);
+        }
+        let climbed_m = self.climb_rate_mps().unwrap_or(0.0) * seconds_between(*last_us, time_us);
+        Some(fix.altitude_m + climbed_m)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::ClimbRate;
+
+    fn config(climb: bool) -> ReferenceConfig {
+        ReferenceConfig {
+            sigma_m: 2.0,
+            correlation_time_s: 60.0,
+            prior_altitude_m: None,
+            prior_sigma_m: 10.0,
+            climb_rate: climb.then_some(ClimbRate { sigma_mps: 0.1, correlation_time_s: 5.0 }),
+            lost_after_s: 2.0,
+        }
+    }
+
+    fn fix(altitude_m: f32, down: f32) -> GpsFix {
+        GpsFix { altitude_m, velocity_down_mps: Some(down), ..GpsFix::default() }
+    }
+
+    #[test]
+    fn the_altitude_is_carried_by_the_climb_rate_only_where_configured() {
+        for (climb, expected) in [(true, 105.0), (false, 100.0)] {
+            let mut tracker = ReferenceTracker::new(&config(climb));
+            assert_eq!(tracker.altitude_m(0), None);
+            tracker.take(1_000_000, &fix(100.0, -10.0)).unwrap();
+            assert_eq!(tracker.altitude_m(1_500_000), Some(expected));
+            assert_eq!(tracker.altitude_m(3_000_001), None);
+        }
+    }
+
+    #[test]
+    fn a_held_fix_is_one_measurement_and_grows_old() {
+        let mut tracker = ReferenceTracker::new(&config(true));
+        assert_eq!(tracker.take(0, &fix(100.0, -1.0)).unwrap().interval_s, None);
+        for k in 1..=10 {
+            assert_eq!(tracker.take(k * 200_000, &fix(100.0, -1.0)), Err(Rejection::Held));
+        }
+        assert!(tracker.is_fresh(2_000_000) && !tracker.is_fresh(2_000_001));
+        // The first fix after a loss has no interval: it is worth what a first fix is.
+        assert_eq!(tracker.take(2_500_000, &fix(101.0, -1.0)).unwrap().interval_s, None);
+        let next = tracker.take(2_700_000, &fix(101.2, -1.0)).unwrap();
+        assert!((next.interval_s.unwrap() - 0.2).abs() < 1e-6);
+        // 2.7 s at 1 m/s were climbed.
+        assert!((next.altitude_minus_climb_m.unwrap() - 98.5).abs() < 1e-4);
+    }
+
+    #[test]
+    fn any_number_that_is_not_finite_refuses_the_fix() {
+        let mut tracker = ReferenceTracker::new(&config(true));
+        assert_eq!(tracker.take(0, &fix(f32::NAN, 0.0)), Err(Rejection::NotFinite));
+        assert_eq!(tracker.take(0, &fix(1.0, f32::INFINITY)), Err(Rejection::NotFinite));
+        assert_eq!(tracker.last_fix(), None);
+    }
+}

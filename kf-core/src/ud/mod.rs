@@ -1,0 +1,272 @@
+//! The Kalman filter in UD-factorised form: `P = U D U^T`, U unit upper triangular, D diagonal.
+//!
+//! Measurements are taken one scalar at a time (G. J. Bierman, "Factorization Methods for Discrete
+//! Sequential Estimation", Academic Press 1977, ch. V): the only divisor is the scalar innovation
+//! variance, there is no square root, and D stays positive whatever the rounding.
+//!
+//! # Shape
+//! The states are a *head* of `HEAD` states and a *tail* of `TAIL` states, in that order. Given the
+//! tail, head states are independent of each other: their block of U is the identity and is not
+//! stored. That holds for sensor biases as long as each measurement touches one of them and the
+//! tail gets no process noise; it is what makes the paper's problem (three biases, the altitude
+//! last) cheap. A filter without such structure has `HEAD = 0`; eqs 4 to 8 in full generality are
+//! its [`UdFilter::propagate`] and [`whitening::Whitening`].
+//!
+//! # Compensated state
+//! Each update moves a small `step`; [`UdFilter::fold`] adds the steps of a tick to the state and
+//! keeps what the addition lost (Kahan), so that gains of one part in millions still move it.
+
+mod covariance;
+mod factorise;
+mod time_update;
+pub mod whitening;
+
+use crate::error::FilterError;
+
+/// The row of H that belongs to one scalar measurement.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row<const TAIL: usize> {
+    /// The one head state that the measurement contains, with coefficient 1.
+    pub head: Option<usize>,
+    /// Coefficients of the tail states.
+    pub tail: [f32; TAIL],
+    /// The first tail state whose coefficient may be other than zero; every one before it is zero.
+    pub first: usize,
+}
+
+/// Variance of one scalar measurement: positive and finite, which is checked once, here.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NoiseVariance(f32);
+
+impl NoiseVariance {
+    /// A variance, in the measurement's unit squared.
+    ///
+    /// # Errors
+    /// [`FilterError::NotFinite`], [`FilterError::NotPositive`].
+    pub fn new(variance: f32) -> Result<Self, FilterError> {
+        if !variance.is_finite() {
+            Err(FilterError::NotFinite)
+        } else if variance <= 0.0 {
+            Err(FilterError::NotPositive)
+        } else {
+            Ok(Self(variance))
+        }
+    }
+
+    /// The variance.
+    #[must_use]
+    pub const fn get(self) -> f32 {
+        self.0
+    }
+}
+
+/// What a scalar update found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Innovation {
+    /// Measurement minus its prediction.
+    pub value: f32,
+    /// Variance of that under the filter: `H P H^T + R`.
+    pub variance: f32,
+}
+
+impl Innovation {
+    /// Normalised innovation squared: chi-square with one degree of freedom if the model holds.
+    #[must_use]
+    pub fn nis(&self) -> f32 {
+        self.value * self.value / self.variance
+    }
+}
+
+/// A Kalman filter of `HEAD + TAIL` states; see the module's documentation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UdFilter<const HEAD: usize, const TAIL: usize> {
+    head_state: [f32; HEAD],
+    tail_state: [f32; TAIL],
+    /// Steps not yet folded, with what earlier folds lost.
+    head_step: [f32; HEAD],
+    tail_step: [f32; TAIL],
+    head_d: [f32; HEAD],
+    tail_d: [f32; TAIL],
+    /// Rows of U that belong to head states, tail columns.
+    cross: [[f32; TAIL]; HEAD],
+    /// Rows of U that belong to tail states; only the strict upper triangle is used.
+    factor: [[f32; TAIL]; TAIL],
+}
+
+impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
+    /// A filter with uncorrelated states.
+    ///
+    /// # Errors
+    /// [`FilterError::NotFinite`] for a state or variance that is not, [`FilterError::NotPositive`]
+    /// for a negative variance. A variance of zero is a state known exactly.
+    pub fn new(
+        head: [f32; HEAD],
+        head_variance: [f32; HEAD],
+        tail: [f32; TAIL],
+        tail_variance: [f32; TAIL],
+    ) -> Result<Self, FilterError> {
+        let mut values = head.iter().chain(&tail);
+        let mut variances = head_variance.iter().chain(&tail_variance);
+        if !values.all(|x| x.is_finite()) || !variances.clone().all(|d| d.is_finite()) {
+            return Err(FilterError::NotFinite);
+        }
+        if variances.any(|&d| d < 0.0) {
+            return Err(FilterError::NotPositive);
+        }
+        Ok(Self {
+            head_state: head,
+            tail_state: tail,
+            head_step: [0.0; HEAD],
+            tail_step: [0.0; TAIL],
+            head_d: head_variance,
+            tail_d: tail_variance,
+            cross: [[0.0; TAIL]; HEAD],
+            factor: [[0.0; TAIL]; TAIL],
+        })
+    }
+
+    /// Takes one scalar measurement (eqs 6 to 8, one row of H at a time; Bierman's update).
+    ///
+    /// `row` gives `y = x_head + tail . x_tail + v`, `noise` the variance of v. The state's new
+    /// value shows after [`Self::fold`]; later updates before that see it already.
+    ///
+    /// # Errors
+    /// [`FilterError::NotFinite`] if the measurement or row is not finite or overflows. The filter
+    /// is then unchanged.
+    #[inline(always)]
+    pub fn update(
+        &mut self,
+        row: &Row<TAIL>,
+        measurement: f32,
+        noise: NoiseVariance,
+    ) -> Result<Innovation, FilterError> {
+        let first = row.first;
+
+        // Reads only: f = U^T h, the running innovation variance alpha, and the innovation. Nothing
+        // is written before the last of them is known to be finite.
+        let mut value = measurement;
+        let mut step = 0.0;
+        let mut head_alpha = noise.0;
+        if let Some(i) = row.head {
+            value -= self.head_state[i];
+            step += self.head_step[i];
+            head_alpha += self.head_d[i];
+        }
+        let mut f = [0.0; TAIL];
+        let mut v = [0.0; TAIL];
+        let mut alpha = [0.0; TAIL];
+        let mut variance = head_alpha;
+        for j in first..TAIL {
+            let mut sum = row.tail[j];
+            if let Some(i) = row.head {
+                sum += self.cross[i][j];
+            }
+            for k in first..j {
+                sum += row.tail[k] * self.factor[k][j];
+            }
+            f[j] = sum;
+            v[j] = self.tail_d[j] * sum;
+            variance += v[j] * sum;
+            alpha[j] = variance;
+            value -= row.tail[j] * self.tail_state[j];
+            step += row.tail[j] * self.tail_step[j];
+        }
+        value -= step;
+        // D >= 0 and the noise is positive, so the variance is at least the noise: it can only fail
+        // by being NaN or infinite.
+        if !(value.abs() <= f32::MAX && variance <= f32::MAX) {
+            return Err(FilterError::NotFinite);
+        }
+
+        // Writes: D, U, and the unnormalised gain, column by column.
+        let mut head_gain = [0.0; HEAD];
+        let mut tail_gain = [0.0; TAIL];
+        let mut before = head_alpha;
+        let mut inverse = 0.0;
+        if let Some(i) = row.head {
+            inverse = 1.0 / head_alpha;
+            head_gain[i] = self.head_d[i];
+            self.head_d[i] *= noise.0 * inverse;
+        }
+        for j in first..TAIL {
+            let lambda = -f[j] * inverse;
+            // In the first column only the measured head state carries a gain yet; rows without one
+            // keep their U.
+            for m in 0..HEAD {
+                let old = self.cross[m][j];
+                if j > first || row.head == Some(m) {
+                    self.cross[m][j] = old + lambda * head_gain[m];
+                    head_gain[m] += v[j] * old;
+                } else {
+                    head_gain[m] = v[j] * old;
+                }
+            }
+            for k in 0..j {
+                let old = self.factor[k][j];
+                if j > first {
+                    self.factor[k][j] = old + lambda * tail_gain[k];
+                    tail_gain[k] += v[j] * old;
+                } else {
+                    tail_gain[k] = v[j] * old;
+                }
+            }
+            tail_gain[j] = v[j];
+            inverse = 1.0 / alpha[j];
+            self.tail_d[j] *= before * inverse;
+            before = alpha[j];
+        }
+
+        let weighted = value * inverse;
+        for (step, gain) in self.head_step.iter_mut().zip(head_gain) {
+            *step += gain * weighted;
+        }
+        for (step, gain) in self.tail_step.iter_mut().zip(tail_gain) {
+            *step += gain * weighted;
+        }
+        Ok(Innovation { value, variance })
+    }
+
+    /// Adds the pending steps to the state, keeping what the addition loses for the next fold.
+    ///
+    /// Once a tick; updates and [`Self::shift_tail`] leave their steps pending until then.
+    #[inline(always)]
+    pub fn fold(&mut self) {
+        let head = self.head_state.iter_mut().zip(&mut self.head_step);
+        let tail = self.tail_state.iter_mut().zip(&mut self.tail_step);
+        for (state, step) in head.chain(tail) {
+            let sum = *state + *step;
+            *step -= sum - *state;
+            *state = sum;
+        }
+    }
+
+    /// Head states; what the last fold lost is below their rounding.
+    #[must_use]
+    pub const fn head(&self) -> &[f32; HEAD] {
+        &self.head_state
+    }
+
+    /// Tail states; see [`Self::head`].
+    #[must_use]
+    pub const fn tail(&self) -> &[f32; TAIL] {
+        &self.tail_state
+    }
+
+    /// Moves a tail state by a known amount (`B u` of eq. 4). Pending until [`Self::fold`].
+    ///
+    /// # Errors
+    /// [`FilterError::NotFinite`].
+    pub fn shift_tail(&mut self, index: usize, amount: f32) -> Result<(), FilterError> {
+        match self.tail_step.get_mut(index) {
+            Some(step) if amount.is_finite() => {
+                *step += amount;
+                Ok(())
+            }
+            Some(_) => Err(FilterError::NotFinite),
+            None => Err(FilterError::Shape),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

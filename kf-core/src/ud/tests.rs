@@ -1,0 +1,240 @@
+//! The filter's own invariants. Agreement with a textbook f64 filter is host-tests' business.
+
+use super::whitening::Whitening;
+use super::*;
+use proptest::prelude::*;
+
+fn noise(variance: f32) -> NoiseVariance {
+    NoiseVariance::new(variance).unwrap()
+}
+
+/// The paper's problem in either shape: three biases and an altitude.
+fn arrow() -> UdFilter<3, 1> {
+    UdFilter::new([0.0; 3], [2.4, 5.5, 22.0], [0.0], [0.6]).unwrap()
+}
+
+fn dense() -> UdFilter<0, 4> {
+    UdFilter::new([], [], [0.0; 4], [2.4, 5.5, 22.0, 0.6]).unwrap()
+}
+
+fn arrow_row(sensor: Option<usize>) -> Row<1> {
+    Row { head: sensor, tail: [1.0], first: 0 }
+}
+
+fn dense_row(sensor: Option<usize>) -> Row<4> {
+    let mut tail = [0.0, 0.0, 0.0, 1.0];
+    if let Some(i) = sensor {
+        tail[i] = 1.0;
+    }
+    Row { head: None, tail, first: sensor.unwrap_or(3) }
+}
+
+fn assert_valid<const H: usize, const T: usize>(filter: &UdFilter<H, T>) {
+    for i in 0..H + T {
+        assert!(filter.variance(i) >= 0.0);
+        let exact = filter.covariance(i, i);
+        assert!((filter.variance(i) - exact).abs() <= 1e-5 * exact.abs() + 1e-12);
+    }
+}
+
+proptest! {
+    /// Sparse and dense shapes are the same filter.
+    #[test]
+    fn both_shapes_agree(
+        steps in prop::collection::vec((0_usize..4, -3.0_f32..3.0, 0.1_f32..10.0), 1..200),
+    ) {
+        let (mut arrow, mut dense) = (arrow(), dense());
+        for (which, y, r) in steps {
+            let sensor = which.checked_sub(1);
+            let a = arrow.update(&arrow_row(sensor), y, noise(r)).unwrap();
+            let d = dense.update(&dense_row(sensor), y, noise(r)).unwrap();
+            prop_assert!((a.value - d.value).abs() < 1e-4);
+            arrow.fold();
+            dense.fold();
+        }
+        assert_valid(&arrow);
+        assert_valid(&dense);
+        for i in 0..4 {
+            for j in 0..4 {
+                let (a, d) = (arrow.covariance(i, j), dense.covariance(i, j));
+                prop_assert!((a - d).abs() < 1e-4 * (1.0 + a.abs()), "P[{i}][{j}]: {a} {d}");
+            }
+        }
+    }
+
+    /// No measurement raises a variance, whatever its row.
+    #[test]
+    fn a_measurement_never_raises_a_variance(
+        rows in prop::collection::vec((prop::array::uniform4(-2.0_f32..2.0), -5.0_f32..5.0, 0.01_f32..10.0), 1..100),
+    ) {
+        let mut filter = dense();
+        for (tail, y, r) in rows {
+            let before: Vec<f32> = (0..4).map(|i| filter.variance(i)).collect();
+            filter.update(&Row { head: None, tail, first: 0 }, y, noise(r)).unwrap();
+            filter.fold();
+            assert_valid(&filter);
+            for (i, before) in before.into_iter().enumerate() {
+                prop_assert!(filter.variance(i) <= before * (1.0 + 1e-5));
+            }
+        }
+    }
+
+    /// What cannot be used leaves no trace.
+    #[test]
+    fn a_refused_update_changes_nothing(
+        bad in prop_oneof![Just(f32::NAN), Just(f32::INFINITY), Just(f32::NEG_INFINITY)],
+        place in 0_usize..5,
+        y in -1.0_f32..1.0,
+    ) {
+        let mut filter = dense();
+        filter.update(&dense_row(Some(1)), y, noise(1.0)).unwrap();
+        let before = filter.clone();
+        let mut row = dense_row(Some(1));
+        row.first = 0;
+        let mut measurement = y;
+        match place {
+            4 => measurement = bad,
+            i => row.tail[i] = bad,
+        }
+        prop_assert_eq!(filter.update(&row, measurement, noise(1.0)), Err(FilterError::NotFinite));
+        prop_assert_eq!(&filter, &before);
+    }
+
+    /// Process noise adds to the covariance what eq. 5 says, whichever routine adds it.
+    #[test]
+    fn noise_adds_to_the_covariance(
+        ys in prop::collection::vec((0_usize..4, -3.0_f32..3.0), 0..30),
+        index in 0_usize..4,
+        q in 0.0_f32..5.0,
+    ) {
+        let mut filter = dense();
+        for (which, y) in ys {
+            filter.update(&dense_row(which.checked_sub(1)), y, noise(1.0)).unwrap();
+            filter.fold();
+        }
+        let mut identity = [[0.0; 4]; 4];
+        let mut direction = [[0.0; 1]; 4];
+        direction[index][0] = 1.0;
+        for (i, row) in identity.iter_mut().enumerate() {
+            row[i] = 1.0;
+        }
+        let mut general = filter.clone();
+        general.propagate(&identity, &[0.0; 4], &direction, &[q]).unwrap();
+        let mut special = filter.clone();
+        special.add_tail_noise(index, q).unwrap();
+        for i in 0..4 {
+            for j in 0..4 {
+                let added = if i == index && j == index { q } else { 0.0 };
+                let expected = filter.covariance(i, j) + added;
+                for got in [general.covariance(i, j), special.covariance(i, j)] {
+                    prop_assert!((got - expected).abs() < 2e-5 * (1.0 + expected.abs()), "{i}{j} {got} {expected}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_general_propagation_is_eqs_4_and_5() {
+    let p0 = [[4.0, 1.0, 0.5], [1.0, 3.0, -0.2], [0.5, -0.2, 2.0]];
+    let mut filter = UdFilter::with_covariance([1.0, -2.0, 0.5], &p0).unwrap();
+    let a = [[1.0, 0.1, 0.0], [0.0, 0.9, 0.3], [-0.2, 0.0, 1.1]];
+    let g = [[1.0, 0.0], [0.5, 1.0], [0.0, -1.0]];
+    let q = [0.3, 0.7];
+    let bu = [0.01, 0.02, -0.03];
+    filter.propagate(&a, &bu, &g, &q).unwrap();
+    filter.fold();
+    let x0 = [1.0, -2.0, 0.5];
+    for i in 0..3 {
+        let x: f32 = (0..3).map(|k| a[i][k] * x0[k]).sum::<f32>() + bu[i];
+        assert!((filter.tail()[i] - x).abs() < 1e-6);
+        for j in 0..3 {
+            let mut p = 0.0;
+            for k in 0..3 {
+                for l in 0..3 {
+                    p += a[i][k] * p0[k][l] * a[j][l];
+                }
+            }
+            for m in 0..2 {
+                p += g[i][m] * q[m] * g[j][m];
+            }
+            assert!(
+                (filter.covariance(i, j) - p).abs() < 1e-5,
+                "P[{i}][{j}] {} {p}",
+                filter.covariance(i, j)
+            );
+        }
+    }
+}
+
+#[test]
+fn correlated_noise_is_the_same_as_the_vector_update() {
+    // One state, two readings whose noises are correlated: P+ = 1 / (1/p + 1' R^-1 1).
+    let r = [[2.0, 1.5], [1.5, 3.0]];
+    let whitening = Whitening::new(&r).unwrap();
+    let mut filter = UdFilter::<0, 1>::new([], [], [0.0], [4.0]).unwrap();
+    let found = filter.update_vector(&[1.0, 2.0], &[[1.0], [1.0]], &whitening).unwrap();
+    let det = 2.0 * 3.0 - 1.5 * 1.5;
+    let information = (3.0 + 2.0 - 2.0 * 1.5) / det;
+    let variance = 1.0 / (0.25 + information);
+    assert!((filter.variance(0) - variance).abs() < 1e-6);
+    let weighted = ((3.0 - 1.5) * 1.0 + (2.0 - 1.5) * 2.0) / det;
+    assert!((filter.tail()[0] - variance * weighted).abs() < 1e-6);
+    // The vector's NIS, nu' S^-1 nu with S = R + p 11'.
+    let s = [[6.0, 5.5], [5.5, 7.0]];
+    let det = 6.0 * 7.0 - 5.5 * 5.5;
+    let nis = (s[1][1] - 2.0 * s[0][1] * 2.0 + s[0][0] * 4.0) / det;
+    assert!((found.iter().map(Innovation::nis).sum::<f32>() - nis).abs() < 1e-5);
+}
+
+#[test]
+fn a_matrix_that_is_no_covariance_is_refused() {
+    assert_eq!(Whitening::new(&[[1.0, 2.0], [2.0, 1.0]]), Err(FilterError::NotPositive));
+    assert_eq!(Whitening::new(&[[f32::NAN]]), Err(FilterError::NotFinite));
+    let filter = UdFilter::<0, 2>::with_covariance([0.0; 2], &[[1.0, 1.1], [1.1, 1.0]]);
+    assert_eq!(filter, Err(FilterError::NotPositive));
+    assert_eq!(NoiseVariance::new(0.0), Err(FilterError::NotPositive));
+    assert_eq!(NoiseVariance::new(f32::NAN), Err(FilterError::NotFinite));
+    assert_eq!(UdFilter::<0, 1>::new([], [], [0.0], [-1.0]), Err(FilterError::NotPositive));
+    assert_eq!(UdFilter::<0, 1>::new([], [], [f32::NAN], [1.0]), Err(FilterError::NotFinite));
+}
+
+#[test]
+fn noise_that_would_couple_head_states_is_refused() {
+    let mut filter = arrow();
+    assert_eq!(filter.add_tail_noise(0, 1.0), Err(FilterError::Shape));
+    assert_eq!(filter.add_head_noise(3, 1.0), Err(FilterError::Shape));
+    assert_eq!(filter.add_head_noise(0, -1.0), Err(FilterError::NotPositive));
+    assert_eq!(filter, arrow());
+    filter.add_head_noise(2, 1.5).unwrap();
+    assert!((filter.variance(2) - 23.5).abs() < 1e-5);
+}
+
+#[test]
+fn a_state_known_exactly_stays_so_and_harms_nothing() {
+    let mut filter = UdFilter::<0, 2>::new([], [], [1.0, 0.0], [0.0, 0.0]).unwrap();
+    filter.update(&Row { head: None, tail: [1.0, 1.0], first: 0 }, 5.0, noise(1.0)).unwrap();
+    filter.fold();
+    assert_eq!(filter.tail(), &[1.0, 0.0]);
+    filter.add_tail_noise(1, 2.0).unwrap();
+    assert_eq!((filter.variance(0), filter.variance(1)), (0.0, 2.0));
+}
+
+/// Plain f32 accumulation fails this (it stalls once the gain is below its rounding): half a sigma
+/// of drift over an hour at 200 Hz was seen.
+#[test]
+fn the_folded_state_keeps_what_f32_would_lose() {
+    let mut filter = UdFilter::<0, 1>::new([], [], [16.0], [1.0]).unwrap();
+    let row = Row { head: None, tail: [1.0], first: 0 };
+    let (mut exact, mut variance) = (16.0_f64, 1.0_f64);
+    for k in 0..720_000_u32 {
+        let y = 16.0 + f32::from((k.wrapping_mul(2_654_435_761) >> 16) as u16) / 65_536.0;
+        filter.update(&row, y, noise(1.0)).unwrap();
+        filter.fold();
+        let gain = variance / (variance + 1.0);
+        exact += gain * (f64::from(y) - exact);
+        variance *= 1.0 - gain;
+    }
+    let sigmas = (f64::from(filter.tail()[0]) - exact).abs() / variance.sqrt();
+    assert!(sigmas < 0.05, "{sigmas} sigma");
+}

@@ -1,0 +1,145 @@
+//! Time updates: eqs 4 and 5.
+
+use super::UdFilter;
+use crate::error::FilterError;
+
+impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
+    /// Adds process noise of that variance to one head state.
+    ///
+    /// # Errors
+    /// [`FilterError::NotFinite`], [`FilterError::NotPositive`] for a negative variance,
+    /// [`FilterError::Shape`] if there is no such state.
+    pub fn add_head_noise(&mut self, index: usize, variance: f32) -> Result<(), FilterError> {
+        check_variance(variance)?;
+        let d = self.head_d.get_mut(index).ok_or(FilterError::Shape)?;
+        let sum = *d + variance;
+        if !sum.is_finite() {
+            return Err(FilterError::NotFinite);
+        }
+        *d = sum;
+        Ok(())
+    }
+
+    /// Adds process noise of that variance to one tail state (rank-one update of Agee and Turner;
+    /// Bierman 1977, ch. III.7). With one direction at a time this is eq. 5 with A = I.
+    ///
+    /// # Errors
+    /// As [`Self::add_head_noise`]; [`FilterError::Shape`] also if there are head states, which
+    /// noise on the tail would couple.
+    pub fn add_tail_noise(&mut self, index: usize, variance: f32) -> Result<(), FilterError> {
+        check_variance(variance)?;
+        if HEAD > 0 || index >= TAIL {
+            return Err(FilterError::Shape);
+        }
+        if variance == 0.0 {
+            return Ok(());
+        }
+        // Overflow of any D is refused before anything is written: no D grows by more than this.
+        if !(self.variance(HEAD + index) + variance).is_finite() {
+            return Err(FilterError::NotFinite);
+        }
+        let mut direction = [0.0_f32; TAIL];
+        direction[index] = 1.0;
+        let mut weight = variance;
+        for j in (0..=index).rev() {
+            let a = direction[j];
+            let old = self.tail_d[j];
+            let new = old + weight * a * a;
+            if new <= 0.0 {
+                // A state known exactly, in a direction that the noise does not touch.
+                continue;
+            }
+            let inverse = 1.0 / new;
+            let beta = weight * a * inverse;
+            for k in 0..j {
+                direction[k] -= a * self.factor[k][j];
+                self.factor[k][j] += beta * direction[k];
+            }
+            weight *= old * inverse;
+            self.tail_d[j] = new;
+        }
+        Ok(())
+    }
+}
+
+impl<const N: usize> UdFilter<0, N> {
+    /// The general propagation of eqs 4 and 5: `x = A x + B u`, `P = A P A^T + G Q G^T`, Q diagonal
+    /// (Thornton's modified weighted Gram-Schmidt; Bierman 1977, ch. VI.4). Steps that are pending
+    /// are propagated with the state.
+    ///
+    /// `transition` is A [N x N], `input` is the product `B u` [N], `noise_input` is G [N x M],
+    /// `noise_variance` the diagonal of Q [M]. A correlated Q is `U_q D_q U_q^T`: pass `G U_q`, D_q.
+    ///
+    /// # Errors
+    /// [`FilterError::NotFinite`] if any number is not, or becomes so; [`FilterError::NotPositive`]
+    /// for a negative noise variance. The filter is then unchanged.
+    pub fn propagate<const M: usize>(
+        &mut self,
+        transition: &[[f32; N]; N],
+        input: &[f32; N],
+        noise_input: &[[f32; M]; N],
+        noise_variance: &[f32; M],
+    ) -> Result<(), FilterError> {
+        for &variance in noise_variance {
+            check_variance(variance)?;
+        }
+        let mut next = self.clone();
+        // Rows of W = [A U, G].
+        let mut own = [[0.0; N]; N];
+        let mut noise = *noise_input;
+        for i in 0..N {
+            let mut state = 0.0;
+            let mut step = input[i];
+            for j in 0..N {
+                state += transition[i][j] * self.tail_state[j];
+                step += transition[i][j] * self.tail_step[j];
+                let mut sum = transition[i][j];
+                for k in 0..j {
+                    sum += transition[i][k] * self.factor[k][j];
+                }
+                own[i][j] = sum;
+            }
+            next.tail_state[i] = state;
+            next.tail_step[i] = step;
+        }
+        for j in (0..N).rev() {
+            let d = weighted_product(&own[j], &own[j], &self.tail_d)
+                + weighted_product(&noise[j], &noise[j], noise_variance);
+            next.tail_d[j] = d;
+            for i in 0..j {
+                let product = weighted_product(&own[i], &own[j], &self.tail_d)
+                    + weighted_product(&noise[i], &noise[j], noise_variance);
+                // d = 0 means that row j of W has no weight: it is known exactly, and uncorrelated.
+                let u = if d > 0.0 { product / d } else { 0.0 };
+                next.factor[i][j] = u;
+                for k in 0..N {
+                    own[i][k] -= u * own[j][k];
+                }
+                for k in 0..M {
+                    noise[i][k] -= u * noise[j][k];
+                }
+            }
+        }
+        let numbers = next.tail_state.iter().chain(&next.tail_step).chain(&next.tail_d);
+        if !numbers.chain(next.factor.iter().flatten()).all(|x| x.is_finite()) {
+            return Err(FilterError::NotFinite);
+        }
+        *self = next;
+        Ok(())
+    }
+}
+
+/// `sum_k a_k b_k weight_k`.
+fn weighted_product(a: &[f32], b: &[f32], weight: &[f32]) -> f32 {
+    a.iter().zip(b).zip(weight).map(|((a, b), w)| a * b * w).sum()
+}
+
+fn check_variance(variance: f32) -> Result<(), FilterError> {
+    if !variance.is_finite() {
+        Err(FilterError::NotFinite)
+    } else if variance < 0.0 {
+        Err(FilterError::NotPositive)
+    } else {
+        Ok(())
+    }
+}
