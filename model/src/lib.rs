@@ -1,1 +1,114 @@
-//! model
+//! What the sensors are believed to be: their noise and priors, the monitor's rule, and the effects that
+//! are accounted for. A model is a TOML file; the workbench and the firmware's build read the same one.
+//!
+//! The keys, their units and defaults are in `flights/models/README.md`; every key's value lands in the
+//! field of [`kf_core::config`] that has its name.
+
+mod codegen;
+mod error;
+mod file;
+mod presets;
+mod validate;
+
+use kf_core::config::{
+    MissionConfig, MonitorConfig, QualityConfig, ReferenceConfig, SecondCorrection, SensorConfig,
+};
+use kf_core::effect::EffectTerm;
+use kf_core::sensor::SENSORS;
+
+pub use codegen::codegen;
+pub use error::ModelError;
+pub use presets::SECOND_CORRECTION_WANDER_M_PER_SQRT_S;
+
+/// An effect of a model, and where its coefficient comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Effect {
+    /// Which effect, its coefficient and that coefficient's sigma.
+    pub term: EffectTerm,
+    /// Whether the coefficient is a state of the filter rather than a constant.
+    pub estimate: bool,
+    /// The flight that the coefficient was learned from.
+    pub learned_from: Option<String>,
+    /// When it was learned.
+    pub date: Option<String>,
+}
+
+/// A model. [`Default`] is the default preset: today's MEMS sensors and GPS.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    /// First part of captive flight that is ignored, seconds.
+    pub settling_s: f32,
+    /// The reference.
+    pub reference: ReferenceConfig,
+    /// The sensors, in the order of [`kf_core::sensor::Sensor`].
+    pub sensors: [SensorConfig; SENSORS],
+    /// The monitor.
+    pub monitor: MonitorConfig,
+    /// The paper's section 4: a second correction in free flight.
+    pub second_correction: SecondCorrection,
+    /// Thresholds of the calibration's checks.
+    pub quality: QualityConfig,
+    /// The effects, in file order.
+    pub effects: Vec<Effect>,
+    /// The model's history, one table a change, as it stands in the file.
+    pub revisions: Vec<toml::Table>,
+}
+
+/// The sizes of the filter that a model needs: the const parameters of `kf_core`'s `Mission`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Shape {
+    /// States that stay put between measurements, stored before the altitude.
+    pub head: usize,
+    /// The altitude, and what is stored after it.
+    pub tail: usize,
+    /// Effects whose coefficients are states.
+    pub effects: usize,
+}
+
+impl Model {
+    /// The effects whose coefficients are states, in file order.
+    pub fn estimated_effects(&self) -> impl Iterator<Item = &Effect> {
+        self.effects.iter().filter(|effect| effect.estimate)
+    }
+
+    /// The effects whose coefficients are constants, in file order.
+    pub fn constant_effects(&self) -> impl Iterator<Item = &Effect> {
+        self.effects.iter().filter(|effect| !effect.estimate)
+    }
+
+    /// The sizes of the filter that this model needs.
+    ///
+    /// Without climb-rate propagation the biases precede the altitude (3 and 1 + E: the paper's problem,
+    /// whose factor stays sparse that way); with it the altitude comes first (0 and 4 + E).
+    #[must_use]
+    pub fn shape(&self) -> Shape {
+        let effects = self.estimated_effects().count();
+        if self.reference.climb_rate.is_some() {
+            Shape { head: 0, tail: 1 + SENSORS + effects, effects }
+        } else {
+            Shape { head: SENSORS, tail: 1 + effects, effects }
+        }
+    }
+
+    /// The configuration of a mission with `E` estimated effects.
+    ///
+    /// # Errors
+    /// [`ModelError::Effects`] when the model has another number of estimated effects, and what
+    /// [`Model::validate`] finds.
+    pub fn mission_config<const E: usize>(&self) -> Result<MissionConfig<E>, ModelError> {
+        self.validate()?;
+        let estimated: Vec<EffectTerm> = self.estimated_effects().map(|effect| effect.term).collect();
+        Ok(MissionConfig {
+            settling_s: self.settling_s,
+            reference: self.reference,
+            sensors: self.sensors,
+            monitor: self.monitor,
+            second_correction: self.second_correction,
+            quality: self.quality,
+            estimated_effects: estimated
+                .try_into()
+                .map_err(|terms: Vec<_>| ModelError::Effects { wanted: E, found: terms.len() })?,
+            constant_effects: self.constant_effects().map(|effect| effect.term).collect(),
+        })
+    }
+}

@@ -1,0 +1,322 @@
+//! Reading a model's TOML.
+
+use std::fs;
+use std::path::Path;
+
+use kf_core::config::{ClimbRate, ReferenceConfig, SecondCorrection, SensorConfig, SigmaSource};
+use kf_core::effect::{EffectId, EffectTerm};
+use kf_core::sensor::{SENSORS, Sensor};
+use serde::{Deserialize, Deserializer};
+use toml::Spanned;
+
+use crate::{Effect, Model, ModelError, SECOND_CORRECTION_WANDER_M_PER_SQRT_S};
+
+impl Model {
+    /// The preset of that name (`default`, `paper`), or else the model in the file of that name.
+    ///
+    /// # Errors
+    /// As [`Model::read`].
+    pub fn load(preset_or_file: &str) -> Result<Self, ModelError> {
+        Self::preset(preset_or_file).map_or_else(|| Self::read(Path::new(preset_or_file)), Ok)
+    }
+
+    /// Reads a model from a file.
+    ///
+    /// # Errors
+    /// [`ModelError::InFile`] with the first thing that is wrong.
+    pub fn read(file: &Path) -> Result<Self, ModelError> {
+        fs::read_to_string(file)
+            .map_err(|error| ModelError::Io(error.to_string()))
+            .and_then(|text| Self::parse(&text))
+            .map_err(|error| ModelError::InFile { file: file.to_path_buf(), error: Box::new(error) })
+    }
+
+    /// Reads a model from TOML text; a missing key has the default preset's value.
+    ///
+    /// # Errors
+    /// The first thing in it that is not TOML, not a model's, or not possible.
+    pub fn parse(text: &str) -> Result<Self, ModelError> {
+        let file: ModelFile = toml::from_str(text).map_err(|error| syntax_error(text, &error))?;
+        let mut model = Self::default();
+        file.apply(&mut model, text)?;
+        model.validate()?;
+        Ok(model)
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ModelFile {
+    settling_s: Option<f32>,
+    second_correction: Option<Correction>,
+    second_correction_wander_m_per_sqrt_s: Option<f32>,
+    gps: Option<Gps>,
+    sensor: Option<SensorTables>,
+    monitor: Option<Monitor>,
+    quality: Option<Quality>,
+    #[serde(default)]
+    effect: Vec<EffectTable>,
+    #[serde(default)]
+    revision: Vec<toml::Table>,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Correction {
+    Off,
+    MovingAverage,
+    Kalman,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Gps {
+    sigma_m: Option<f32>,
+    correlation_time_s: Option<f32>,
+    prior_altitude_m: Option<f32>,
+    prior_sigma_m: Option<f32>,
+    propagate_climb_rate: Option<bool>,
+    climb_rate_sigma_mps: Option<f32>,
+    climb_rate_correlation_time_s: Option<f32>,
+    lost_after_s: Option<f32>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SensorTables {
+    imu_master: Option<SensorTable>,
+    imu_slave: Option<SensorTable>,
+    baro: Option<SensorTable>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SensorTable {
+    sigma_m: Option<f32>,
+    correlation_time_s: Option<f32>,
+    prior_bias_m: Option<f32>,
+    prior_sigma_m: Option<f32>,
+    wander_m_per_sqrt_s: Option<f32>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Monitor {
+    sigma: Option<Sigma>,
+    multiplier: Option<f32>,
+    window_s: Option<f32>,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Sigma {
+    Residual,
+    Covariance,
+    Datasheet,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Quality {
+    minimum_duration_s: Option<f32>,
+    trimmed_altitude_m: Option<f32>,
+    trimmed_airspeed_mps: Option<f32>,
+    reference_drift_m: Option<f32>,
+    minimum_satellites: Option<u8>,
+    vertical_accuracy_m: Option<f32>,
+    bias_drift_sigmas: Option<f32>,
+    implausible_share: Option<f32>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct EffectTable {
+    id: Spanned<String>,
+    coefficient: Option<f32>,
+    sigma: Option<f32>,
+    #[serde(default)]
+    estimate: bool,
+    learned_from: Option<String>,
+    #[serde(default, deserialize_with = "date_or_text")]
+    date: Option<String>,
+}
+
+/// A date, as TOML's own or as text.
+fn date_or_text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<String>, D::Error> {
+    use serde::de::Error as _;
+    match toml::Value::deserialize(deserializer)? {
+        toml::Value::String(text) => Ok(Some(text)),
+        toml::Value::Datetime(date) => Ok(Some(date.to_string())),
+        other => Err(D::Error::custom(format!("a date is {}, expected a date or text", other.type_str()))),
+    }
+}
+
+fn put<T>(slot: &mut T, value: Option<T>) {
+    if let Some(value) = value {
+        *slot = value;
+    }
+}
+
+impl ModelFile {
+    fn apply(self, model: &mut Model, text: &str) -> Result<(), ModelError> {
+        put(&mut model.settling_s, self.settling_s);
+        model.second_correction = second_correction(
+            self.second_correction.unwrap_or(Correction::Off),
+            self.second_correction_wander_m_per_sqrt_s,
+        )?;
+        if let Some(gps) = self.gps {
+            gps.apply(&mut model.reference)?;
+        }
+        if let Some(tables) = self.sensor {
+            tables.apply(&mut model.sensors);
+        }
+        if let Some(monitor) = self.monitor {
+            let sigma = monitor.sigma.map(|sigma| match sigma {
+                Sigma::Residual => SigmaSource::Residual,
+                Sigma::Covariance => SigmaSource::Covariance,
+                Sigma::Datasheet => SigmaSource::Datasheet,
+            });
+            put(&mut model.monitor.sigma, sigma);
+            put(&mut model.monitor.multiplier, monitor.multiplier);
+            put(&mut model.monitor.window_s, monitor.window_s);
+        }
+        if let Some(quality) = self.quality {
+            let slots = &mut model.quality;
+            put(&mut slots.minimum_duration_s, quality.minimum_duration_s);
+            put(&mut slots.trimmed_altitude_m, quality.trimmed_altitude_m);
+            put(&mut slots.trimmed_airspeed_mps, quality.trimmed_airspeed_mps);
+            put(&mut slots.reference_drift_m, quality.reference_drift_m);
+            put(&mut slots.minimum_satellites, quality.minimum_satellites);
+            put(&mut slots.vertical_accuracy_m, quality.vertical_accuracy_m);
+            put(&mut slots.bias_drift_sigmas, quality.bias_drift_sigmas);
+            put(&mut slots.implausible_share, quality.implausible_share);
+        }
+        model.effects =
+            self.effect.into_iter().map(|table| table.into_effect(text)).collect::<Result<_, _>>()?;
+        model.revisions = self.revision;
+        Ok(())
+    }
+}
+
+fn second_correction(kind: Correction, wander: Option<f32>) -> Result<SecondCorrection, ModelError> {
+    match (kind, wander) {
+        (Correction::Kalman, wander) => Ok(SecondCorrection::Kalman {
+            wander_m_per_sqrt_s: wander.unwrap_or(SECOND_CORRECTION_WANDER_M_PER_SQRT_S),
+        }),
+        (_, Some(_)) => Err(ModelError::NoEffect {
+            key: "second_correction_wander_m_per_sqrt_s",
+            because: "second_correction is not \"kalman\"",
+        }),
+        (Correction::MovingAverage, None) => Ok(SecondCorrection::MovingAverage),
+        (Correction::Off, None) => Ok(SecondCorrection::Off),
+    }
+}
+
+impl Gps {
+    fn apply(self, reference: &mut ReferenceConfig) -> Result<(), ModelError> {
+        put(&mut reference.sigma_m, self.sigma_m);
+        put(&mut reference.correlation_time_s, self.correlation_time_s);
+        reference.prior_altitude_m = self.prior_altitude_m.or(reference.prior_altitude_m);
+        put(&mut reference.prior_sigma_m, self.prior_sigma_m);
+        put(&mut reference.lost_after_s, self.lost_after_s);
+        if self.propagate_climb_rate == Some(false) {
+            for (key, value) in [
+                ("gps.climb_rate_sigma_mps", self.climb_rate_sigma_mps),
+                ("gps.climb_rate_correlation_time_s", self.climb_rate_correlation_time_s),
+            ] {
+                if value.is_some() {
+                    let because = "gps.propagate_climb_rate is false";
+                    return Err(ModelError::NoEffect { key, because });
+                }
+            }
+            reference.climb_rate = None;
+        } else if let Some(ClimbRate { sigma_mps, correlation_time_s }) = &mut reference.climb_rate {
+            put(sigma_mps, self.climb_rate_sigma_mps);
+            put(correlation_time_s, self.climb_rate_correlation_time_s);
+        }
+        Ok(())
+    }
+}
+
+impl SensorTables {
+    fn apply(self, sensors: &mut [SensorConfig; SENSORS]) {
+        for (slots, sensor) in sensors.iter_mut().zip(Sensor::ALL) {
+            let table = match sensor {
+                Sensor::ImuMaster => &self.imu_master,
+                Sensor::ImuSlave => &self.imu_slave,
+                Sensor::Baro => &self.baro,
+            };
+            let Some(table) = table else { continue };
+            put(&mut slots.sigma_m, table.sigma_m);
+            put(&mut slots.correlation_time_s, table.correlation_time_s);
+            put(&mut slots.prior_bias_m, table.prior_bias_m);
+            put(&mut slots.prior_sigma_m, table.prior_sigma_m);
+            put(&mut slots.wander_m_per_sqrt_s, table.wander_m_per_sqrt_s);
+        }
+    }
+}
+
+impl EffectTable {
+    fn into_effect(self, text: &str) -> Result<Effect, ModelError> {
+        let name = self.id.get_ref();
+        let Some(id) = EffectId::from_name(name) else {
+            let (row, _) = row_and_column(text, self.id.span().start);
+            let known = EffectId::ALL.map(EffectId::name);
+            return Err(ModelError::UnknownEffect { row, id: name.clone(), nearest: nearest(name, &known) });
+        };
+        let required = |key: &str, value: Option<f32>, default: Option<f32>| {
+            value.or(default).ok_or_else(|| ModelError::Value {
+                key: format!("{key} of effect {name}"),
+                found: "missing".to_owned(),
+                expected: "a number",
+            })
+        };
+        // A prior mean of zero says nothing; a constant coefficient or a prior without sigma would.
+        let coefficient = required("coefficient", self.coefficient, self.estimate.then_some(0.0))?;
+        let sigma = required("sigma", self.sigma, (!self.estimate).then_some(0.0))?;
+        Ok(Effect {
+            term: EffectTerm { id, coefficient, sigma },
+            estimate: self.estimate,
+            learned_from: self.learned_from,
+            date: self.date,
+        })
+    }
+}
+
+/// The names nearest to `name`, best first, for a message.
+fn nearest(name: &str, known: &[&str]) -> String {
+    const SHOWN: usize = 3;
+    let mut ranked: Vec<_> = known.iter().map(|known| (strsim::jaro_winkler(name, known), *known)).collect();
+    ranked.sort_by(|(left, _), (right, _)| right.total_cmp(left));
+    let names: Vec<_> = ranked.into_iter().take(SHOWN).map(|(_, known)| known).collect();
+    names.join(", ")
+}
+
+/// Line and character of a byte of the text, from 1.
+fn row_and_column(text: &str, byte: usize) -> (usize, usize) {
+    let before = text.get(..byte).unwrap_or(text);
+    let line_start = before.rfind('\n').map_or(0, |end| end + 1);
+    let column = before.get(line_start..).map_or(0, |line| line.chars().count());
+    (before.matches('\n').count() + 1, column + 1)
+}
+
+fn syntax_error(text: &str, error: &toml::de::Error) -> ModelError {
+    let (row, column) = row_and_column(text, error.span().map_or(0, |span| span.start));
+    let message = one_line(error.message());
+    // serde's own words: "unknown field `a`, expected one of `b`, `c`". Every second piece is a name.
+    let mut pieces = message.split('`').skip(1).step_by(2);
+    let message = match pieces.next() {
+        Some(found) if message.starts_with("unknown field") => {
+            format!("no key '{found}' here; nearest: {}", nearest(found, &pieces.collect::<Vec<_>>()))
+        }
+        _ => message,
+    };
+    ModelError::Syntax { row, column, message }
+}
+
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,113 @@
+//! What the values of a model can be.
+
+use kf_core::config::{MAX_CONSTANT_EFFECTS, MAX_ESTIMATED_EFFECTS, SecondCorrection};
+use kf_core::sensor::Sensor;
+
+use crate::{Model, ModelError};
+
+const POSITIVE: &str = "a finite number above 0";
+const NOT_NEGATIVE: &str = "a finite number from 0 on";
+const FINITE: &str = "a finite number";
+
+fn require(key: impl Into<String>, value: f32, good: bool, expected: &'static str) -> Result<(), ModelError> {
+    if value.is_finite() && good {
+        return Ok(());
+    }
+    Err(ModelError::Value { key: key.into(), found: value.to_string(), expected })
+}
+
+fn positive(key: impl Into<String>, value: f32) -> Result<(), ModelError> {
+    require(key, value, value > 0.0, POSITIVE)
+}
+
+fn not_negative(key: impl Into<String>, value: f32) -> Result<(), ModelError> {
+    require(key, value, value >= 0.0, NOT_NEGATIVE)
+}
+
+fn finite(key: impl Into<String>, value: f32) -> Result<(), ModelError> {
+    require(key, value, true, FINITE)
+}
+
+impl Model {
+    /// Checks every value; [`Model::parse`] and [`Model::mission_config`] have done so already.
+    ///
+    /// # Errors
+    /// The first value, in file order, that its key can not have.
+    pub fn validate(&self) -> Result<(), ModelError> {
+        not_negative("settling_s", self.settling_s)?;
+        if let SecondCorrection::Kalman { wander_m_per_sqrt_s } = self.second_correction {
+            positive("second_correction_wander_m_per_sqrt_s", wander_m_per_sqrt_s)?;
+        }
+        self.validate_sensors()?;
+        positive("monitor.multiplier", self.monitor.multiplier)?;
+        positive("monitor.window_s", self.monitor.window_s)?;
+        let quality = &self.quality;
+        not_negative("quality.minimum_duration_s", quality.minimum_duration_s)?;
+        for (key, value) in [
+            ("quality.trimmed_altitude_m", quality.trimmed_altitude_m),
+            ("quality.trimmed_airspeed_mps", quality.trimmed_airspeed_mps),
+            ("quality.reference_drift_m", quality.reference_drift_m),
+            ("quality.vertical_accuracy_m", quality.vertical_accuracy_m),
+            ("quality.bias_drift_sigmas", quality.bias_drift_sigmas),
+        ] {
+            positive(key, value)?;
+        }
+        let share = quality.implausible_share;
+        require("quality.implausible_share", share, (0.0..=1.0).contains(&share), "a share from 0 to 1")?;
+        self.validate_effects()
+    }
+
+    fn validate_sensors(&self) -> Result<(), ModelError> {
+        let reference = &self.reference;
+        positive("gps.sigma_m", reference.sigma_m)?;
+        not_negative("gps.correlation_time_s", reference.correlation_time_s)?;
+        finite("gps.prior_altitude_m", reference.prior_altitude_m.unwrap_or(0.0))?;
+        positive("gps.prior_sigma_m", reference.prior_sigma_m)?;
+        if let Some(climb_rate) = reference.climb_rate {
+            positive("gps.climb_rate_sigma_mps", climb_rate.sigma_mps)?;
+            positive("gps.climb_rate_correlation_time_s", climb_rate.correlation_time_s)?;
+        }
+        positive("gps.lost_after_s", reference.lost_after_s)?;
+        for (sensor, config) in Sensor::ALL.into_iter().zip(&self.sensors) {
+            let key = |name| format!("sensor.{}.{name}", sensor.name());
+            positive(key("sigma_m"), config.sigma_m)?;
+            not_negative(key("correlation_time_s"), config.correlation_time_s)?;
+            finite(key("prior_bias_m"), config.prior_bias_m)?;
+            positive(key("prior_sigma_m"), config.prior_sigma_m)?;
+            not_negative(key("wander_m_per_sqrt_s"), config.wander_m_per_sqrt_s)?;
+        }
+        Ok(())
+    }
+
+    fn validate_effects(&self) -> Result<(), ModelError> {
+        let (estimated, constant) = (self.estimated_effects().count(), self.constant_effects().count());
+        if estimated > MAX_ESTIMATED_EFFECTS {
+            return Err(ModelError::TooMany {
+                kind: "estimated",
+                found: estimated,
+                most: MAX_ESTIMATED_EFFECTS,
+            });
+        }
+        if constant > MAX_CONSTANT_EFFECTS {
+            return Err(ModelError::TooMany {
+                kind: "constant",
+                found: constant,
+                most: MAX_CONSTANT_EFFECTS,
+            });
+        }
+        for (index, effect) in self.effects.iter().enumerate() {
+            let id = effect.term.id.name();
+            let key = |name| format!("{name} of effect {id}");
+            finite(key("coefficient"), effect.term.coefficient)?;
+            if effect.estimate {
+                positive(key("sigma"), effect.term.sigma)?;
+            } else {
+                not_negative(key("sigma"), effect.term.sigma)?;
+            }
+            if self.effects.iter().take(index).any(|earlier| earlier.term.id == effect.term.id) {
+                return Err(ModelError::Twice { id });
+            }
+        }
+        Ok(())
+    }
+}
