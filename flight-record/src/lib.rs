@@ -18,13 +18,17 @@
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 
+use core::ffi::CStr;
+
 mod decoder;
 mod encoder;
+mod exit;
 mod frame;
 mod payload;
 
 pub use decoder::Decoder;
 pub use encoder::{EncodeError, Encoder};
+pub use exit::ExitStatus;
 pub use frame::{Frame, FrameError, MAX_FRAME, MAX_STUFFED, PayloadError};
 pub use payload::{CostUnit, End, FORMAT_VERSION, Header, Kind, MAGIC, Payload, Stream, Summary, TickRecord};
 
@@ -34,6 +38,6 @@ use crc::{CRC_32_ISO_HDLC, Crc};
 const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 /// Name of the stream of inputs, in the directory where the emulator runs.
-pub const INPUT_FILE: &str = "input.record";
+pub const INPUT_FILE: &CStr = c"input.record";
 /// Name of the stream of outputs, in the same directory.
-pub const OUTPUT_FILE: &str = "output.record";
+pub const OUTPUT_FILE: &CStr = c"output.record";

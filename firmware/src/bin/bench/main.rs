@@ -4,6 +4,7 @@
 #![no_main]
 
 mod counter;
+mod ours;
 mod peer_minikalman;
 mod peers;
 mod problem;
@@ -18,6 +19,7 @@ use semihosting::{eprintln, println};
 use stm32f4xx_hal::pac;
 
 use counter::{Call, Count, Counter};
+use kf_core::estimator::ConfigError;
 use problem::{Filter, Measurements};
 
 /// Ticks that each filter is measured over.
@@ -73,8 +75,9 @@ fn main() -> ! {
     status.exit_process()
 }
 
-fn bench(counter: &Counter) -> ExitCode {
-    let outcomes = [
+/// The filters that solve the 4-state problem, and must agree. The first is the one agreed with.
+fn four_states(counter: &Counter) -> Result<[Outcome; 11], ConfigError> {
+    Ok([
         run(counter, "nalgebra sequential", textbook::Sequential::<false>::new()),
         run(counter, "nalgebra rank-one", textbook::Sequential::<true>::new()),
         run(counter, "nalgebra dense", textbook::Dense::new()),
@@ -84,19 +87,48 @@ fn bench(counter: &Counter) -> ExitCode {
         run(counter, "kfilter vector", peers::Kfilter::<4, 1>::new()),
         run(counter, "adskalman", peers::Adskalman::new()),
         run(counter, "multicalc", peers::Multicalc::new()),
-    ];
+        run(counter, "kf-core filter", ours::UdFilter::<3, 1, 0>::new()?),
+        run(counter, "kf-core filter and monitors", ours::Monitored::new()?),
+    ])
+}
+
+/// What else ours does; nobody to agree with.
+fn more_of_ours(counter: &Counter) -> Result<[Outcome; 6], ConfigError> {
+    let never = u64::MAX;
+    Ok([
+        run(counter, "kf-core filter 4 effects", ours::UdFilter::<3, 5, 4>::new()?),
+        run(counter, "kf-core filter 4 effects dense", ours::UdFilter::<0, 8, 4>::new()?),
+        run(counter, "kf-core whole tick captive", ours::WholeTick::<3, 1, 0>::new(never)?),
+        run(counter, "kf-core whole tick free", ours::WholeTick::<3, 1, 0>::new(10)?),
+        run(counter, "kf-core whole tick 4 effects captive", ours::WholeTick::<3, 5, 4>::new(never)?),
+        run(counter, "kf-core whole tick 4 effects dense captive", ours::WholeTick::<0, 8, 4>::new(never)?),
+    ])
+}
+
+fn bench(counter: &Counter) -> ExitCode {
+    let (Ok(outcomes), Ok(more)) = (four_states(counter), more_of_ours(counter)) else {
+        eprintln!("bench: kf-core refused its configuration");
+        return ExitCode::FAILURE;
+    };
     println!("name,mean,least,most,h_m,bias_master_m,bias_slave_m,bias_baro_m,agrees");
     let mut status = ExitCode::SUCCESS;
     for outcome in &outcomes {
         let agrees = agree(outcome, &outcomes[0]);
-        let Count { least, most, mean } = outcome.count;
-        let [h, master, slave, baro] = outcome.state;
-        println!("{},{mean},{least},{most},{h},{master},{slave},{baro},{agrees}", outcome.name);
+        print_row(outcome, if agrees { "yes" } else { "no" });
         if !agrees {
             status = ExitCode::FAILURE;
         }
     }
+    for outcome in &more {
+        print_row(outcome, "");
+    }
     status
+}
+
+fn print_row(outcome: &Outcome, agrees: &str) {
+    let Count { least, most, mean } = outcome.count;
+    let [h, master, slave, baro] = outcome.state;
+    println!("{},{mean},{least},{most},{h},{master},{slave},{baro},{agrees}", outcome.name);
 }
 
 #[panic_handler]

@@ -2,13 +2,21 @@
 
 /// Initial state: altitude, biases of the mother ship's IMU, the UAV's IMU and the barometer, m.
 pub const STATE: [f32; 4] = [2100.0, 0.0, 0.0, 0.0];
+/// Sigmas of the initial state, m.
+pub const PRIOR_SIGMAS: [f32; 4] = [50.0, 100.0, 150.0, 300.0];
 /// Diagonal of the initial covariance, m^2.
-pub const COVARIANCE: [f32; 4] = [50.0 * 50.0, 100.0 * 100.0, 150.0 * 150.0, 300.0 * 300.0];
+pub const COVARIANCE: [f32; 4] = squares(PRIOR_SIGMAS);
+/// Sigmas of the measurements, m.
+pub const NOISE_SIGMAS: [f32; 4] = [25.0, 50.0, 70.0, 150.0];
 /// Diagonal of the measurement covariance, m^2.
-pub const NOISE: [f32; 4] = [25.0 * 25.0, 50.0 * 50.0, 70.0 * 70.0, 150.0 * 150.0];
+pub const NOISE: [f32; 4] = squares(NOISE_SIGMAS);
 /// Which state each measurement sees.
 pub const OBSERVATION: [[f32; 4]; 4] =
     [[1.0, 0.0, 0.0, 0.0], [1.0, 1.0, 0.0, 0.0], [1.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.0, 1.0]];
+
+const fn squares([a, b, c, d]: [f32; 4]) -> [f32; 4] {
+    [a * a, b * b, c * c, d * d]
+}
 
 /// A filter on that problem. `A = I` and `Q = 0`, so there is nothing to propagate: nobody is asked
 /// to, which favours the filters that would have multiplied by the identity.
@@ -41,10 +49,10 @@ impl Measurements {
     /// The next tick's.
     pub fn next_tick(&mut self) -> [f32; 4] {
         [
-            2050.0 + 25.0 * self.white(),
-            2050.0 + 12.0 + 50.0 * self.white(),
-            2050.0 - 72.8909 + 70.0 * self.white(),
-            2050.0 - 121.8691 + 150.0 * self.white(),
+            2050.0 + NOISE_SIGMAS[0] * self.white(),
+            2050.0 + 12.0 + NOISE_SIGMAS[1] * self.white(),
+            2050.0 - 72.8909 + NOISE_SIGMAS[2] * self.white(),
+            2050.0 - 121.8691 + NOISE_SIGMAS[3] * self.white(),
         ]
     }
 }

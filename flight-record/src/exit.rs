@@ -1,0 +1,49 @@
+//! How an emulated flight ended.
+
+/// Exit status of the emulated flight computer. QEMU itself uses 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum ExitStatus {
+    /// The record was flown to its end, whatever was in it; the summary says what was wrong with it.
+    Finished = 0,
+    /// There is no record to fly, or it can not be opened.
+    NoInput = 10,
+    /// The record does not start with a header of this version of the format.
+    NoHeader = 11,
+    /// The record is meant for another model than the one that was compiled in.
+    OtherModel = 12,
+    /// The mission refused its configuration.
+    Configuration = 13,
+    /// The results can not be written.
+    NoOutput = 14,
+    /// The firmware panicked: a bug.
+    Panic = 101,
+    /// The core faulted: a bug.
+    HardFault = 102,
+}
+
+impl ExitStatus {
+    /// Every status.
+    pub const ALL: [Self; 8] = [
+        Self::Finished,
+        Self::NoInput,
+        Self::NoHeader,
+        Self::OtherModel,
+        Self::Configuration,
+        Self::NoOutput,
+        Self::Panic,
+        Self::HardFault,
+    ];
+
+    /// The status as a number.
+    #[must_use]
+    pub const fn code(self) -> u8 {
+        self as u8
+    }
+
+    /// The status of that number, or `None`.
+    #[must_use]
+    pub fn from_code(code: i32) -> Option<Self> {
+        Self::ALL.into_iter().find(|status| i32::from(status.code()) == code)
+    }
+}
