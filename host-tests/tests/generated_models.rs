@@ -65,6 +65,7 @@ macro_rules! same_as_host {
             let shape =
                 Shape { head: super::$name::HEAD, tail: super::$name::TAIL, effects: super::$name::EFFECTS };
             assert_eq!(shape, model.shape());
+            assert_eq!(super::$name::FINGERPRINT, model.fingerprint().unwrap());
             let host = model.mission_config::<{ super::$name::EFFECTS }>().unwrap();
             let generated = super::$name::mission_config();
             assert_eq!(generated, host);

@@ -2,18 +2,41 @@
 
 use std::fmt::Write as _;
 
+use crc::{CRC_64_ECMA_182, Crc};
 use kf_core::config::{SecondCorrection, SigmaSource};
 use kf_core::effect::EffectTerm;
 
 use crate::{Model, ModelError};
 
-/// Rust source that defines `HEAD`, `TAIL` and `EFFECTS` (see [`crate::Shape`]) and
+const CRC: Crc<u64> = Crc::<u64>::new(&CRC_64_ECMA_182);
+
+impl Model {
+    /// A number that stands for everything that [`codegen`] writes: equal for models that fly alike,
+    /// to the bit, whatever the layout of their files. Provenance and revisions do not enter it.
+    ///
+    /// # Errors
+    /// What [`Model::validate`] finds.
+    pub fn fingerprint(&self) -> Result<u64, ModelError> {
+        Ok(CRC.checksum(mission_source(self)?.as_bytes()))
+    }
+}
+
+/// Rust source that defines `HEAD`, `TAIL` and `EFFECTS` (see [`crate::Shape`]), `FINGERPRINT` (see
+/// [`Model::fingerprint`]) and
 /// `mission_config() -> kf_core::config::MissionConfig<EFFECTS>`, for `include!` in a crate that depends
 /// on `kf_core`. Floats are written by their bits, so the firmware has exactly the host's.
 ///
 /// # Errors
 /// What [`Model::validate`] finds.
 pub fn codegen(model: &Model) -> Result<String, ModelError> {
+    let fingerprint = model.fingerprint()?;
+    Ok(format!(
+        "{}/// Stands for all of the above.\npub const FINGERPRINT: u64 = 0x{fingerprint:016x};\n",
+        mission_source(model)?
+    ))
+}
+
+fn mission_source(model: &Model) -> Result<String, ModelError> {
     model.validate()?;
     let shape = model.shape();
     let reference = &model.reference;

@@ -57,9 +57,9 @@ pub struct Model {
 /// The sizes of the filter that a model needs: the const parameters of `kf_core`'s `Mission`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Shape {
-    /// States that stay put between measurements, stored before the altitude.
+    /// Head states: see `kf_core::ud`.
     pub head: usize,
-    /// The altitude, and what is stored after it.
+    /// Tail states.
     pub tail: usize,
     /// Effects whose coefficients are states.
     pub effects: usize,
@@ -78,8 +78,8 @@ impl Model {
 
     /// The sizes of the filter that this model needs.
     ///
-    /// Without climb-rate propagation the biases precede the altitude (3 and 1 + E: the paper's problem,
-    /// whose factor stays sparse that way); with it the altitude comes first (0 and 4 + E).
+    /// Without climb-rate propagation the biases are head states and the rest is the tail (3 and 1 + E:
+    /// the paper's problem); the process noise of propagation leaves no head (0 and 4 + E).
     #[must_use]
     pub fn shape(&self) -> Shape {
         let effects = self.estimated_effects().count();

@@ -149,6 +149,18 @@ fn a_mission_is_made_for_the_models_effects() {
 }
 
 #[test]
+fn the_fingerprint_follows_what_flies_and_nothing_else() {
+    let fingerprint = |text: &str| Model::parse(text).unwrap().fingerprint().unwrap();
+    let effect = "[[effect]]\nid = \"baro.dynamic_pressure\"\ncoefficient = 1\nestimate = true\nsigma = 1\n";
+    assert_eq!(fingerprint(""), Model::default().fingerprint().unwrap());
+    assert_eq!(fingerprint(effect), fingerprint(&format!("{effect}learned_from = \"x\"\n[[revision]]")));
+    let others = ["", "gps.sigma_m = 2.0000002", "monitor.sigma = \"covariance\"", effect];
+    for (index, text) in others.iter().enumerate() {
+        assert!(others[..index].iter().all(|other| fingerprint(other) != fingerprint(text)), "{text}");
+    }
+}
+
+#[test]
 fn unknown_names_come_with_the_nearest_known() {
     assert_eq!(
         message("[gps]\nsigm_m = 2"),
