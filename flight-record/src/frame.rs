@@ -3,7 +3,7 @@
 use crate::payload::{Kind, Payload};
 
 /// Longest frame before stuffing, bytes. No payload of this crate comes near it.
-pub const MAX_FRAME: usize = 320;
+pub const MAX_FRAME: usize = 640;
 /// Longest frame as sent, bytes: COBS adds one byte to every 254 and the closing zero one more.
 pub const MAX_STUFFED: usize = MAX_FRAME + MAX_FRAME.div_ceil(254) + 1;
 

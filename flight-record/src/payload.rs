@@ -1,6 +1,7 @@
 //! What a frame can carry.
 
 use kf_core::input::TickInput;
+use kf_core::latch::LatchRecord;
 use kf_core::output::TickOutput;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -24,6 +25,8 @@ pub enum Kind {
     End = 4,
     /// [`Summary`].
     Summary = 5,
+    /// [`LatchRecord`].
+    Latch = 6,
 }
 
 impl Kind {
@@ -36,6 +39,7 @@ impl Kind {
             3 => Some(Self::Tick),
             4 => Some(Self::End),
             5 => Some(Self::Summary),
+            6 => Some(Self::Latch),
             _ => None,
         }
     }
@@ -105,6 +109,11 @@ pub struct TickRecord {
 
 impl Payload for TickRecord {
     const KIND: Kind = Kind::Tick;
+}
+
+/// The calibration, right after the tick that latched it.
+impl Payload for LatchRecord {
+    const KIND: Kind = Kind::Latch;
 }
 
 /// The last frame of a stream of inputs.

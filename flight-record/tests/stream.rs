@@ -8,6 +8,7 @@ use flight_record::{
 use heapless::Vec as HeaplessVec;
 use kf_core::config::MAX_ESTIMATED_EFFECTS;
 use kf_core::input::{BaroReading, GpsFix, ImuSample, Signals, TickInput};
+use kf_core::latch::{LatchRecord, MAX_COVARIANCE, MAX_STATES, SensorLatch};
 use kf_core::output::{CoefficientOutput, Phase, Rejection, SensorOutput, TickOutput, Trust};
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -72,6 +73,26 @@ fn longest_tick() -> TickRecord {
     TickRecord { cost: u32::MAX, output }
 }
 
+/// A latched calibration of the most states there can be.
+fn longest_latch() -> LatchRecord {
+    let sensor = SensorLatch {
+        bias_m: f32::MAX,
+        bias_variance_m2: f32::MAX,
+        readings: u32::MAX,
+        residual_sigma_m: f32::MAX,
+        standard_error_m: f32::MAX,
+        bound_m: f32::MAX,
+    };
+    LatchRecord {
+        time_us: u64::MAX,
+        duration_s: f32::MAX,
+        failed_checks: u16::MAX,
+        sensors: [sensor; 3],
+        state: HeaplessVec::from_slice(&[f32::MAX; MAX_STATES]).unwrap(),
+        covariance: HeaplessVec::from_slice(&[f32::MAX; MAX_COVARIANCE]).unwrap(),
+    }
+}
+
 /// The stream of these payloads.
 fn stream<P: Payload>(payloads: &[P]) -> Vec<u8> {
     let mut encoder = Encoder::new();
@@ -98,8 +119,10 @@ fn read<P: Payload>(bytes: &[u8]) -> Vec<Seen<P>> {
 
 #[test]
 fn the_longest_payloads_fit_with_room_to_spare() {
-    let longest = stream(&[longest_input()]).len().max(stream(&[longest_tick()]).len());
+    let longest = stream(&[longest_latch()]).len();
+    assert!(longest > stream(&[longest_input()]).len().max(stream(&[longest_tick()]).len()));
     assert!(longest * 5 / 4 < MAX_FRAME, "{longest}");
+    assert_eq!(read(&stream(&[longest_latch()])), [Ok((0, Ok(longest_latch())))]);
     assert_eq!(read(&stream(&[longest_tick()])), [Ok((0, Ok(longest_tick())))]);
     assert_eq!(read(&stream(&[longest_input()])), [Ok((0, Ok(longest_input())))]);
 }

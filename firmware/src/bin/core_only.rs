@@ -1,0 +1,94 @@
+//! The smallest image with the mission's tick in it: what is linked here is what the tick needs.
+//!
+//! It is never run. `budgets.toml` says which symbols must not be in it (no panic, no soft-float double,
+//! no square root), for both shapes of the filter: the paper's, and the dense one with four effects.
+#![no_std]
+#![no_main]
+
+use core::hint::black_box;
+use core::panic::PanicInfo;
+
+use cortex_m_rt::entry;
+use kf_core::config::{
+    MissionConfig, MonitorConfig, QualityConfig, ReferenceConfig, SecondCorrection, SensorConfig, SigmaSource,
+};
+use kf_core::effect::{EffectId, EffectTerm};
+use kf_core::input::TickInput;
+use kf_core::mission::Mission;
+// The vector table needs every interrupt of the chip.
+use stm32f4xx_hal as _;
+
+/// A configuration that the compiler knows nothing about.
+fn configuration<const E: usize>() -> MissionConfig<E> {
+    let number = || black_box(1.0);
+    let sensor = || SensorConfig {
+        sigma_m: number(),
+        correlation_time_s: number(),
+        prior_bias_m: number(),
+        prior_sigma_m: number(),
+        wander_m_per_sqrt_s: number(),
+    };
+    let effect = || EffectTerm {
+        id: black_box(EffectId::BaroDynamicPressure),
+        coefficient: number(),
+        sigma: number(),
+    };
+    let mut constant_effects = heapless::Vec::new();
+    while black_box(true) && constant_effects.push(effect()).is_ok() {}
+    MissionConfig {
+        settling_s: number(),
+        reference: ReferenceConfig {
+            sigma_m: number(),
+            correlation_time_s: number(),
+            prior_altitude_m: black_box(None),
+            prior_sigma_m: number(),
+            climb_rate: black_box(None),
+            lost_after_s: number(),
+        },
+        sensors: [sensor(), sensor(), sensor()],
+        monitor: MonitorConfig {
+            sigma: black_box(SigmaSource::Residual),
+            multiplier: number(),
+            window_s: number(),
+        },
+        second_correction: black_box(SecondCorrection::Off),
+        quality: QualityConfig {
+            minimum_duration_s: number(),
+            trimmed_altitude_m: number(),
+            trimmed_airspeed_mps: number(),
+            reference_drift_m: number(),
+            minimum_satellites: black_box(4),
+            vertical_accuracy_m: number(),
+            bias_drift_sigmas: number(),
+            implausible_share: number(),
+        },
+        estimated_effects: core::array::from_fn(|_| effect()),
+        constant_effects,
+    }
+}
+
+/// Flies a mission on inputs that the compiler knows nothing about.
+fn fly<const HEAD: usize, const TAIL: usize, const E: usize>() {
+    let Ok(mut mission) = Mission::<HEAD, TAIL, E>::new(&configuration::<E>()) else {
+        return;
+    };
+    while black_box(true) {
+        let output = mission.tick(&black_box(TickInput::default()));
+        black_box(&output);
+        black_box(mission.latch());
+        black_box(mission.counters());
+    }
+}
+
+#[entry]
+fn main() -> ! {
+    loop {
+        fly::<3, 1, 0>();
+        fly::<0, 8, 4>();
+    }
+}
+
+#[panic_handler]
+fn panicked(_: &PanicInfo) -> ! {
+    loop {}
+}

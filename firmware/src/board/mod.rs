@@ -1,0 +1,47 @@
+//! The board, chosen by a feature: everything that differs between the emulated flight computer and the
+//! real one. Both have the same names here.
+
+#[cfg(all(feature = "board-f405", feature = "board-qemu"))]
+compile_error!("choose one board: feature board-qemu or board-f405, not both");
+#[cfg(not(any(feature = "board-f405", feature = "board-qemu")))]
+compile_error!("choose a board: feature board-qemu or board-f405");
+
+#[cfg(feature = "board-f405")]
+mod f405;
+#[cfg(all(feature = "board-qemu", not(feature = "board-f405")))]
+mod qemu;
+
+#[cfg(feature = "board-f405")]
+pub use f405::{CostClock, Feeder, NAME, Sensors, Sink, Source, Storage, exit, start};
+#[cfg(all(feature = "board-qemu", not(feature = "board-f405")))]
+pub use qemu::{CostClock, Feeder, NAME, Sensors, Sink, Source, Storage, exit, start};
+
+use crate::tick_timer::TickTimer;
+
+/// A board that runs.
+pub struct Board {
+    /// The tick.
+    pub timer: TickTimer,
+    /// What a tick costs.
+    pub clock: CostClock,
+    /// Says when and whether there is a tick to run.
+    pub source: Source,
+    /// Brings input for the source.
+    pub feeder: Feeder,
+    /// The sensors.
+    pub sensors: Sensors,
+    /// Where results go.
+    pub sink: Sink,
+}
+
+/// What a timer tick is for.
+pub enum Next {
+    /// Run the mission; the sensors have what is new at this time, microseconds.
+    Tick(u64),
+    /// Input is late: wait.
+    Underrun,
+    /// Results have no room: wait.
+    Stall,
+    /// There is no more input.
+    End,
+}

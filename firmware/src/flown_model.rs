@@ -1,0 +1,21 @@
+//! The model that was compiled in: the workbench's, to the bit (`build.rs`).
+
+use kf_core::estimator::ConfigError;
+use kf_core::mission::Mission;
+
+mod generated {
+    include!(concat!(env!("OUT_DIR"), "/model.rs"));
+}
+
+pub use generated::FINGERPRINT;
+
+/// Where the model comes from.
+pub const NAME: &str = env!("PYLON_MODEL_NAME");
+
+/// The mission of that model.
+pub type FlownMission = Mission<{ generated::HEAD }, { generated::TAIL }, { generated::EFFECTS }>;
+
+/// The mission before its first tick.
+pub fn mission() -> Result<FlownMission, ConfigError> {
+    Mission::new(&generated::mission_config())
+}

@@ -1,0 +1,39 @@
+//! How much stack was ever in use: the runtime paints it at reset, here is looked how far down the
+//! paint is gone.
+
+use core::ptr;
+
+use cortex_m_rt::STACK_PAINT_VALUE;
+
+unsafe extern "C" {
+    /// Where the stack starts; it grows down from here.
+    static _stack_start: u32;
+    /// Where it must end: the first word that is no static variable.
+    static _stack_end: u32;
+}
+
+/// Use of the stack since reset.
+#[derive(Clone, Copy)]
+pub struct Usage {
+    /// Most that was in use, bytes.
+    pub used_bytes: u32,
+    /// What there is, bytes.
+    pub size_bytes: u32,
+}
+
+/// Looks at the paint.
+pub fn usage() -> Usage {
+    let start = &raw const _stack_start;
+    let end = &raw const _stack_end;
+    let mut lowest = end;
+    while lowest < start {
+        // SAFETY: the linker script puts nothing but the stack between the two addresses, which are
+        // word-aligned RAM. Volatile, because the words belong to no Rust object.
+        if unsafe { ptr::read_volatile(lowest) } != STACK_PAINT_VALUE {
+            break;
+        }
+        lowest = lowest.wrapping_add(1);
+    }
+    let bytes = |from: *const u32, to: *const u32| (to as usize - from as usize) as u32;
+    Usage { used_bytes: bytes(lowest, start), size_bytes: bytes(end, start) }
+}
