@@ -106,10 +106,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimator<HEAD, TAIL,
         altitude_m: f32,
         noise: MeasurementNoise,
     ) -> Result<Innovation, FilterError> {
-        let mut tail = [0.0; TAIL];
-        tail[Self::ALTITUDE] = 1.0;
-        let row = Row { head: None, tail, first: Self::ALTITUDE };
-        self.update(&row, altitude_m, noise)
+        self.filter.update(&Self::reference_row(), self.scaled(altitude_m), noise.0)
     }
 
     /// Takes a reading of sensor number `SENSOR`: `y = h + b + sum_j theta_j phi_j + v`.
@@ -126,6 +123,49 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimator<HEAD, TAIL,
         regressors_m: &[f32; E],
         noise: MeasurementNoise,
     ) -> Result<Innovation, FilterError> {
+        let row = self.sensor_row::<SENSOR>(regressors_m);
+        self.filter.update(&row, self.scaled(reading_m), noise.0)
+    }
+
+    /// Takes a tick at which the reference and every sensor are new, and folds: what
+    /// [`Self::update_reference`], each [`Self::update_sensor`] and [`Self::fold`] do, but all or
+    /// nothing, which lets the state stay in registers.
+    ///
+    /// `regressors_m` [sensor][effect] as for [`Self::update_sensor`].
+    ///
+    /// # Errors
+    /// As [`Self::update_reference`]; nothing of the tick has then been taken.
+    #[inline(always)]
+    pub fn update_together(
+        &mut self,
+        altitude_m: f32,
+        altitude_noise: MeasurementNoise,
+        readings_m: &[f32; SENSORS],
+        regressors_m: &[[f32; E]; SENSORS],
+        noise: &[MeasurementNoise; SENSORS],
+    ) -> Result<(Innovation, [Innovation; SENSORS]), FilterError> {
+        let mut filter = self.filter.clone();
+        let scaled = readings_m.map(|reading_m| self.scaled(reading_m));
+        let reference = filter.update(&Self::reference_row(), self.scaled(altitude_m), altitude_noise.0)?;
+        let sensors = [
+            filter.update(&self.sensor_row::<0>(&regressors_m[0]), scaled[0], noise[0].0)?,
+            filter.update(&self.sensor_row::<1>(&regressors_m[1]), scaled[1], noise[1].0)?,
+            filter.update(&self.sensor_row::<2>(&regressors_m[2]), scaled[2], noise[2].0)?,
+        ];
+        filter.fold();
+        self.filter = filter;
+        Ok((reference, sensors))
+    }
+
+    #[inline(always)]
+    fn reference_row() -> Row<TAIL> {
+        let mut tail = [0.0; TAIL];
+        tail[Self::ALTITUDE] = 1.0;
+        Row { head: None, tail, first: Self::ALTITUDE }
+    }
+
+    #[inline(always)]
+    fn sensor_row<const SENSOR: usize>(&self, regressors_m: &[f32; E]) -> Row<TAIL> {
         const { assert!(SENSOR < SENSORS) };
         let mut tail = [0.0; TAIL];
         let (head, first) = if HEAD == 0 {
@@ -138,18 +178,13 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimator<HEAD, TAIL,
             tail[Self::coefficient_index(j)] = regressors_m[j] * self.coefficient_unit[j] * (1.0 / UNIT_M);
         }
         tail[Self::ALTITUDE] = 1.0;
-        self.update(&Row { head, tail, first }, reading_m, noise)
+        Row { head, tail, first }
     }
 
+    /// A reading in the filter's unit.
     #[inline(always)]
-    fn update(
-        &mut self,
-        row: &Row<TAIL>,
-        reading_m: f32,
-        noise: MeasurementNoise,
-    ) -> Result<Innovation, FilterError> {
-        let scaled = (reading_m - self.origin_m) * (1.0 / UNIT_M);
-        self.filter.update(row, scaled, noise.0)
+    fn scaled(&self, reading_m: f32) -> f32 {
+        (reading_m - self.origin_m) * (1.0 / UNIT_M)
     }
 
     /// Carries the altitude on by `climb_m` metres whose error has the variance `variance_m2`

@@ -22,7 +22,7 @@ impl Monitor {
     /// Takes the error of eq. 16 (finite, metres) and returns its moving average, metres.
     ///
     /// `doubtful` once `|error|` exceeds the bound; `untrustworthy` once, after that, `|average|` does.
-    #[inline]
+    #[inline(always)]
     pub fn update(&mut self, time_us: u64, error_m: f32) -> f32 {
         let average_m = self.average.add(time_us, error_m);
         match self.trust {

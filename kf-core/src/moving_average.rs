@@ -1,29 +1,48 @@
 //! The moving average of eq. 17.
 
 /// How many parts the window is divided into.
-const BINS: usize = 32;
+const PARTS: u64 = 32;
+/// How many of them are closed; one is being filled.
+const CLOSED: usize = 31;
 
 /// Sum of the samples that fell into one part of the window, or into several.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Bin {
     sum: f32,
-    count: u32,
+    /// A whole number; f32 counts exactly to 2^24, 16 million samples a window.
+    count: f32,
+}
+
+impl Bin {
+    fn add(&mut self, other: Self) {
+        self.sum += other.sum;
+        self.count += other.count;
+    }
+
+    fn take_off(&mut self, other: Self) {
+        self.sum -= other.sum;
+        self.count -= other.count;
+    }
 }
 
 /// Mean of the samples of the last `window`, at any sample rate, at constant cost and memory.
 ///
 /// The window is kept as 32 bins; the oldest leaves as a whole, so the mean covers between 31/32 of
-/// the window and all of it. No running sum outlives the window (each bin starts from zero and the
-/// total is added up anew when one closes), so f32 rounding can not accumulate however long it runs.
+/// the window and all of it. The running total of the closed bins is replaced, each time that the
+/// ring has gone round, by a sum that was begun when it last had: f32 rounding lives for two windows
+/// at most, however long it runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MovingAverage {
-    bins: [Bin; BINS],
-    open: usize,
-    open_ends_us: u64,
-    bin_us: u64,
-    /// Totals of the closed bins.
+    open: Bin,
+    /// Total of the closed bins.
     closed: Bin,
-    started: bool,
+    open_ends_us: u64,
+    /// Total of the bins closed since the ring last went round.
+    fresh: Bin,
+    ring: [Bin; CLOSED],
+    /// Where the next bin to close goes; below `CLOSED`.
+    next: usize,
+    bin_us: u64,
 }
 
 impl MovingAverage {
@@ -31,56 +50,64 @@ impl MovingAverage {
     #[must_use]
     pub fn new(window_us: u64) -> Self {
         Self {
-            bins: [Bin::default(); BINS],
-            open: 0,
-            open_ends_us: 0,
-            bin_us: (window_us / BINS as u64).max(1),
+            open: Bin::default(),
             closed: Bin::default(),
-            started: false,
+            open_ends_us: 0,
+            fresh: Bin::default(),
+            ring: [Bin::default(); CLOSED],
+            next: 0,
+            bin_us: (window_us / PARTS).max(1),
         }
     }
 
     /// Adds a sample (finite, times increasing) and returns the mean of the window.
-    #[inline]
+    #[inline(always)]
     pub fn add(&mut self, time_us: u64, sample: f32) -> f32 {
         if time_us >= self.open_ends_us {
             self.close_bins(time_us);
         }
-        // `open < BINS` always; the fallback is never taken.
-        let Some(bin) = self.bins.get_mut(self.open) else { return sample };
-        bin.sum += sample;
-        // 2^32 samples do not fit into a bin at any rate that a clock of microseconds can count.
-        bin.count = bin.count.saturating_add(1);
-        (self.closed.sum + bin.sum) / (self.closed.count.saturating_add(bin.count)) as f32
+        self.open.sum += sample;
+        self.open.count += 1.0;
+        (self.closed.sum + self.open.sum) / (self.closed.count + self.open.count)
     }
 
-    /// Moves on to the bin that holds `time_us`, and adds the closed ones up.
+    /// Moves on to the bin that holds `time_us`.
     #[inline(never)]
     fn close_bins(&mut self, time_us: u64) {
-        if !self.started {
-            self.started = true;
+        if self.open.count == 0.0 && self.closed.count == 0.0 {
             self.open_ends_us = time_us.saturating_add(self.bin_us);
             return;
         }
-        for _ in 0..BINS {
+        for _ in 0..PARTS {
             if time_us < self.open_ends_us {
-                break;
+                return;
             }
-            self.open = (self.open + 1) % BINS;
-            if let Some(bin) = self.bins.get_mut(self.open) {
-                *bin = Bin::default();
-            }
-            self.open_ends_us = self.open_ends_us.saturating_add(self.bin_us);
+            self.close_bin();
         }
         if time_us >= self.open_ends_us {
-            // Nothing for longer than the window: every bin has just been emptied.
+            // Nothing for longer than the window: every bin is empty by now, and what rounding left in
+            // the total goes with them.
+            self.closed = Bin::default();
+            self.fresh = Bin::default();
             self.open_ends_us = time_us.saturating_add(self.bin_us);
         }
-        self.closed = Bin::default();
-        for bin in &self.bins {
-            self.closed.sum += bin.sum;
-            self.closed.count = self.closed.count.saturating_add(bin.count);
+    }
+
+    fn close_bin(&mut self) {
+        if let Some(oldest) = self.ring.get_mut(self.next) {
+            self.closed.add(self.open);
+            self.closed.take_off(*oldest);
+            *oldest = self.open;
         }
+        self.fresh.add(self.open);
+        self.next += 1;
+        if self.next >= CLOSED {
+            self.next = 0;
+            self.closed = self.fresh;
+            self.fresh = Bin::default();
+        }
+        self.open = Bin::default();
+        self.open_ends_us = self.open_ends_us.saturating_add(self.bin_us);
     }
 }
 

@@ -131,8 +131,8 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
     /// value shows after [`Self::fold`]; later updates before that see it already.
     ///
     /// # Errors
-    /// [`FilterError::NotFinite`] if the measurement or row is not finite or overflows. The filter
-    /// is then unchanged.
+    /// [`FilterError::NotFinite`] if the measurement or row is not finite or overflows,
+    /// [`FilterError::Shape`] if the row names a state that there is not. The filter is then unchanged.
     #[inline(always)]
     pub fn update(
         &mut self,
@@ -141,15 +141,18 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         noise: NoiseVariance,
     ) -> Result<Innovation, FilterError> {
         let first = row.first;
+        if first >= TAIL || row.head.is_some_and(|i| i >= HEAD) {
+            return Err(FilterError::Shape);
+        }
+        let last = TAIL - 1;
 
         // Reads only: f = U^T h, the running innovation variance alpha, and the innovation. Nothing
         // is written before the last of them is known to be finite.
         let mut value = measurement;
-        let mut step = 0.0;
         let mut head_alpha = noise.0;
         if let Some(i) = row.head {
             value -= self.head_state[i];
-            step += self.head_step[i];
+            value -= self.head_step[i];
             head_alpha += self.head_d[i];
         }
         let mut f = [0.0; TAIL];
@@ -169,16 +172,21 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
             variance += v[j] * sum;
             alpha[j] = variance;
             value -= row.tail[j] * self.tail_state[j];
-            step += row.tail[j] * self.tail_step[j];
         }
-        value -= step;
+        for j in first..TAIL {
+            value -= row.tail[j] * self.tail_step[j];
+        }
         // D >= 0 and the noise is positive, so the variance is at least the noise: it can only fail
-        // by being NaN or infinite.
-        if !(value.abs() <= f32::MAX && variance <= f32::MAX) {
+        // by being NaN or infinite. The sum is finite only if both are.
+        let is_finite = value.abs() + variance <= f32::MAX;
+        if !is_finite {
             return Err(FilterError::NotFinite);
         }
+        let inverse_variance = 1.0 / variance;
+        let weighted = value * inverse_variance;
 
-        // Writes: D, U, and the unnormalised gain, column by column.
+        // Writes: D, U, and the unnormalised gain, column by column. The last column's part of the
+        // gain goes into the step directly, since no later column needs it.
         let mut head_gain = [0.0; HEAD];
         let mut tail_gain = [0.0; TAIL];
         let mut before = head_alpha;
@@ -188,10 +196,10 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
             head_gain[i] = self.head_d[i];
             self.head_d[i] *= noise.0 * inverse;
         }
-        for j in first..TAIL {
-            let lambda = -f[j] * inverse;
+        for j in first..last {
             // In the first column only the measured head state carries a gain yet; rows without one
             // keep their U.
+            let lambda = -f[j] * inverse;
             for m in 0..HEAD {
                 let old = self.cross[m][j];
                 if j > first || row.head == Some(m) {
@@ -215,14 +223,26 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
             self.tail_d[j] *= before * inverse;
             before = alpha[j];
         }
-
-        let weighted = value * inverse;
-        for (step, gain) in self.head_step.iter_mut().zip(head_gain) {
-            *step += gain * weighted;
+        let lambda = -f[last] * inverse;
+        let last_step = v[last] * weighted;
+        for m in 0..HEAD {
+            let old = self.cross[m][last];
+            if last > first || row.head == Some(m) {
+                self.cross[m][last] = old + lambda * head_gain[m];
+                self.head_step[m] += head_gain[m] * weighted;
+            }
+            self.head_step[m] += old * last_step;
         }
-        for (step, gain) in self.tail_step.iter_mut().zip(tail_gain) {
-            *step += gain * weighted;
+        for k in 0..last {
+            let old = self.factor[k][last];
+            if last > first {
+                self.factor[k][last] = old + lambda * tail_gain[k];
+                self.tail_step[k] += tail_gain[k] * weighted;
+            }
+            self.tail_step[k] += old * last_step;
         }
+        self.tail_step[last] += last_step;
+        self.tail_d[last] *= before * inverse_variance;
         Ok(Innovation { value, variance })
     }
 
@@ -231,12 +251,11 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
     /// Once a tick; updates and [`Self::shift_tail`] leave their steps pending until then.
     #[inline(always)]
     pub fn fold(&mut self) {
-        let head = self.head_state.iter_mut().zip(&mut self.head_step);
-        let tail = self.tail_state.iter_mut().zip(&mut self.tail_step);
-        for (state, step) in head.chain(tail) {
-            let sum = *state + *step;
-            *step -= sum - *state;
-            *state = sum;
+        for (state, step) in self.head_state.iter_mut().zip(&mut self.head_step) {
+            fold_one(state, step);
+        }
+        for (state, step) in self.tail_state.iter_mut().zip(&mut self.tail_step) {
+            fold_one(state, step);
         }
     }
 
@@ -266,6 +285,14 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
             None => Err(FilterError::Shape),
         }
     }
+}
+
+/// Kahan's addition: `state + step`, with what it lost left in `step`.
+#[inline(always)]
+fn fold_one(state: &mut f32, step: &mut f32) {
+    let sum = *state + *step;
+    *step -= sum - *state;
+    *state = sum;
 }
 
 #[cfg(test)]
