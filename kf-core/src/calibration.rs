@@ -177,6 +177,13 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
             step.reference = Some(Err(FilterError::NotFinite));
             return step;
         }
+        if let (Some((fix, accepted)), &[Some(master), Some(slave), Some(baro)]) = (fix, readings_m) {
+            let readings_m = [master, slave, baro];
+            if let Some(step) = self.take_together(config, time_us, fix, accepted, &readings_m, regressors_m)
+            {
+                return step;
+            }
+        }
         if let Some((fix, accepted)) = fix {
             let noise = self.reference_noise.equivalent(accepted.interval_s);
             let result = self.estimator.update_reference(fix.altitude_m, noise);
@@ -191,6 +198,43 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         ];
         self.estimator.fold();
         step
+    }
+
+    /// The tick at which everything is new, at once. `None` if any part was refused: nothing has then
+    /// been taken, and each reading is to be tried for itself.
+    #[inline(always)]
+    fn take_together(
+        &mut self,
+        config: &MissionConfig<E>,
+        time_us: u64,
+        fix: &GpsFix,
+        accepted: AcceptedFix,
+        readings_m: &[f32; SENSORS],
+        regressors_m: &[f32; E],
+    ) -> Option<CaptiveStep> {
+        let reference_noise = self.reference_noise.equivalent(accepted.interval_s);
+        let noise = core::array::from_fn(|i| self.noise_now(i, time_us));
+        let own_m = Sensor::ALL.map(|sensor| own_regressors(config, sensor, regressors_m));
+        let (reference, sensors) = self
+            .estimator
+            .update_together(fix.altitude_m, reference_noise, readings_m, &own_m, &noise)
+            .ok()?;
+        self.last_reading_us = [Some(time_us); SENSORS];
+        let reference = Ok(self.reference_noise.surprise(reference, reference_noise));
+        let sensors: [_; SENSORS] =
+            core::array::from_fn(|i| Ok(self.sensor_noise[i].surprise(sensors[i], noise[i])));
+        self.judge(reference);
+        for surprise in sensors {
+            self.judge(surprise);
+        }
+        Some(CaptiveStep { reference: Some(reference), sensors: sensors.map(Some) })
+    }
+
+    /// Noise of a sensor's reading now.
+    #[inline(always)]
+    fn noise_now(&self, sensor: usize, time_us: u64) -> MeasurementNoise {
+        let interval_s = self.last_reading_us[sensor].map(|last_us| seconds_between(last_us, time_us));
+        self.sensor_noise[sensor].equivalent(interval_s)
     }
 
     /// Eqs 4 and 5 up to now, where the configuration has them.
@@ -235,14 +279,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         regressors_m: &[f32; E],
     ) -> Option<Result<Surprise, FilterError>> {
         let reading_m = readings_m[SENSOR]?;
-        let interval_s = self.last_reading_us[SENSOR].map(|last_us| seconds_between(last_us, time_us));
-        let noise = self.sensor_noise[SENSOR].equivalent(interval_s);
-        let mut own_m = *regressors_m;
-        for (regressor_m, effect) in own_m.iter_mut().zip(&config.estimated_effects) {
-            if effect.id.sensor().index() != SENSOR {
-                *regressor_m = 0.0;
-            }
-        }
+        let noise = self.noise_now(SENSOR, time_us);
+        let own_m = own_regressors(config, Sensor::ALL[SENSOR], regressors_m);
         let result = self.estimator.update_sensor::<SENSOR>(reading_m, &own_m, noise);
         let surprise = result.map(|innovation| self.sensor_noise[SENSOR].surprise(innovation, noise));
         if surprise.is_ok() {
@@ -367,6 +405,22 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         let converged = reported && !drifts_alone && !drift_is_common(&trends, limits.reference_drift_m);
         failed.note(Check::ReferenceConverged, converged);
     }
+}
+
+/// The regressors of the effects that act on one sensor; zero for the others.
+#[inline(always)]
+fn own_regressors<const E: usize>(
+    config: &MissionConfig<E>,
+    sensor: Sensor,
+    regressors_m: &[f32; E],
+) -> [f32; E] {
+    let mut own_m = *regressors_m;
+    for (regressor_m, effect) in own_m.iter_mut().zip(&config.estimated_effects) {
+        if effect.id.sensor() != sensor {
+            *regressor_m = 0.0;
+        }
+    }
+    own_m
 }
 
 fn is_significant(trend: &Trend) -> bool {

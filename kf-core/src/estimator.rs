@@ -146,13 +146,18 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimator<HEAD, TAIL,
     ) -> Result<(Innovation, [Innovation; SENSORS]), FilterError> {
         let mut filter = self.filter.clone();
         let scaled = readings_m.map(|reading_m| self.scaled(reading_m));
-        let reference = filter.update(&Self::reference_row(), self.scaled(altitude_m), altitude_noise.0)?;
+        let reference =
+            filter.take::<false>(&Self::reference_row(), self.scaled(altitude_m), altitude_noise.0)?;
         let sensors = [
-            filter.update(&self.sensor_row::<0>(&regressors_m[0]), scaled[0], noise[0].0)?,
-            filter.update(&self.sensor_row::<1>(&regressors_m[1]), scaled[1], noise[1].0)?,
-            filter.update(&self.sensor_row::<2>(&regressors_m[2]), scaled[2], noise[2].0)?,
+            filter.take::<false>(&self.sensor_row::<0>(&regressors_m[0]), scaled[0], noise[0].0)?,
+            filter.take::<false>(&self.sensor_row::<1>(&regressors_m[1]), scaled[1], noise[1].0)?,
+            filter.take::<false>(&self.sensor_row::<2>(&regressors_m[2]), scaled[2], noise[2].0)?,
         ];
         filter.fold();
+        let variances = sensors.iter().fold(reference.variance, |sum, sensor| sum + sensor.variance);
+        if !filter.is_finite_after(variances) {
+            return Err(FilterError::NotFinite);
+        }
         self.filter = filter;
         Ok((reference, sensors))
     }
@@ -334,3 +339,6 @@ fn set(values: &mut [f32], index: usize, value: f32) {
         *slot = value;
     }
 }
+
+#[cfg(test)]
+mod tests;

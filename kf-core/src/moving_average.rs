@@ -71,28 +71,31 @@ impl MovingAverage {
         (self.closed.sum + self.open.sum) / (self.closed.count + self.open.count)
     }
 
-    /// Moves on to the bin that holds `time_us`.
+    /// Moves on to the bin that holds `time_us`: the next one, but after a gap.
     #[inline(never)]
     fn close_bins(&mut self, time_us: u64) {
-        if self.open.count == 0.0 && self.closed.count == 0.0 {
-            self.open_ends_us = time_us.saturating_add(self.bin_us);
-            return;
-        }
-        for _ in 0..PARTS {
-            if time_us < self.open_ends_us {
-                return;
-            }
-            self.close_bin();
-        }
+        self.close_bin();
         if time_us >= self.open_ends_us {
-            // Nothing for longer than the window: every bin is empty by now, and what rounding left in
-            // the total goes with them.
-            self.closed = Bin::default();
-            self.fresh = Bin::default();
-            self.open_ends_us = time_us.saturating_add(self.bin_us);
+            self.catch_up(time_us);
         }
     }
 
+    #[cold]
+    fn catch_up(&mut self, time_us: u64) {
+        for _ in 1..PARTS {
+            self.close_bin();
+            if time_us < self.open_ends_us {
+                return;
+            }
+        }
+        // The first sample, or the first after nothing for longer than the window: every bin is empty
+        // by now, and what rounding left in the total goes with them.
+        self.closed = Bin::default();
+        self.fresh = Bin::default();
+        self.open_ends_us = time_us.wrapping_add(self.bin_us);
+    }
+
+    #[inline(always)]
     fn close_bin(&mut self) {
         if let Some(oldest) = self.ring.get_mut(self.next) {
             self.closed.add(self.open);
@@ -107,7 +110,8 @@ impl MovingAverage {
             self.fresh = Bin::default();
         }
         self.open = Bin::default();
-        self.open_ends_us = self.open_ends_us.saturating_add(self.bin_us);
+        // 64 bits of microseconds wrap after half a million years.
+        self.open_ends_us = self.open_ends_us.wrapping_add(self.bin_us);
     }
 }
 

@@ -140,6 +140,18 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         measurement: f32,
         noise: NoiseVariance,
     ) -> Result<Innovation, FilterError> {
+        self.take::<true>(row, measurement, noise)
+    }
+
+    /// [`Self::update`]; where it is not `CHECKED`, numbers that are not finite go through, and the
+    /// caller finds them afterwards, in [`Self::is_finite_after`], and throws the filter away.
+    #[inline(always)]
+    pub(crate) fn take<const CHECKED: bool>(
+        &mut self,
+        row: &Row<TAIL>,
+        measurement: f32,
+        noise: NoiseVariance,
+    ) -> Result<Innovation, FilterError> {
         let first = row.first;
         if first >= TAIL || row.head.is_some_and(|i| i >= HEAD) {
             return Err(FilterError::Shape);
@@ -179,7 +191,7 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         // D >= 0 and the noise is positive, so the variance is at least the noise: it can only fail
         // by being NaN or infinite. The sum is finite only if both are.
         let is_finite = value.abs() + variance <= f32::MAX;
-        if !is_finite {
+        if CHECKED && !is_finite {
             return Err(FilterError::NotFinite);
         }
         let inverse_variance = 1.0 / variance;
@@ -244,6 +256,14 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         self.tail_step[last] += last_step;
         self.tail_d[last] *= before * inverse_variance;
         Ok(Innovation { value, variance })
+    }
+
+    /// Whether unchecked updates whose innovation variances add up to `variances`, and a fold after
+    /// them, met nothing but finite numbers: an innovation that is not goes into the last state
+    /// whatever its gain (0 times infinity is NaN), and nothing brings that back.
+    #[inline(always)]
+    pub(crate) fn is_finite_after(&self, variances: f32) -> bool {
+        self.tail_state.last().is_some_and(|state| state.abs() + variances <= f32::MAX)
     }
 
     /// Adds the pending steps to the state, keeping what the addition loses for the next fold.

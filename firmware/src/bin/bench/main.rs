@@ -24,18 +24,21 @@ use problem::{Filter, Measurements};
 
 /// Ticks that each filter is measured over.
 const TICKS: u32 = 400;
+/// Microseconds of one tick.
+const TICK_US: u64 = 5_000;
 /// How far two filters may end from each other, in posterior sigmas: they only differ by rounding.
 const AGREEMENT_SIGMAS: f32 = 0.05;
 
 /// One filter and the tick's measurements, so that a call takes one argument.
 struct Tick<F> {
     filter: F,
+    time_us: u64,
     measurements: [f32; 4],
 }
 
 impl<F: Filter> Call for Tick<F> {
     fn call(&mut self) {
-        self.filter.tick(&self.measurements);
+        self.filter.tick(self.time_us, &self.measurements);
     }
 }
 
@@ -49,8 +52,11 @@ struct Outcome {
 
 fn run<F: Filter>(counter: &Counter, name: &'static str, filter: F) -> Outcome {
     let mut source = Measurements::new();
-    let mut tick = Tick { filter, measurements: [0.0; 4] };
-    let count = counter.count(TICKS, &mut tick, |tick| tick.measurements = source.next_tick());
+    let mut tick = Tick { filter, time_us: 0, measurements: [0.0; 4] };
+    let count = counter.count(TICKS, &mut tick, |tick| {
+        tick.time_us += TICK_US;
+        tick.measurements = source.next_tick();
+    });
     Outcome { name, count, state: tick.filter.state(), variances: tick.filter.variances() }
 }
 

@@ -12,9 +12,6 @@ use kf_core::sensor::Sensor;
 
 use crate::problem::{Filter, NOISE, NOISE_SIGMAS, PRIOR_SIGMAS, STATE};
 
-/// Microseconds of one tick.
-const TICK_US: u64 = 5_000;
-
 /// The paper's preset, with `E` effects on the barometer as states.
 pub fn configuration<const E: usize>() -> MissionConfig<E> {
     let sensor = |i: usize| SensorConfig {
@@ -80,18 +77,14 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> UdFilter<HEAD, TAIL, 
 
 impl<const HEAD: usize, const TAIL: usize, const E: usize> Filter for UdFilter<HEAD, TAIL, E> {
     #[inline(always)]
-    fn tick(&mut self, measurements: &[f32; 4]) {
+    fn tick(&mut self, _time_us: u64, measurements: &[f32; 4]) {
         let [gps, master, slave, baro] = *measurements;
-        let results = [
-            self.estimator.update_reference(gps, self.noise[0]),
-            self.estimator.update_sensor::<0>(master, &self.regressors_m[0], self.noise[1]),
-            self.estimator.update_sensor::<1>(slave, &self.regressors_m[1], self.noise[2]),
-            self.estimator.update_sensor::<2>(baro, &self.regressors_m[2], self.noise[3]),
-        ];
-        if results.iter().any(Result::is_err) {
+        let [gps_noise, noise @ ..] = &self.noise;
+        let readings_m = [master, slave, baro];
+        let result = self.estimator.update_together(gps, *gps_noise, &readings_m, &self.regressors_m, noise);
+        if result.is_err() {
             self.refused += 1;
         }
-        self.estimator.fold();
     }
 
     fn state(&self) -> [f32; 4] {
@@ -107,35 +100,34 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Filter for UdFilter<H
     }
 }
 
+/// Table 1's biases of the sensors that fly free: what a monitor subtracts is latched.
+const LATCHED_BIASES_M: [f32; 2] = [-72.8909, -121.8691];
+
 /// The filter and, behind it, the monitors of the two sensors that fly free (eqs 16 and 17).
 pub struct Monitored {
     filter: UdFilter<3, 1, 0>,
     monitors: [Monitor; 2],
-    time_us: u64,
-    doubts: u32,
+    averages_m: [f32; 2],
 }
 
 impl Monitored {
     /// On the paper's problem, with the bounds of Table 1 and a window of 2 s.
     pub fn new() -> Result<Self, ConfigError> {
         let monitors = [Monitor::new(32.4422, 2_000_000), Monitor::new(40.3308, 2_000_000)];
-        Ok(Self { filter: UdFilter::new()?, monitors, time_us: 0, doubts: 0 })
+        Ok(Self { filter: UdFilter::new()?, monitors, averages_m: [0.0; 2] })
     }
 }
 
 impl Filter for Monitored {
     #[inline(always)]
-    fn tick(&mut self, measurements: &[f32; 4]) {
-        self.time_us += TICK_US;
-        self.filter.tick(measurements);
+    fn tick(&mut self, time_us: u64, measurements: &[f32; 4]) {
+        self.filter.tick(time_us, measurements);
         let [gps, _, slave, baro] = *measurements;
-        let biases_m =
-            [self.filter.estimator.bias_m(Sensor::ImuSlave), self.filter.estimator.bias_m(Sensor::Baro)];
-        for ((monitor, reading_m), bias_m) in self.monitors.iter_mut().zip([slave, baro]).zip(biases_m) {
-            let average_m = monitor.update(self.time_us, reading_m - bias_m - gps);
-            if average_m.abs() > monitor.bound_m() {
-                self.doubts += 1;
-            }
+        let errors_m = [slave - LATCHED_BIASES_M[0] - gps, baro - LATCHED_BIASES_M[1] - gps];
+        for ((monitor, error_m), average_m) in
+            self.monitors.iter_mut().zip(errors_m).zip(&mut self.averages_m)
+        {
+            *average_m = monitor.update(time_us, error_m);
         }
     }
 
@@ -151,7 +143,6 @@ impl Filter for Monitored {
 /// A whole tick of the mission: plausibility, signals, filter, statistics, monitors, output.
 pub struct WholeTick<const HEAD: usize, const TAIL: usize, const E: usize> {
     mission: Mission<HEAD, TAIL, E>,
-    time_us: u64,
     launch_us: u64,
     state: [f32; 4],
     variances: [f32; 4],
@@ -162,8 +153,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> WholeTick<HEAD, TAIL,
     pub fn new(launch_after: u64) -> Result<Self, ConfigError> {
         Ok(Self {
             mission: Mission::new(&configuration::<E>())?,
-            time_us: 0,
-            launch_us: launch_after.saturating_mul(TICK_US),
+            launch_us: launch_after.saturating_mul(crate::TICK_US),
             state: STATE,
             variances: [0.0; 4],
         })
@@ -171,12 +161,11 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> WholeTick<HEAD, TAIL,
 }
 
 impl<const HEAD: usize, const TAIL: usize, const E: usize> Filter for WholeTick<HEAD, TAIL, E> {
-    fn tick(&mut self, measurements: &[f32; 4]) {
-        self.time_us += TICK_US;
+    fn tick(&mut self, time_us: u64, measurements: &[f32; 4]) {
         let [gps, master, slave, baro] = *measurements;
         let input = TickInput {
-            time_us: self.time_us,
-            launch: self.time_us > self.launch_us,
+            time_us,
+            launch: time_us > self.launch_us,
             gps: Some(GpsFix { altitude_m: gps, ..GpsFix::default() }),
             baro: Some(BaroReading::AltitudeM(baro)),
             imu_master_altitude_m: Some(master),

@@ -68,7 +68,7 @@ where
     F: KalmanFilterUpdate<4, f32> + KalmanFilterStateVector<4, f32> + KalmanFilterEstimateCovariance<4, f32>,
     O: KalmanFilterObservationCorrectFilter<4, f32> + KalmanFilterObservationVectorMut<ROWS, f32>,
 {
-    fn tick(&mut self, measurements: &[f32; 4]) {
+    fn tick(&mut self, _time_us: u64, measurements: &[f32; 4]) {
         for (observation, values) in self.observations.iter_mut().zip(measurements.chunks_exact(ROWS)) {
             observation.measurement_vector_mut().as_matrix_mut().apply(|z| {
                 for (row, value) in values.iter().enumerate() {

@@ -44,7 +44,7 @@ impl<const ROWS: usize, const TIMES: usize> Kfilter<ROWS, TIMES> {
 }
 
 impl<const ROWS: usize, const TIMES: usize> Filter for Kfilter<ROWS, TIMES> {
-    fn tick(&mut self, measurements: &[f32; 4]) {
+    fn tick(&mut self, _time_us: u64, measurements: &[f32; 4]) {
         for (measurement, values) in self.measurements.iter_mut().zip(measurements.chunks_exact(ROWS)) {
             measurement.z.copy_from_slice(values);
             // A refused update shows in the comparison of the results.
@@ -103,7 +103,7 @@ impl Adskalman {
 }
 
 impl Filter for Adskalman {
-    fn tick(&mut self, measurements: &[f32; 4]) {
+    fn tick(&mut self, _time_us: u64, measurements: &[f32; 4]) {
         let measurements = Vector4::from(*measurements);
         if let Ok(estimate) =
             self.model.update(&self.estimate, &measurements, CovarianceUpdateMethod::OptimalKalman)
@@ -146,7 +146,7 @@ impl Multicalc {
 }
 
 impl Filter for Multicalc {
-    fn tick(&mut self, measurements: &[f32; 4]) {
+    fn tick(&mut self, _time_us: u64, measurements: &[f32; 4]) {
         // A refused update shows in the comparison of the results.
         let _ = self.0.update(mc::Vector::new(*measurements));
     }

@@ -21,8 +21,8 @@ const fn squares([a, b, c, d]: [f32; 4]) -> [f32; 4] {
 /// A filter on that problem. `A = I` and `Q = 0`, so there is nothing to propagate: nobody is asked
 /// to, which favours the filters that would have multiplied by the identity.
 pub trait Filter {
-    /// Takes in the four measurements of one tick, metres.
-    fn tick(&mut self, measurements: &[f32; 4]);
+    /// Takes in the time, microseconds, and the four measurements of one tick, metres.
+    fn tick(&mut self, time_us: u64, measurements: &[f32; 4]);
     /// The state in the order of [`STATE`], metres.
     fn state(&self) -> [f32; 4];
     /// The diagonal of its covariance, m^2.

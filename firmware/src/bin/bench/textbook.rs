@@ -26,7 +26,7 @@ impl<const RANK_ONE: bool> Sequential<RANK_ONE> {
 }
 
 impl<const RANK_ONE: bool> Filter for Sequential<RANK_ONE> {
-    fn tick(&mut self, measurements: &[f32; 4]) {
+    fn tick(&mut self, _time_us: u64, measurements: &[f32; 4]) {
         for ((h, r), y) in self.h.iter().zip(&self.r).zip(measurements) {
             let pht = self.p * h.transpose();
             let gain = pht / ((h * pht).x + r);
@@ -69,7 +69,7 @@ impl Dense {
 }
 
 impl Filter for Dense {
-    fn tick(&mut self, measurements: &[f32; 4]) {
+    fn tick(&mut self, _time_us: u64, measurements: &[f32; 4]) {
         let pht = self.p * self.h.transpose();
         let Some(inverse) = (self.h * pht + self.r).try_inverse() else {
             return;
