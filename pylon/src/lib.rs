@@ -2,4 +2,5 @@
 
 pub mod flight;
 pub mod output_file;
+pub mod replay;
 pub mod statistics;

@@ -1,0 +1,50 @@
+//! Why a flight can not be replayed.
+
+use kf_core::estimator::ConfigError;
+use model::ModelError;
+use thiserror::Error;
+
+use super::window::{CalibrationWindow, WindowError};
+use crate::flight::Problem;
+
+/// Why a flight can not be replayed; displays as one line, without the flight's name.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ReplayError {
+    /// The flight lacks what every comparison needs.
+    #[error(transparent)]
+    Flight(#[from] Problem),
+    /// The calibration window does not fit the flight.
+    #[error(transparent)]
+    Window(#[from] WindowError),
+    /// The flight does not say when it was launched, and is nowhere quiet.
+    #[error("no launch column and no quiet stretch of {wanted_s} s to calibrate on{}; give one by --calibrate START..END (seconds)", hint(.calmest.as_ref()))]
+    NoQuietStretch {
+        /// How long it would have to be, seconds.
+        wanted_s: f32,
+        /// The least restless window, and how far the altitude went in it, metres.
+        calmest: Option<(CalibrationWindow, f32)>,
+    },
+    /// The model is not valid.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// The estimator refuses the model's numbers.
+    #[error("the estimator refuses the model: {0}")]
+    Config(&'static str),
+}
+
+fn hint(found: Option<&(CalibrationWindow, f32)>) -> String {
+    found.map_or_else(String::new, |(window, range_m)| {
+        format!(" (the calmest is {window}, where the altitude goes over {range_m:.1} m)")
+    })
+}
+
+impl From<ConfigError> for ReplayError {
+    fn from(error: ConfigError) -> Self {
+        Self::Config(match error {
+            ConfigError::Shape => "its states do not fit the filter's shape",
+            ConfigError::ClimbRateNeedsDenseFilter => "a climb rate needs a filter without head states",
+            ConfigError::OutOfRange => "a number is out of the range that f32 arithmetic can hold",
+        })
+    }
+}

@@ -1,0 +1,61 @@
+//! A mission whose shape is only known at run time.
+
+use kf_core::input::TickInput;
+use kf_core::latch::LatchRecord;
+use kf_core::mission::{Counters, Mission};
+use kf_core::output::TickOutput;
+use model::{Model, ModelError};
+
+use super::error::ReplayError;
+
+/// A [`Mission`] of any shape.
+pub trait AnyMission {
+    /// See [`Mission::tick`].
+    fn tick(&mut self, input: &TickInput) -> TickOutput;
+    /// See [`Mission::latch`].
+    fn latch(&self) -> Option<&LatchRecord>;
+    /// See [`Mission::counters`].
+    fn counters(&self) -> &Counters;
+}
+
+impl<const HEAD: usize, const TAIL: usize, const E: usize> AnyMission for Mission<HEAD, TAIL, E> {
+    fn tick(&mut self, input: &TickInput) -> TickOutput {
+        Self::tick(self, input)
+    }
+
+    fn latch(&self) -> Option<&LatchRecord> {
+        Self::latch(self)
+    }
+
+    fn counters(&self) -> &Counters {
+        Self::counters(self)
+    }
+}
+
+fn boxed<const HEAD: usize, const TAIL: usize, const E: usize>(
+    model: &Model,
+) -> Result<Box<dyn AnyMission>, ReplayError> {
+    Ok(Box::new(Mission::<HEAD, TAIL, E>::new(&model.mission_config()?)?))
+}
+
+/// A new mission of the shape that the model needs.
+///
+/// # Errors
+/// [`ReplayError::Model`], [`ReplayError::Config`].
+pub fn mission(model: &Model) -> Result<Box<dyn AnyMission>, ReplayError> {
+    macro_rules! by_shape {
+        ($($effects:literal)*) => {
+            match (model.shape().head, model.shape().effects) {
+                $(
+                    (0, $effects) => boxed::<0, { 4 + $effects }, $effects>(model),
+                    (3, $effects) => boxed::<3, { 1 + $effects }, $effects>(model),
+                )*
+                // More effects than the estimator holds.
+                (_, effects) => Err(model.validate().err().unwrap_or(
+                    ModelError::Effects { wanted: 0, found: effects }
+                ).into()),
+            }
+        };
+    }
+    by_shape!(0 1 2 3 4 5 6 7 8)
+}

@@ -1,0 +1,186 @@
+//! A flight through the estimator: the same ticks, in the same order, as the flight computer gets.
+//!
+//! Where the captive flight ends is decided here: by the flight's `launch` column, or, for flights that
+//! have none, by a window given by the user or found in the flight ([`quiet`]). With a window, rows before
+//! it are skipped, launch is said at its end, and nothing is ignored as settling.
+
+mod error;
+mod inputs;
+mod mission;
+pub mod quiet;
+mod window;
+
+use std::fmt;
+
+use kf_core::input::TickInput;
+use kf_core::latch::LatchRecord;
+use kf_core::mission::Counters;
+use kf_core::output::TickOutput;
+use model::Model;
+
+use crate::flight::{Channel, Flight};
+
+pub use error::ReplayError;
+pub use inputs::{InputCounters, TickInputs};
+pub use mission::{AnyMission, mission};
+pub use quiet::QuietStretch;
+pub use window::{CalibrationWindow, WindowError};
+
+/// What decided when the captive flight ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CalibrationSource {
+    /// The flight's `launch` column.
+    LaunchColumn,
+    /// A window that the user gave.
+    Given(CalibrationWindow),
+    /// The flight's first quiet stretch.
+    Quiet(QuietStretch),
+}
+
+impl CalibrationSource {
+    /// The window, if there is one.
+    #[must_use]
+    pub const fn window(&self) -> Option<CalibrationWindow> {
+        match self {
+            Self::LaunchColumn => None,
+            Self::Given(window) => Some(*window),
+            Self::Quiet(stretch) => Some(stretch.window),
+        }
+    }
+}
+
+impl fmt::Display for CalibrationSource {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::LaunchColumn => write!(formatter, "captive flight until the launch column says 1"),
+            Self::Given(window) => write!(formatter, "calibrated on {window}, as given"),
+            Self::Quiet(stretch) => write!(formatter, "calibrated on {stretch}"),
+        }
+    }
+}
+
+/// A flight, a model and where the one calibrates on the other, ready to run.
+#[derive(Clone, Debug)]
+pub struct Replay<'a> {
+    flight: &'a Flight,
+    model: Model,
+    source: CalibrationSource,
+}
+
+/// What a replay left behind.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReplaySummary {
+    /// Rows before the calibration window, which the estimator never saw.
+    pub skipped_rows: usize,
+    /// What could not be made into a tick's input.
+    pub inputs: InputCounters,
+    /// What the estimator counted: ignored ticks, samples that are not finite, held fixes, and so on.
+    pub counters: Counters,
+    /// The latched calibration, if there was a launch.
+    pub latch: Option<LatchRecord>,
+}
+
+impl ReplaySummary {
+    /// Ticks ignored because their time was not after the last one's.
+    #[must_use]
+    pub const fn ignored_rows(&self) -> u32 {
+        self.counters.out_of_order
+    }
+
+    /// Samples that were not finite, or a pressure that is none.
+    #[must_use]
+    pub fn not_finite_samples(&self) -> u32 {
+        let sensors = self.counters.sensors.iter().map(|sensor| sensor.not_finite);
+        sensors.fold(
+            self.counters.gps.not_finite.saturating_add(self.counters.signals_not_finite),
+            u32::saturating_add,
+        )
+    }
+
+    /// Fixes that were the last one, held.
+    #[must_use]
+    pub const fn held_fixes(&self) -> u32 {
+        self.counters.gps.held
+    }
+}
+
+impl<'a> Replay<'a> {
+    /// Decides where the flight calibrates: on `window` if given, else up to launch by the `launch`
+    /// column, else on the first quiet stretch.
+    ///
+    /// # Errors
+    /// A flight without reference or second altitude, a window outside the flight, or no launch
+    /// column and no quiet stretch.
+    pub fn new(
+        flight: &'a Flight,
+        model: &Model,
+        window: Option<CalibrationWindow>,
+    ) -> Result<Self, ReplayError> {
+        flight.require_altitudes()?;
+        let has_launch =
+            flight.channel(Channel::Launch).is_some_and(|launch| launch.samples().next().is_some());
+        let source = match window {
+            Some(window) => {
+                window.check(flight)?;
+                CalibrationSource::Given(window)
+            }
+            None if has_launch => CalibrationSource::LaunchColumn,
+            None => CalibrationSource::Quiet(quiet::find(flight, &model.quality)?),
+        };
+        let mut model = model.clone();
+        if source.window().is_some() {
+            model.settling_s = 0.0;
+        }
+        Ok(Self { flight, model, source })
+    }
+
+    /// The flight.
+    #[must_use]
+    pub const fn flight(&self) -> &'a Flight {
+        self.flight
+    }
+
+    /// The model as flown: without settling time where a window was given or found.
+    #[must_use]
+    pub const fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// What decided when the captive flight ends.
+    #[must_use]
+    pub const fn source(&self) -> &CalibrationSource {
+        &self.source
+    }
+
+    /// The ticks, one a row from the calibration window on.
+    #[must_use]
+    pub fn inputs(&self) -> TickInputs<'a> {
+        TickInputs::new(self.flight, self.source.window())
+    }
+
+    /// Runs the flight through a new mission and shows every tick to `on_tick`; memory does not grow
+    /// with the flight.
+    ///
+    /// # Errors
+    /// [`ReplayError::Model`] or [`ReplayError::Config`] for a model that no mission can be made of.
+    pub fn run(
+        &self,
+        on_tick: &mut dyn FnMut(&TickInput, &TickOutput),
+    ) -> Result<ReplaySummary, ReplayError> {
+        let mut mission = mission(&self.model)?;
+        let mut inputs = self.inputs();
+        for input in inputs.by_ref() {
+            let output = mission.tick(&input);
+            on_tick(&input, &output);
+        }
+        Ok(ReplaySummary {
+            skipped_rows: inputs.skipped_rows(),
+            inputs: *inputs.counters(),
+            counters: *mission.counters(),
+            latch: mission.latch().cloned(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;
