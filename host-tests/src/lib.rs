@@ -1,1 +1,3 @@
-//! host-tests
+//! Tests of the whole chain, and what they compare it with.
+
+pub mod textbook;
