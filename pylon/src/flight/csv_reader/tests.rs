@@ -1,7 +1,9 @@
 use proptest::prelude::*;
 
+use super::rows::{SHORTEST_PART, split_at_lines};
 use super::*;
 use crate::flight::to_writer;
+use crate::flight::{Channel, Column, MAX_TIME_S};
 
 const HEAD: &str = "# pylon-flight: 1\ntime_s,gps_alt_m,baro_pa,launch,flap\n";
 

@@ -1,0 +1,238 @@
+//! The rows of a flight's CSV, parsed straight into columns.
+//!
+//! Every cell is a number, so numbers are read where they stand, without cutting the text into cells
+//! first, and the text can be divided at any line end and read in as many threads as there are cores.
+
+use std::thread;
+
+use fast_float2::FastFloat;
+
+use super::super::column::Column;
+use super::super::error::Problem;
+use super::super::names::Meaning;
+use super::super::{Channel, MAX_TIME_S};
+use super::{count_lines, shorten};
+
+/// Text shorter than this is not worth another thread.
+pub(super) const SHORTEST_PART: usize = 1 << 20;
+/// Receiver times from here on are too coarse in f32 to tell one fix from the next (step 0.125 s).
+const MAX_GPS_TIME_S: f32 = 1_048_576.0;
+
+/// The columns of the file.
+pub(super) struct Layout<'a> {
+    pub names: &'a [String],
+    pub meanings: &'a [Meaning],
+}
+
+/// One part of the rows: its times, and its cells by column (the time axis has an unused column).
+pub(super) type Part = (Vec<f64>, Vec<Column>);
+
+/// Every row of the text; the first line of it is line `first_row` of the file.
+pub(super) fn parse_rows(text: &[u8], layout: &Layout<'_>, first_row: u64) -> Result<Part, Problem> {
+    let threads = thread::available_parallelism().map_or(1, usize::from);
+    let parts = split_at_lines(text, threads.min(text.len() / SHORTEST_PART).max(1));
+    let results: Vec<_> = thread::scope(|scope| {
+        let handles: Vec<_> =
+            parts.iter().map(|part| scope.spawn(move || parse_part(part, layout))).collect();
+        handles
+            .into_iter()
+            .map(|handle| handle.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+            .collect()
+    });
+    let mut row = first_row;
+    let mut whole: Option<Part> = None;
+    for (part, result) in parts.into_iter().zip(results) {
+        let (time_s, columns) = result.map_err(|problem| problem.in_file(row))?;
+        match &mut whole {
+            None => whole = Some((time_s, columns)),
+            Some((all_times, all_columns)) => {
+                all_times.extend(time_s);
+                for (all, column) in all_columns.iter_mut().zip(columns) {
+                    all.append(column);
+                }
+            }
+        }
+        row += count_lines(part);
+    }
+    Ok(whole.unwrap_or_default())
+}
+
+/// The text in about equal parts, each but the last ending with a line end.
+pub(super) fn split_at_lines(text: &[u8], parts: usize) -> Vec<&[u8]> {
+    let mut split = Vec::with_capacity(parts);
+    let mut rest = text;
+    for left in (2..=parts).rev() {
+        let target = rest.len() / left;
+        let Some(end) = rest.get(target..).and_then(|tail| memchr::memchr(b'\n', tail)) else { break };
+        let (part, after) = rest.split_at(target + end + 1);
+        split.push(part);
+        rest = after;
+    }
+    split.push(rest);
+    split
+}
+
+fn parse_part(text: &[u8], layout: &Layout<'_>) -> Result<Part, Problem> {
+    let width = layout.meanings.len();
+    // No row is shorter than one byte a cell, whatever the line ends say.
+    let rows = (memchr::memchr_iter(b'\n', text).count() + 1).min(text.len() / width + 1);
+    let mut time_s = Vec::with_capacity(rows);
+    let mut columns: Vec<_> = layout
+        .meanings
+        .iter()
+        .map(
+            |meaning| if *meaning == Meaning::Time { Column::default() } else { Column::with_capacity(rows) },
+        )
+        .collect();
+    let mut cells = Cells { rest: text };
+    while cells.skip_line_ends() {
+        let row = cells.rest;
+        for (index, (column, meaning)) in columns.iter_mut().zip(layout.meanings).enumerate() {
+            let before = cells.rest;
+            let good = match meaning {
+                Meaning::Time => match cells.number() {
+                    Cell::Number(time) if (0.0..=MAX_TIME_S).contains(&time) => {
+                        time_s.push(time);
+                        true
+                    }
+                    _ => false,
+                },
+                _ => match cells.number::<f32>() {
+                    Cell::Number(value) => {
+                        column.push(Some(value));
+                        is_possible(meaning, value)
+                    }
+                    Cell::Empty => {
+                        column.push(None);
+                        true
+                    }
+                    Cell::Text => false,
+                },
+            };
+            let is_last = index + 1 == width;
+            if !good || cells.comma() == is_last {
+                let line = 1 + count_lines(text.get(..text.len() - row.len()).unwrap_or(text));
+                return Err(bad_row(line, row, before, index, layout));
+            }
+        }
+    }
+    Ok((time_s, columns))
+}
+
+/// What a number's column demands of it.
+#[inline]
+fn is_possible(meaning: &Meaning, value: f32) -> bool {
+    match meaning {
+        Meaning::Known(Channel::Launch) => value == 0.0 || value == 1.0,
+        Meaning::Known(Channel::GpsTimeS) => !(value.is_finite() && value.abs() >= MAX_GPS_TIME_S),
+        _ => true,
+    }
+}
+
+/// What a cell holds.
+enum Cell<T> {
+    Empty,
+    Number(T),
+    Text,
+}
+
+/// Goes through the text cell by cell.
+struct Cells<'a> {
+    rest: &'a [u8],
+}
+
+fn ends_cell(byte: u8) -> bool {
+    matches!(byte, b',' | b'\n' | b'\r')
+}
+
+/// The cell that the text begins with.
+fn first_cell(text: &[u8]) -> &[u8] {
+    let end = text.iter().position(|byte| ends_cell(*byte)).unwrap_or(text.len());
+    text.get(..end).unwrap_or(text)
+}
+
+impl Cells<'_> {
+    /// Goes to the next line that is not blank; false at the end of the text.
+    #[inline]
+    fn skip_line_ends(&mut self) -> bool {
+        while let [b'\n' | b'\r', rest @ ..] = self.rest {
+            self.rest = rest;
+        }
+        !self.rest.is_empty()
+    }
+
+    /// Goes past a comma, if there is one.
+    #[inline]
+    fn comma(&mut self) -> bool {
+        match self.rest {
+            [b',', rest @ ..] => {
+                self.rest = rest;
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// Goes past a cell, which should hold a number.
+    #[inline]
+    fn number<T: FastFloat>(&mut self) -> Cell<T> {
+        if self.rest.first().is_none_or(|byte| ends_cell(*byte)) {
+            return Cell::Empty;
+        }
+        if let Ok((value, length)) = fast_float2::parse_partial(self.rest)
+            && let Some(rest) = self.rest.get(length..)
+            && rest.first().is_none_or(|byte| ends_cell(*byte))
+        {
+            self.rest = rest;
+            return Cell::Number(value);
+        }
+        self.padded_number()
+    }
+
+    /// A number with spaces around it, or in quotes, which some programs put around every cell.
+    #[cold]
+    fn padded_number<T: FastFloat>(&mut self) -> Cell<T> {
+        let cell = first_cell(self.rest);
+        self.rest = self.rest.get(cell.len()..).unwrap_or_default();
+        let cell = cell.trim_ascii();
+        let unquoted = cell.strip_prefix(b"\"").and_then(|cell| cell.strip_suffix(b"\""));
+        match unquoted.map_or(cell, <[u8]>::trim_ascii) {
+            [] => Cell::Empty,
+            cell => fast_float2::parse(cell).map_or(Cell::Text, Cell::Number),
+        }
+    }
+}
+
+/// What is wrong with a row: the number of its cells, or else the cell at `index`, at which `from` begins.
+fn bad_row(row: u64, text: &[u8], from: &[u8], index: usize, layout: &Layout<'_>) -> Problem {
+    let line_end = text.iter().position(|byte| matches!(byte, b'\n' | b'\r')).unwrap_or(text.len());
+    let line = text.get(..line_end).unwrap_or(text);
+    let (found, expected) = (1 + memchr::memchr_iter(b',', line).count(), layout.meanings.len());
+    if found > expected {
+        return Problem::TooManyCells { row, found, expected };
+    }
+    if found < expected {
+        let last = layout.names.get(found - 1).cloned().unwrap_or_default();
+        return Problem::Cut { row, found, expected, last };
+    }
+    let expected = match layout.meanings.get(index) {
+        Some(Meaning::Time) => "seconds from 0 on (up to 9e9)",
+        Some(Meaning::Known(Channel::Launch)) => "0 or 1",
+        Some(Meaning::Known(Channel::GpsTimeS)) => {
+            "seconds below 1048576 (count them from the flight's start)"
+        }
+        _ => "a number or an empty cell",
+    };
+    let column = layout.names.get(index).cloned().unwrap_or_default();
+    Problem::Cell { row, column, found: shorten(first_cell(from).trim_ascii()), expected }
+}
+
+impl Problem {
+    /// The same problem of a part whose first line is line `first_row` of the file.
+    fn in_file(mut self, first_row: u64) -> Self {
+        if let Self::Cut { row, .. } | Self::TooManyCells { row, .. } | Self::Cell { row, .. } = &mut self {
+            *row += first_row - 1;
+        }
+        self
+    }
+}
