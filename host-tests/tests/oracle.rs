@@ -1,5 +1,7 @@
 //! kf-core's f32 filter against a textbook f64 one.
 
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
 use host_tests::textbook::Textbook;
 use kf_core::config::MissionConfig;
 use kf_core::effect::{EffectId, EffectTerm};

@@ -402,3 +402,6 @@ fn check<const E: usize>(config: &MissionConfig<E>) -> Result<(), ConfigError> {
         && effects.into_iter().all(|effect| effect.coefficient.is_finite() && not_negative(effect.sigma));
     if is_valid { Ok(()) } else { Err(ConfigError::OutOfRange) }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,503 @@
+//! Missions on made-up readings: each bad input has its defined outcome.
+
+use super::*;
+use crate::config::{
+    ClimbRate, MonitorConfig, QualityConfig, ReferenceConfig, SecondCorrection, SensorConfig, SigmaSource,
+};
+use crate::effect::{EffectId, EffectTerm};
+use crate::input::{GpsFix, Signals};
+use crate::quality::{Check, FailedChecks};
+
+/// Biases of the three sensors, metres.
+const BIASES_M: [f32; 3] = [5.0, -20.0, 30.0];
+const TICK_US: u64 = 5_000;
+
+fn config<const E: usize>(climb_rate: bool) -> MissionConfig<E> {
+    let sensor = |sigma_m| SensorConfig {
+        sigma_m,
+        correlation_time_s: 0.0,
+        prior_bias_m: 0.0,
+        prior_sigma_m: 100.0,
+        wander_m_per_sqrt_s: 0.0,
+    };
+    MissionConfig {
+        settling_s: 2.0,
+        reference: ReferenceConfig {
+            sigma_m: 2.0,
+            correlation_time_s: 0.0,
+            prior_altitude_m: None,
+            prior_sigma_m: 50.0,
+            climb_rate: climb_rate.then_some(ClimbRate { sigma_mps: 0.2, correlation_time_s: 2.0 }),
+            lost_after_s: 2.0,
+        },
+        sensors: [sensor(2.0), sensor(2.0), sensor(1.0)],
+        monitor: MonitorConfig { sigma: SigmaSource::Residual, multiplier: 4.0, window_s: 2.0 },
+        second_correction: SecondCorrection::Off,
+        quality: QualityConfig {
+            minimum_duration_s: 10.0,
+            trimmed_altitude_m: 5.0,
+            trimmed_airspeed_mps: 3.0,
+            reference_drift_m: 4.0,
+            minimum_satellites: 5,
+            vertical_accuracy_m: 10.0,
+            bias_drift_sigmas: 1.0,
+            implausible_share: 0.02,
+        },
+        estimated_effects: [EffectTerm { id: EffectId::BaroDynamicPressure, coefficient: 0.0, sigma: 0.2 };
+            E],
+        constant_effects: heapless::Vec::new(),
+    }
+}
+
+/// A captive flight of 30 s at 2,000 m and 60 m/s, then 10 s of free flight; gps at 5 Hz, sensors at
+/// 50 Hz, 200 ticks a second; noise uniform, of about the configured sigmas.
+struct Flight {
+    seed: u32,
+    /// Multiplies every noise.
+    noise: f32,
+}
+
+impl Flight {
+    fn uniform(&mut self) -> f32 {
+        self.seed = self.seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        ((self.seed >> 8) as f32 / 16_777_216.0 - 0.5) * 3.464_101_6 * self.noise
+    }
+
+    fn tick(&mut self, k: u64) -> TickInput {
+        let time_us = k * TICK_US;
+        let altitude_m = 2_000.0;
+        let mut input = TickInput { time_us, launch: time_us >= 30_000_000, ..TickInput::default() };
+        if k % 40 == 0 {
+            input.gps = Some(GpsFix {
+                altitude_m: altitude_m + 2.0 * self.uniform(),
+                velocity_north_mps: Some(60.0 + 0.1 * self.uniform()),
+                velocity_east_mps: Some(0.1 * self.uniform()),
+                velocity_down_mps: Some(0.1 * self.uniform()),
+                vertical_accuracy_m: Some(3.0),
+                satellites: Some(11),
+                fix_time_us: None,
+            });
+        }
+        if k % 4 == 0 {
+            input.imu_master_altitude_m = Some(altitude_m + BIASES_M[0] + self.uniform());
+            input.imu_slave_altitude_m = Some(altitude_m + BIASES_M[1] + self.uniform());
+            input.baro = Some(BaroReading::AltitudeM(altitude_m + BIASES_M[2] + self.uniform()));
+            input.signals =
+                Signals { true_airspeed_mps: Some(60.0 + 0.1 * self.uniform()), ..Signals::default() };
+        }
+        input
+    }
+}
+
+type Dense = Mission<0, 4, 0>;
+
+/// Flies 40 s; `change` edits each tick before it is taken, `see` gets each output.
+fn fly<const H: usize, const T: usize, const E: usize>(
+    config: &MissionConfig<E>,
+    mut change: impl FnMut(u64, &mut TickInput),
+    mut see: impl FnMut(u64, &TickOutput),
+) -> Mission<H, T, E> {
+    let mut mission = Mission::<H, T, E>::new(config).unwrap();
+    let mut flight = Flight { seed: 7, noise: 1.0 };
+    for k in 0..8_000 {
+        let mut input = flight.tick(k);
+        change(k, &mut input);
+        see(k, &mission.tick(&input));
+    }
+    mission
+}
+
+fn failed<const H: usize, const T: usize, const E: usize>(mission: &Mission<H, T, E>) -> Vec<&'static str> {
+    FailedChecks::from_bits(mission.latch().unwrap().failed_checks).iter().map(Check::name).collect()
+}
+
+#[test]
+fn a_healthy_flight_is_calibrated_latched_and_trusted() {
+    let mut latched = 0;
+    let mut phases = Vec::new();
+    let mut last = None;
+    let mission = fly::<0, 4, 0>(
+        &config(true),
+        |_, _| {},
+        |_, output| {
+            latched += u32::from(output.latched_now);
+            if phases.last() != Some(&output.phase) {
+                phases.push(output.phase);
+            }
+            last = Some(output.clone());
+        },
+    );
+    assert_eq!(phases, [Phase::Settling, Phase::Calibrating, Phase::FreeFlight]);
+    assert_eq!(latched, 1);
+    assert_eq!(failed(&mission), [""; 0]);
+    let latch = mission.latch().unwrap();
+    assert_eq!(latch.time_us, 30_000_000);
+    assert!((latch.duration_s - 28.0).abs() < 0.01);
+    for (sensor, bias_m) in latch.sensors.iter().zip(BIASES_M) {
+        assert!((sensor.bias_m - bias_m).powi(2) < 16.0 * sensor.bias_variance_m2, "{sensor:?} {bias_m}");
+        // The residual is the sensor's unit noise and the reference's of 2 m: sqrt(5), by 1,400
+        // readings of 140 fixes.
+        assert!((sensor.residual_sigma_m - 5.0_f32.sqrt()).abs() < 4.0 * 2.2 / 16.7, "{sensor:?}");
+        assert_eq!(sensor.readings, 1_400);
+    }
+    let last = last.unwrap();
+    assert_eq!(last.sensors.map(|sensor| sensor.trust), [Trust::Unmonitored, Trust::Trusted, Trust::Trusted]);
+    let counters = mission.counters();
+    assert_eq!((counters.ticks, counters.out_of_order), (8_000, 0));
+    assert_eq!(counters.gps, SourceCounters { accepted: 200, ..SourceCounters::default() });
+}
+
+#[test]
+fn nothing_changes_in_the_calibration_after_the_latch() {
+    let mut at_latch = None;
+    fly::<0, 4, 0>(
+        &config(true),
+        |_, _| {},
+        |k, output| {
+            let calibration =
+                output.sensors.map(|sensor| (sensor.bias_m.to_bits(), sensor.bias_variance_m2.to_bits()));
+            if k >= 6_000 {
+                assert_eq!(*at_latch.get_or_insert(calibration), calibration, "tick {k}");
+            }
+        },
+    );
+}
+
+#[test]
+fn both_shapes_agree_where_both_apply() {
+    let (mut sparse, mut dense) = (Vec::new(), Vec::new());
+    fly::<3, 1, 0>(&config(false), |_, _| {}, |_, output| sparse.push(output.clone()));
+    fly::<0, 4, 0>(&config(false), |_, _| {}, |_, output| dense.push(output.clone()));
+    for (s, d) in sparse.iter().zip(&dense) {
+        for i in 0..3 {
+            assert!((s.sensors[i].bias_m - d.sensors[i].bias_m).abs() < 1e-3);
+            assert_eq!(s.sensors[i].trust, d.sensors[i].trust);
+        }
+    }
+}
+
+#[test]
+fn numbers_that_are_not_finite_are_refused_counted_and_degrade_the_calibration() {
+    let healthy = fly::<0, 4, 0>(&config(true), |_, _| {}, |_, _| {});
+    for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        let mission = fly::<0, 4, 0>(
+            &config(true),
+            |k, input| match k {
+                2_001 => input.baro = Some(BaroReading::AltitudeM(bad)),
+                2_002 => input.baro = Some(BaroReading::PressurePa(bad)),
+                2_003 => input.imu_slave_altitude_m = Some(bad),
+                2_005 => input.gps = Some(GpsFix { altitude_m: bad, ..GpsFix::default() }),
+                2_006 => input.signals.true_airspeed_mps = Some(bad),
+                _ => {}
+            },
+            |_, output| {
+                for sensor in output.sensors {
+                    assert!(sensor.bias_m.is_finite() && sensor.bias_variance_m2 > 0.0);
+                }
+            },
+        );
+        let counters = mission.counters();
+        assert_eq!(counters.sensors[2].not_finite, 2);
+        assert_eq!(counters.sensors[1].not_finite, 1);
+        assert_eq!(counters.gps.not_finite, 1);
+        assert_eq!(counters.signals_not_finite, 1);
+        assert_eq!(failed(&mission), ["inputs_valid"]);
+        // They came beside the good readings, and left no trace in the estimate.
+        let biases = |mission: &Dense| mission.latch().unwrap().sensors.map(|sensor| sensor.bias_m);
+        assert_eq!(biases(&mission), biases(&healthy));
+    }
+}
+
+#[test]
+fn repeated_and_backward_times_are_ignored_and_counted() {
+    let mut ignored = Vec::new();
+    let mission = fly::<0, 4, 0>(
+        &config(true),
+        |k, input| match k {
+            3_000 => input.time_us = 2_999 * TICK_US,
+            3_004 => input.time_us = 0,
+            _ => {}
+        },
+        |k, output| {
+            if output.out_of_order {
+                ignored.push(k);
+            }
+        },
+    );
+    assert_eq!(ignored, [3_000, 3_004]);
+    assert_eq!(mission.counters().out_of_order, 2);
+    assert_eq!(failed(&mission), ["inputs_valid"]);
+}
+
+#[test]
+fn a_stuck_sensor_is_recognised_and_left_out() {
+    let mut rejected = 0;
+    let mission = fly::<0, 4, 0>(
+        &config(true),
+        |k, input| {
+            if k >= 3_000 && input.baro.is_some() {
+                input.baro = Some(BaroReading::AltitudeM(2_031.0));
+            }
+        },
+        |_, output| rejected += u32::from(output.sensors[2].rejection == Some(Rejection::Stuck)),
+    );
+    assert!(rejected > 1_000);
+    assert_eq!(mission.counters().sensors[2].stuck, rejected);
+    assert!(failed(&mission).contains(&"sensors_alive"));
+}
+
+#[test]
+fn a_frozen_reference_is_one_measurement_and_leaves_the_sensors_unmonitored() {
+    let mut held = None;
+    let mut trust = Vec::new();
+    let mission = fly::<0, 4, 0>(
+        &config(true),
+        |k, input| {
+            if k == 6_200 {
+                held = input.gps;
+            }
+            if k > 6_200 && input.gps.is_some() {
+                input.gps = held;
+            }
+        },
+        |k, output| {
+            if k > 6_200 + 400 {
+                trust.push(output.sensors[2].trust);
+            }
+        },
+    );
+    assert!(trust.iter().all(|t| *t == Trust::Unmonitored));
+    assert_eq!(mission.counters().gps.held, 44);
+}
+
+#[test]
+fn a_reference_lost_in_captive_flight_is_a_failed_check() {
+    let mission = fly::<0, 4, 0>(
+        &config(true),
+        |k, input| {
+            if (2_000..3_000).contains(&k) {
+                input.gps = None
+            }
+        },
+        |_, _| {},
+    );
+    assert_eq!(failed(&mission), ["reference_fresh"]);
+    let (latch, biases) = (mission.latch().unwrap(), BIASES_M);
+    assert!((latch.sensors[2].bias_m - biases[2]).abs() < 4.0 * latch.sensors[2].bias_variance_m2.sqrt());
+}
+
+#[test]
+fn a_launch_too_early_is_latched_as_what_it_is() {
+    // Before settling; and after settling, but before the calibration was long enough.
+    for (launch_us, expected) in [(1_000_000, "settled"), (7_000_000, "long_enough")] {
+        let mission =
+            fly::<0, 4, 0>(&config(true), |_, input| input.launch = input.time_us >= launch_us, |_, _| {});
+        assert!(failed(&mission).contains(&expected), "{:?}", failed(&mission));
+        assert_eq!(mission.latch().unwrap().time_us, launch_us);
+    }
+    // In the first tick of all: nothing was ever measured, so nothing can be watched.
+    let mut trust = None;
+    let mission = fly::<0, 4, 0>(
+        &config(true),
+        |_, input| input.launch = true,
+        |_, output| trust = Some(output.sensors[2].trust),
+    );
+    assert_eq!(trust, Some(Trust::Unmonitored));
+    assert!(failed(&mission).contains(&"settled") && failed(&mission).contains(&"sensors_alive"));
+}
+
+#[test]
+fn the_first_launch_counts_and_further_edges_are_counted() {
+    let mission = fly::<0, 4, 0>(
+        &config(true),
+        |k, input| input.launch = (4_000..4_500).contains(&k) || k >= 5_000,
+        |_, _| {},
+    );
+    assert_eq!(mission.latch().unwrap().time_us, 20_000_000);
+    assert_eq!(mission.counters().launch_repeats, 2);
+}
+
+#[test]
+fn without_a_launch_nothing_is_latched() {
+    let mission = fly::<0, 4, 0>(
+        &config(true),
+        |_, input| input.launch = false,
+        |_, output| {
+            assert_ne!(output.phase, Phase::FreeFlight);
+        },
+    );
+    assert_eq!(mission.latch(), None);
+}
+
+#[test]
+fn an_error_after_launch_is_flagged_and_a_correction_takes_it_off() {
+    let drift = |k: u64, input: &mut TickInput| {
+        if let (true, Some(BaroReading::AltitudeM(altitude_m))) = (k >= 6_000, input.baro) {
+            input.baro = Some(BaroReading::AltitudeM(altitude_m + (k - 6_000) as f32 * 0.015));
+        }
+    };
+    let mut times = [None; 2];
+    fly::<0, 4, 0>(&config(true), drift, |k, output| {
+        for (time, trust) in times.iter_mut().zip([Trust::Doubtful, Trust::Untrustworthy]) {
+            if output.sensors[2].trust == trust {
+                time.get_or_insert((k - 6_000) as f32 * 0.005);
+            }
+        }
+        assert_ne!(output.sensors[1].trust, Trust::Doubtful);
+    });
+    // 3 m/s against a bound of 4 sqrt(5) = 8.9 m: reached after 3 s, sooner by the noise (at most
+    // 5.2 m, uniform); the average half a window later, at the latest.
+    let [doubtful, untrustworthy] = times.map(Option::unwrap);
+    assert!((1.2..3.3).contains(&doubtful), "{doubtful}");
+    assert!(untrustworthy > doubtful && (3.2..4.6).contains(&untrustworthy), "{untrustworthy}");
+
+    for correction in [SecondCorrection::MovingAverage, SecondCorrection::Kalman { wander_m_per_sqrt_s: 3.0 }]
+    {
+        let mut corrected = config(true);
+        corrected.second_correction = correction;
+        let mut last = None;
+        fly::<0, 4, 0>(&corrected, drift, |_, output| last = output.sensors[2].moving_average_m.or(last));
+        assert!(last.unwrap().abs() < 5.0, "{correction:?}: {last:?}");
+    }
+}
+
+#[test]
+fn a_known_effect_is_taken_off_and_an_estimated_one_is_a_state() {
+    // 60 m/s captive, 90 m/s free: the port reads a tenth of the dynamic pressure.
+    let faster = |k: u64, input: &mut TickInput| {
+        let speed = if k < 6_000 { 60.0 } else { 90.0 };
+        input.signals.true_airspeed_mps = Some(speed);
+        if let Some(BaroReading::AltitudeM(altitude_m)) = input.baro {
+            let head = 0.1 * speed * speed / (2.0 * 9.806_65);
+            input.baro = Some(BaroReading::AltitudeM(altitude_m + head));
+        }
+    };
+    let error_end = |config: &MissionConfig<0>| {
+        let mut last = None;
+        fly::<0, 4, 0>(config, faster, |_, output| last = output.sensors[2].moving_average_m.or(last));
+        last.unwrap()
+    };
+    // Unmodelled: 0.1 (90^2 - 60^2) / 2g = 22.9 m. The average is over 10 fixes of 2 m, and the
+    // calibration over 140.
+    assert!((error_end(&config(true)) - 22.94).abs() < 5.0 * 0.7);
+    let mut known = config(true);
+    known
+        .constant_effects
+        .push(EffectTerm { id: EffectId::BaroDynamicPressure, coefficient: 0.1, sigma: 0.01 })
+        .unwrap();
+    assert!(error_end(&known).abs() < 5.0 * 0.7);
+
+    // As a state it is latched at its prior (a trimmed flight cannot show it) and used from there.
+    let mut estimated = config::<1>(true);
+    estimated.estimated_effects[0].coefficient = 0.1;
+    estimated.estimated_effects[0].sigma = 0.01;
+    let mut last = None;
+    let mission =
+        fly::<0, 5, 1>(&estimated, faster, |_, output| last = output.sensors[2].moving_average_m.or(last));
+    assert!(last.unwrap().abs() < 5.0 * 0.7, "{last:?}");
+    assert_eq!(mission.latch().unwrap().state.len(), 5);
+    assert_eq!(mission.counters().effects_without_signal, 0);
+}
+
+#[test]
+fn an_effect_whose_signal_is_missing_is_counted() {
+    let mut known = config(false);
+    known
+        .constant_effects
+        .push(EffectTerm { id: EffectId::BaroDynamicPressure, coefficient: 0.1, sigma: 0.01 })
+        .unwrap();
+    let mission = fly::<3, 1, 0>(
+        &known,
+        |_, input| {
+            input.signals.true_airspeed_mps = None;
+            if let Some(fix) = &mut input.gps {
+                fix.velocity_north_mps = None;
+            }
+        },
+        |_, _| {},
+    );
+    assert_eq!(mission.counters().effects_without_signal, 2_000);
+}
+
+#[test]
+fn a_reference_that_is_still_converging_is_noticed() {
+    // Cold start: the altitude falls in by 15 m over a time constant of 20 s, Doppler does not.
+    let mission = fly::<0, 4, 0>(
+        &config(true),
+        |k, input| {
+            if let Some(fix) = &mut input.gps {
+                fix.altitude_m += 15.0 * (-(k as f32) * 0.005 / 20.0).exp();
+            }
+        },
+        |_, _| {},
+    );
+    assert!(failed(&mission).contains(&"reference_converged"), "{:?}", failed(&mission));
+}
+
+#[test]
+fn a_drifting_sensor_an_untrimmed_flight_and_a_wrong_sigma_have_names() {
+    let drifting = fly::<0, 4, 0>(
+        &config(true),
+        |k, input| {
+            if let Some(BaroReading::AltitudeM(altitude_m)) = input.baro {
+                input.baro = Some(BaroReading::AltitudeM(altitude_m + k as f32 * 0.002));
+            }
+        },
+        |_, _| {},
+    );
+    assert!(failed(&drifting).contains(&"biases_stationary"), "{:?}", failed(&drifting));
+
+    let climbing = fly::<0, 4, 0>(
+        &config(true),
+        |k, input| {
+            let climbed_m = k as f32 * 0.005;
+            if let Some(fix) = &mut input.gps {
+                fix.altitude_m += climbed_m;
+                fix.velocity_down_mps = fix.velocity_down_mps.map(|down| down - 1.0);
+            }
+            if let Some(BaroReading::AltitudeM(altitude_m)) = input.baro {
+                input.baro = Some(BaroReading::AltitudeM(altitude_m + climbed_m));
+            }
+            for altitude_m in
+                [&mut input.imu_slave_altitude_m, &mut input.imu_master_altitude_m].into_iter().flatten()
+            {
+                *altitude_m += climbed_m;
+            }
+            input.signals.true_airspeed_mps = input.signals.true_airspeed_mps.map(|v| v + climbed_m);
+        },
+        |_, _| {},
+    );
+    assert_eq!(failed(&climbing), ["trimmed_altitude", "trimmed_airspeed"]);
+
+    let mut optimistic = config(true);
+    optimistic.sensors[2].sigma_m = 0.1;
+    optimistic.reference.sigma_m = 0.3;
+    let implausible = fly::<0, 4, 0>(&optimistic, |_, _| {}, |_, _| {});
+    assert!(failed(&implausible).contains(&"innovations_plausible"), "{:?}", failed(&implausible));
+}
+
+#[test]
+fn a_configuration_out_of_range_is_refused() {
+    let refuse = |change: &dyn Fn(&mut MissionConfig<0>)| {
+        let mut bad = config(true);
+        change(&mut bad);
+        Dense::new(&bad).err()
+    };
+    assert_eq!(refuse(&|_| {}), None);
+    for change in [
+        &(|c: &mut MissionConfig<0>| c.settling_s = f32::NAN) as &dyn Fn(&mut MissionConfig<0>),
+        &|c| c.reference.sigma_m = 0.0,
+        &|c| c.reference.lost_after_s = 0.0,
+        &|c| c.reference.correlation_time_s = -1.0,
+        &|c| c.sensors[1].sigma_m = f32::INFINITY,
+        &|c| c.sensors[1].prior_bias_m = f32::NAN,
+        &|c| c.sensors[0].wander_m_per_sqrt_s = -1.0,
+        &|c| c.monitor.window_s = 0.0,
+        &|c| c.monitor.multiplier = f32::NAN,
+        &|c| c.second_correction = SecondCorrection::Kalman { wander_m_per_sqrt_s: f32::NAN },
+    ] {
+        assert_eq!(refuse(change), Some(ConfigError::OutOfRange));
+    }
+    assert_eq!(Mission::<3, 1, 0>::new(&config(true)).err(), Some(ConfigError::ClimbRateNeedsDenseFilter));
+    assert_eq!(Mission::<0, 4, 1>::new(&config(true)).err(), Some(ConfigError::Shape));
+}
