@@ -87,6 +87,8 @@ pub(crate) struct Calibration<const HEAD: usize, const TAIL: usize, const E: usi
     estimator: Estimator<HEAD, TAIL, E>,
     /// The altitude has a prior: from the configuration, or the first fix.
     has_altitude: bool,
+    /// A fix has been used.
+    has_fix: bool,
     reference_noise: SourceNoise,
     sensor_noise: [SourceNoise; SENSORS],
     start_us: Option<u64>,
@@ -114,6 +116,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         Ok(Self {
             estimator: Estimator::new(config, reference.prior_altitude_m.unwrap_or(0.0))?,
             has_altitude: reference.prior_altitude_m.is_some(),
+            has_fix: false,
             reference_noise: SourceNoise::new(reference.sigma_m, reference.correlation_time_s)?,
             sensor_noise,
             start_us: None,
@@ -156,6 +159,11 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         if fix.is_none() && readings_m.iter().all(Option::is_none) {
             return step;
         }
+        // The first fix that is used has none before it, whatever the settling time has seen.
+        let fix = fix.map(|(fix, accepted)| match self.has_fix {
+            true => (fix, accepted),
+            false => (fix, AcceptedFix { interval_s: None, ..accepted }),
+        });
         if let Some((fix, accepted)) = fix {
             if !self.has_altitude {
                 self.has_altitude = true;
@@ -173,7 +181,9 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         if !self.has_altitude {
             return step;
         }
-        if self.propagate(config, time_us, tracker, fix.map(|(_, accepted)| accepted)).is_err() {
+        let was_lost = self.has_fix && fix.is_some_and(|(_, accepted)| accepted.interval_s.is_none());
+        self.has_fix |= fix.is_some();
+        if self.propagate(config, time_us, tracker, was_lost).is_err() {
             step.reference = Some(Err(FilterError::NotFinite));
             return step;
         }
@@ -237,20 +247,20 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         self.sensor_noise[sensor].equivalent(interval_s)
     }
 
-    /// Eqs 4 and 5 up to now, where the configuration has them.
+    /// Eqs 4 and 5 up to now, where the configuration has them; `was_lost` until this tick's fix.
     #[inline]
     fn propagate(
         &mut self,
         config: &MissionConfig<E>,
         time_us: u64,
         tracker: &ReferenceTracker,
-        accepted: Option<AcceptedFix>,
+        was_lost: bool,
     ) -> Result<(), FilterError> {
         let seconds = seconds_between(self.propagated_us, time_us);
         self.propagated_us = time_us;
         if let Some(climb) = &config.reference.climb_rate {
-            let (climb_m, variance_m2) = if accepted.is_some_and(|fix| fix.interval_s.is_none()) {
-                // First fix ever, or after a loss: the altitude may be anywhere again.
+            let (climb_m, variance_m2) = if was_lost {
+                // Meanwhile the altitude may have gone anywhere.
                 (0.0, config.reference.prior_sigma_m * config.reference.prior_sigma_m)
             } else {
                 let density = |sigma: f32| 2.0 * sigma * sigma * climb.correlation_time_s;

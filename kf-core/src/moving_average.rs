@@ -120,14 +120,6 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Mean over exactly the samples newer than `window_us`.
-    fn exact(samples: &[(u64, f32)], window_us: u64) -> f64 {
-        let now = samples.last().unwrap().0;
-        let inside: Vec<f64> =
-            samples.iter().filter(|(t, _)| t + window_us > now).map(|(_, x)| f64::from(*x)).collect();
-        inside.iter().sum::<f64>() / inside.len() as f64
-    }
-
     #[test]
     fn lags_a_ramp_by_half_the_window() {
         let window_us = 3_000_000;
@@ -166,10 +158,13 @@ mod tests {
                 now += dt;
                 samples.push((now, x));
                 let got = f64::from(average.add(now, x));
-                // Some window between the two limits gives this very mean.
-                let possible = (0..=101).any(|part| {
-                    let width = window_us * 31 / 32 + part * (window_us / 32) / 100;
-                    (exact(&samples, width) - got).abs() < 1e-3
+                // It is the mean of the newest samples, cut at an age between the two limits.
+                let possible = (0..samples.len()).any(|first| {
+                    let age = |k: usize| now - samples[k].0;
+                    let fits = age(first) <= window_us
+                        && (first == 0 || age(first - 1) >= window_us / 32 * 31);
+                    let newest = samples[first..].iter().map(|(_, x)| f64::from(*x));
+                    fits && (newest.sum::<f64>() / (samples.len() - first) as f64 - got).abs() < 1e-3
                 });
                 prop_assert!(possible, "{got} at {now}");
             }

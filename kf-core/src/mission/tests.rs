@@ -67,7 +67,7 @@ impl Flight {
         let time_us = k * TICK_US;
         let altitude_m = 2_000.0;
         let mut input = TickInput { time_us, launch: time_us >= 30_000_000, ..TickInput::default() };
-        if k % 40 == 0 {
+        if k.is_multiple_of(40) {
             input.gps = Some(GpsFix {
                 altitude_m: altitude_m + 2.0 * self.uniform(),
                 velocity_north_mps: Some(60.0 + 0.1 * self.uniform()),
@@ -78,7 +78,7 @@ impl Flight {
                 fix_time_us: None,
             });
         }
-        if k % 4 == 0 {
+        if k.is_multiple_of(4) {
             input.imu_master_altitude_m = Some(altitude_m + BIASES_M[0] + self.uniform());
             input.imu_slave_altitude_m = Some(altitude_m + BIASES_M[1] + self.uniform());
             input.baro = Some(BaroReading::AltitudeM(altitude_m + BIASES_M[2] + self.uniform()));
@@ -417,6 +417,54 @@ fn an_effect_whose_signal_is_missing_is_counted() {
         |_, _| {},
     );
     assert_eq!(mission.counters().effects_without_signal, 2_000);
+}
+
+/// Bias variance of the barometer at the latch, and the mean NIS of its readings.
+fn variance_and_nis(config: &MissionConfig<0>) -> (f32, f32) {
+    let (mut sum, mut count) = (0.0, 0.0);
+    let mission = fly::<0, 4, 0>(
+        config,
+        |_, _| {},
+        |k, output| {
+            if let (true, Some(nis)) = (k > 1_000, output.sensors[2].signed_nis) {
+                sum += nis.abs();
+                count += 1.0;
+            }
+        },
+    );
+    (mission.latch().unwrap().sensors[2].bias_variance_m2, sum / count)
+}
+
+#[test]
+fn an_error_that_keeps_its_sign_is_worth_less_but_no_larger() {
+    // White: 4/140 of the fixes and 1/1,400 of the readings.
+    let (white, nis) = variance_and_nis(&config(false));
+    assert!((white / (4.0 / 140.0 + 1.0 / 1_400.0) - 1.0).abs() < 0.05, "{white}");
+    // NIS of uniform noise: mean 1, variance 0.8; 1,250 readings.
+    assert!((nis - 1.0).abs() < 5.0 * (0.8_f32 / 1_250.0).sqrt(), "{nis}");
+    // Correlated over 1 s: a fix every 0.2 s counts as one with 2 tau / dt = 10 times the variance;
+    // the first in full, which at 0.286 against 4 is 7 %.
+    let mut correlated = config(false);
+    correlated.reference.correlation_time_s = 1.0;
+    let (variance, nis) = variance_and_nis(&correlated);
+    assert!((variance / (1.0 / (1.0 / 4.0 + 139.0 / 40.0) + 1.0 / 1_400.0) - 1.0).abs() < 0.05, "{variance}");
+    assert!((0.5..1.2).contains(&nis), "{nis}");
+    let mut correlated = config(false);
+    correlated.sensors[2].correlation_time_s = 1.0;
+    let (_, nis) = variance_and_nis(&correlated);
+    // The barometer is weighted with R = 100, but an innovation of it is judged by its own 1.
+    assert!((nis - 1.0).abs() < 0.2, "{nis}");
+}
+
+#[test]
+fn the_noise_floor_keeps_a_bias_from_becoming_too_sure() {
+    let mut wandering = config(false);
+    wandering.sensors[2].wander_m_per_sqrt_s = 0.5;
+    let (variance, _) = variance_and_nis(&wandering);
+    // Steady state of a random walk seen through white noise of density r: sqrt(q r), with
+    // r = 4 * 0.2 s of the fixes (the altitude itself is claimed constant, so less of it counts).
+    assert!((0.05..0.5).contains(&variance), "{variance}");
+    assert!(variance > 1.5 * variance_and_nis(&config(false)).0);
 }
 
 #[test]
