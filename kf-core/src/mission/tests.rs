@@ -468,6 +468,23 @@ fn the_noise_floor_keeps_a_bias_from_becoming_too_sure() {
 }
 
 #[test]
+fn the_climb_rates_error_bounds_what_is_known_of_the_altitude() {
+    let mut variance = 0.0;
+    fly::<0, 4, 0>(
+        &config(true),
+        |_, _| {},
+        |k, output| {
+            if k < 6_000 {
+                variance = output.altitude_variance_m2;
+            }
+        },
+    );
+    // Steady state of a random walk of 2 sigma^2 tau = 0.16 m^2/s seen through 4 m^2 every 0.2 s:
+    // sqrt(0.16 * 0.8) = 0.36. The sensors, once calibrated, know part of it too.
+    assert!((0.1..0.4).contains(&variance), "{variance}");
+}
+
+#[test]
 fn a_reference_that_is_still_converging_is_noticed() {
     // Cold start: the altitude falls in by 15 m over a time constant of 20 s, Doppler does not.
     let mission = fly::<0, 4, 0>(
