@@ -1,6 +1,7 @@
 //! The workbench of Pylon: it compares what the estimator in [`kf_core`] says with measured flights.
 
 pub mod flight;
+pub mod fly;
 pub mod output_file;
 pub mod replay;
 pub mod statistics;

@@ -1,0 +1,85 @@
+//! Flights through the firmware in the emulated flight computer: every tick has the host's bits, and
+//! errors planted on either side are found.
+//!
+//! Needs qemu-system-arm and the Rust target; without them the tests fail and say what to install
+//! (`cargo xtask test` installs it).
+#![allow(clippy::unwrap_used)]
+
+mod ticks;
+
+use flight_record::ExitStatus;
+use kf_core::effect::EffectId;
+use kf_core::input::TickInput;
+use model::Model;
+use pylon::fly::{FlyError, FlyOptions, FlyReport, PlantedError, fly_inputs};
+
+use ticks::{LAUNCH, TICK_US, TICKS, flight, must, prompt};
+
+fn fly(inputs: &[TickInput], model: &Model, options: FlyOptions) -> Result<FlyReport, FlyError> {
+    fly_inputs(inputs.iter().copied(), model, &options)
+}
+
+fn effects(estimate: bool) -> Model {
+    let effect = format!(
+        "[[effect]]\nid = \"{}\"\ncoefficient = 0.01\nsigma = 0.05\nestimate = {estimate}\n",
+        EffectId::BaroDynamicPressure.name()
+    );
+    Model::parse(&effect).unwrap()
+}
+
+#[test]
+fn every_tick_has_the_hosts_bits_for_every_shape_of_the_filter() {
+    for model in [Model::default(), Model::paper(), effects(true), effects(false)] {
+        let report = must(fly(&flight(), &prompt(model), FlyOptions::default()));
+        assert_eq!(report.ticks as usize, TICKS);
+        let latch = report.latch.as_ref().unwrap();
+        assert_eq!(latch.time_us, 1_000_000 + LAUNCH as u64 * TICK_US);
+        // What the record brings must have been used, or equal bits would mean nothing.
+        assert!(latch.sensors.iter().all(|sensor| sensor.readings > 800), "{latch:?}");
+        let slave = latch.sensors[1];
+        assert!((slave.bias_m + 72.9).abs() < 4.0 * slave.bias_variance_m2.sqrt(), "{latch:?}");
+        assert!(report.instructions_mean > 100.0 && report.instructions_worst < 100_000, "{report:?}");
+        assert!(f64::from(report.instructions_worst) >= report.instructions_mean);
+        assert!(report.stack_used_bytes > 0 && report.stack_used_bytes < report.stack_size_bytes);
+        assert!(report.log.iter().any(|line| line.contains("latched at")), "{:?}", report.log);
+        assert_eq!((report.underruns, report.stalls), (0, 0));
+    }
+}
+
+#[test]
+fn the_same_flight_takes_the_same_instructions() {
+    let fly = || must(fly(&flight(), &prompt(Model::default()), FlyOptions::default()));
+    assert_eq!(fly(), fly());
+}
+
+#[test]
+fn one_unit_in_the_last_place_on_the_target_is_found() {
+    let options = FlyOptions { target_error: Some(PlantedError::Ulp), ..FlyOptions::default() };
+    let error = fly(&flight(), &prompt(Model::default()), options).unwrap_err();
+    let FlyError::Differs(difference) = &error else { panic!("{error}") };
+    assert!(difference.field.starts_with("baro."), "{error}");
+    assert!(difference.tick < TICKS as u64 / 10 && difference.ticks_that_differ > 100, "{error}");
+}
+
+#[test]
+fn one_unit_in_the_last_place_on_the_host_is_found() {
+    let options = FlyOptions { host_ulp_error: true, ..FlyOptions::default() };
+    let error = fly(&flight(), &prompt(Model::default()), options).unwrap_err();
+    let FlyError::Differs(difference) = &error else { panic!("{error}") };
+    assert!(difference.field.starts_with("baro."), "{error}");
+    assert_eq!(error.to_string().lines().count(), 1);
+}
+
+#[test]
+fn a_panic_and_a_fault_stop_the_flight_and_say_so() {
+    for (planted, status, word) in [
+        (PlantedError::Panic, ExitStatus::Panic, "panic"),
+        (PlantedError::Fault, ExitStatus::HardFault, "fault"),
+    ] {
+        let options = FlyOptions { target_error: Some(planted), ..FlyOptions::default() };
+        let error = fly(&flight()[..100], &prompt(Model::default()), options).unwrap_err();
+        let FlyError::Stopped { status: stopped, log } = &error else { panic!("{error}") };
+        assert_eq!(*stopped, Some(status));
+        assert!(log.iter().any(|line| line.contains(word)), "{log:?}");
+    }
+}

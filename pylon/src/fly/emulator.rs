@@ -1,0 +1,80 @@
+//! QEMU.
+
+use std::io::{self, Read};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc;
+use std::thread;
+use std::time::Duration;
+
+use super::error::FlyError;
+
+/// The emulated machine: an STM32F405RG.
+const MACHINE: &str = "netduinoplus2";
+
+/// What an emulation left behind.
+#[derive(Debug)]
+pub struct Emulation {
+    /// QEMU's exit status, which is the firmware's once the firmware has ended it; `None` after a signal.
+    pub code: Option<i32>,
+    /// What the firmware wrote to its standard output.
+    pub stdout: Vec<u8>,
+    /// What it, or QEMU, wrote to the standard error.
+    pub stderr: String,
+}
+
+/// Runs an image with `directory` as the place of its files, one instruction a nanosecond and no
+/// waiting for the wall clock.
+///
+/// # Errors
+/// [`FlyError::NoEmulator`], [`FlyError::Timeout`], [`FlyError::Io`].
+pub fn emulate(image: &Path, directory: &Path, timeout: Duration) -> Result<Emulation, FlyError> {
+    let mut qemu = Command::new("qemu-system-arm")
+        .args(["-machine", MACHINE, "-nographic", "-monitor", "none", "-serial", "none"])
+        .args(["-icount", "shift=0,sleep=off", "-semihosting-config", "enable=on,target=native"])
+        .arg("-kernel")
+        .arg(image)
+        .current_dir(directory)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .map_err(|error| match error.kind() {
+            io::ErrorKind::NotFound => FlyError::NoEmulator,
+            _ => FlyError::Io { what: "qemu-system-arm".to_owned(), source: error },
+        })?;
+    // Both pipes are drained while it runs, or a full one would stop it.
+    let stdout = drain(qemu.stdout.take());
+    let stderr = drain(qemu.stderr.take());
+    let finished = stdout.recv_timeout(timeout);
+    if finished.is_err() {
+        let killed = qemu.kill().and_then(|()| qemu.wait());
+        killed.map_err(FlyError::io("stopping qemu-system-arm"))?;
+        return Err(FlyError::Timeout { seconds: timeout.as_secs() });
+    }
+    let code = wait(&mut qemu)?;
+    Ok(Emulation {
+        code,
+        stdout: finished.unwrap_or_default(),
+        stderr: String::from_utf8_lossy(&stderr.recv().unwrap_or_default()).into_owned(),
+    })
+}
+
+fn wait(qemu: &mut Child) -> Result<Option<i32>, FlyError> {
+    Ok(qemu.wait().map_err(FlyError::io("waiting for qemu-system-arm"))?.code())
+}
+
+/// Reads a pipe to its end, which comes when the program ends.
+fn drain(pipe: Option<impl Read + Send + 'static>) -> mpsc::Receiver<Vec<u8>> {
+    let (sender, receiver) = mpsc::channel();
+    thread::spawn(move || {
+        let mut bytes = Vec::new();
+        if let Some(mut pipe) = pipe {
+            // A read that fails ends the stream; what came before it is what there is.
+            let _ = pipe.read_to_end(&mut bytes);
+        }
+        // The receiver has gone when the emulation was given up.
+        let _ = sender.send(bytes);
+    });
+    receiver
+}

@@ -1,0 +1,62 @@
+//! What is in a linked image.
+
+use std::fs;
+use std::path::Path;
+
+use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SectionKind};
+
+use super::error::FlyError;
+
+/// Where the RAM of the flight computer starts; everything allocated below it is flash.
+const RAM_START: u64 = 0x2000_0000;
+
+/// Sizes and symbols of an image.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Image {
+    /// Flash that the image takes, bytes: vectors, code, constants, and the initial values of variables.
+    pub flash_bytes: u64,
+    /// RAM that its static variables take, bytes; the stack is not among them.
+    pub static_ram_bytes: u64,
+    /// Names of all symbols, demangled.
+    pub symbols: Vec<String>,
+}
+
+impl Image {
+    /// Reads an ELF file.
+    ///
+    /// # Errors
+    /// [`FlyError::Io`], [`FlyError::Image`].
+    pub fn read(path: &Path) -> Result<Self, FlyError> {
+        let bytes = fs::read(path).map_err(FlyError::io(path.display().to_string()))?;
+        Self::parse(&bytes)
+            .map_err(|why| FlyError::Image { path: path.display().to_string(), why: why.to_string() })
+    }
+
+    fn parse(bytes: &[u8]) -> Result<Self, object::Error> {
+        let file = object::File::parse(bytes)?;
+        let mut image = Self::default();
+        for section in file.sections() {
+            let SectionFlags::Elf { sh_flags, .. } = section.flags() else { continue };
+            if !sh_flags.contains(object::elf::SHF_ALLOC) {
+                continue;
+            }
+            if section.address() >= RAM_START {
+                image.static_ram_bytes += section.size();
+            }
+            // Initial values of variables lie in flash and in RAM.
+            if section.kind() != SectionKind::UninitializedData {
+                image.flash_bytes += section.size();
+            }
+        }
+        for symbol in file.symbols() {
+            // Names of the log's texts are no code and may contain anything.
+            let in_log = symbol.section_index().is_some_and(|index| {
+                file.section_by_index(index).is_ok_and(|section| section.name() == Ok(".defmt"))
+            });
+            if let (Ok(name), false) = (symbol.name(), in_log) {
+                image.symbols.push(format!("{:#}", rustc_demangle::demangle(name)));
+            }
+        }
+        Ok(image)
+    }
+}

@@ -1,0 +1,279 @@
+//! A flight through the firmware, in the emulated flight computer, compared with the host to the bit.
+
+mod builder;
+mod compare;
+mod emulator;
+mod error;
+mod image;
+mod log;
+mod record;
+
+use std::fs;
+use std::path::Path;
+use std::time::Duration;
+
+use flight_record::{ExitStatus, INPUT_FILE, OUTPUT_FILE, Summary, TickRecord};
+use kf_core::input::{BaroReading, TickInput};
+use kf_core::latch::LatchRecord;
+use model::Model;
+
+pub use builder::{Board, PlantedError, Program, TARGET, build};
+pub use compare::Difference;
+pub use emulator::{Emulation, emulate};
+pub use error::FlyError;
+pub use image::Image;
+pub use record::{FlightResult, Results};
+
+use crate::replay::{Replay, mission};
+
+/// Longest wait for an emulation that does not end, besides [`PATIENCE_PER_TICK`].
+const PATIENCE: Duration = Duration::from_secs(120);
+/// And for each tick: some fifty times what a tick takes.
+const PATIENCE_PER_TICK: Duration = Duration::from_millis(10);
+
+/// How to fly.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FlyOptions {
+    /// An error planted in the firmware, to see that it is found.
+    pub target_error: Option<PlantedError>,
+    /// The host's mission gets every barometer reading one unit in the last place off, to see that it
+    /// is found.
+    pub host_ulp_error: bool,
+}
+
+/// A flight whose every tick had the same bits on host and target.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FlyReport {
+    /// Ticks flown and compared.
+    pub ticks: u32,
+    /// Instructions of one tick of the mission, mean.
+    pub instructions_mean: f64,
+    /// The dearest tick's.
+    pub instructions_worst: u32,
+    /// When that was, microseconds.
+    pub worst_time_us: u64,
+    /// Timer ticks at which the mission waited for its input.
+    pub underruns: u32,
+    /// Timer ticks at which it waited for room for its results.
+    pub stalls: u32,
+    /// Most stack that was ever in use, bytes.
+    pub stack_used_bytes: u32,
+    /// Stack there is, bytes.
+    pub stack_size_bytes: u32,
+    /// Flash that the image takes, bytes.
+    pub flash_bytes: u64,
+    /// RAM that its static variables take, bytes.
+    pub static_ram_bytes: u64,
+    /// The latched calibration, the same on both; `None` for a flight without launch.
+    pub latch: Option<LatchRecord>,
+    /// What the firmware logged.
+    pub log: Vec<String>,
+}
+
+/// Flies a flight through the firmware and compares every tick with the host's, bit for bit.
+///
+/// # Errors
+/// [`FlyError`]; [`FlyError::Differs`] if a single bit differs.
+pub fn fly(replay: &Replay<'_>, options: &FlyOptions) -> Result<FlyReport, FlyError> {
+    fly_inputs(replay.inputs(), replay.model(), options)
+}
+
+/// As [`fly`], for ticks from anywhere.
+///
+/// # Errors
+/// As [`fly`].
+pub fn fly_inputs(
+    inputs: impl Iterator<Item = TickInput> + Clone,
+    model: &Model,
+    options: &FlyOptions,
+) -> Result<FlyReport, FlyError> {
+    let image_path = build(Program::Flight(Board::Qemu), model, options.target_error)?;
+    let image = Image::read(&image_path)?;
+    let directory = tempfile::tempdir().map_err(FlyError::io("temporary directory"))?;
+    let count = record::write_inputs(
+        &directory.path().join(name(INPUT_FILE)?),
+        model.fingerprint()?,
+        inputs.clone(),
+    )?;
+
+    let mut run = run(&image_path, directory.path(), count)?;
+    if run.status != Some(ExitStatus::Finished) {
+        return Err(FlyError::Stopped { status: run.status, log: run.log });
+    }
+    let compared = compare(inputs, model, options, &mut run.results)?;
+    let summary = compared.summary;
+    check_complete(&summary, count, compared.ticks)?;
+    Ok(FlyReport {
+        ticks: summary.ticks,
+        instructions_mean: summary.cost_sum as f64 / f64::from(summary.ticks.max(1)),
+        instructions_worst: summary.cost_worst,
+        worst_time_us: compared.worst_time_us,
+        underruns: summary.underruns,
+        stalls: summary.stalls,
+        stack_used_bytes: summary.stack_used_bytes,
+        stack_size_bytes: summary.stack_size_bytes,
+        flash_bytes: image.flash_bytes,
+        static_ram_bytes: image.static_ram_bytes,
+        latch: compared.latch,
+        log: run.log,
+    })
+}
+
+/// What an emulated flight left behind.
+pub struct Run {
+    /// How the firmware ended it; `None` if it did not.
+    pub status: Option<ExitStatus>,
+    /// What it logged; QEMU's own words if the firmware did not end it.
+    pub log: Vec<String>,
+    /// Its results.
+    pub results: Results,
+}
+
+/// Flies any bytes at all as a flight record, good or bad: nothing is compared.
+///
+/// # Errors
+/// Only what keeps the emulation from running to an end of its own.
+pub fn fly_bytes(record: &[u8], model: &Model, planted: Option<PlantedError>) -> Result<RawFlight, FlyError> {
+    let image = build(Program::Flight(Board::Qemu), model, planted)?;
+    let directory = tempfile::tempdir().map_err(FlyError::io("temporary directory"))?;
+    fs::write(directory.path().join(name(INPUT_FILE)?), record).map_err(FlyError::io("the flight record"))?;
+    let mut run = run(&image, directory.path(), u32::try_from(record.len() / 16).unwrap_or(u32::MAX))?;
+    let mut flight = RawFlight { status: run.status, log: run.log, ..RawFlight::default() };
+    while let Some(result) = run.results.next_result()? {
+        match result {
+            FlightResult::Tick(tick) => flight.ticks.push(tick),
+            FlightResult::Latch(latch) => flight.latches.push(latch),
+            FlightResult::Summary(summary) => flight.summary = Some(summary),
+        }
+    }
+    Ok(flight)
+}
+
+/// What an emulated flight on any bytes said.
+#[derive(Clone, Debug, Default)]
+pub struct RawFlight {
+    /// How the firmware ended it; `None` if it did not.
+    pub status: Option<ExitStatus>,
+    /// What it logged.
+    pub log: Vec<String>,
+    /// Every tick.
+    pub ticks: Vec<TickRecord>,
+    /// Every latched calibration; there should be one at most.
+    pub latches: Vec<LatchRecord>,
+    /// What was counted, if the flight came to its end.
+    pub summary: Option<Summary>,
+}
+
+fn run(image: &Path, directory: &Path, ticks: u32) -> Result<Run, FlyError> {
+    let patience = PATIENCE + PATIENCE_PER_TICK.saturating_mul(ticks);
+    let emulation = emulate(image, directory, patience)?;
+    let status = emulation.code.and_then(ExitStatus::from_code);
+    let elf = fs::read(image).map_err(FlyError::io(image.display().to_string()))?;
+    let mut log = log::lines(&elf, &emulation.stdout);
+    log.extend(emulation.stderr.lines().map(str::to_owned));
+    let output = directory.join(name(OUTPUT_FILE)?);
+    if !output.is_file() {
+        return Err(FlyError::Stopped { status, log });
+    }
+    Ok(Run { status, log, results: Results::open(&output)? })
+}
+
+fn name(file: &'static std::ffi::CStr) -> Result<&'static str, FlyError> {
+    file.to_str().map_err(|_| FlyError::Host("a file name of the flight record is not UTF-8".to_owned()))
+}
+
+struct Compared {
+    ticks: u64,
+    worst_time_us: u64,
+    latch: Option<LatchRecord>,
+    summary: Summary,
+}
+
+/// Runs the host's mission beside the target's results.
+fn compare(
+    mut inputs: impl Iterator<Item = TickInput>,
+    model: &Model,
+    options: &FlyOptions,
+    results: &mut Results,
+) -> Result<Compared, FlyError> {
+    let mut mission = mission(model).map_err(|error| FlyError::Host(error.to_string()))?;
+    let mut first: Option<Difference> = None;
+    let mut differing = 0_u64;
+    let mut ticks = 0_u64;
+    let mut last_us = 0;
+    let (mut worst, mut worst_time_us) = (0, 0);
+    let mut target_latch = None;
+    let mut note = |tick, time_us, (field, host, target): compare::FieldDifference| {
+        first.get_or_insert(Difference {
+            tick,
+            time_us,
+            field,
+            host,
+            target,
+            ticks_that_differ: 0,
+            ticks: 0,
+        });
+    };
+    let summary = loop {
+        match results.next_result()? {
+            Some(FlightResult::Tick(record)) => {
+                let Some(input) = inputs.next() else {
+                    return Err(FlyError::Results("there are more than inputs".to_owned()));
+                };
+                let input = if options.host_ulp_error { one_ulp_off(input) } else { input };
+                let output = mission.tick(&input);
+                if !compare::same_bits(&output, &record.output) {
+                    differing += 1;
+                    note(ticks, input.time_us, compare::tick_difference(&output, &record.output));
+                }
+                if record.cost > worst {
+                    (worst, worst_time_us) = (record.cost, input.time_us);
+                }
+                last_us = input.time_us;
+                ticks += 1;
+            }
+            Some(FlightResult::Latch(latch)) => target_latch = Some(latch),
+            Some(FlightResult::Summary(summary)) => break summary,
+            None => return Err(FlyError::Results("they have no summary".to_owned())),
+        }
+    };
+    if !compare::same_bits(&mission.latch(), &target_latch.as_ref()) {
+        note(ticks, last_us, compare::latch_difference(mission.latch(), target_latch.as_ref()));
+    }
+    match first {
+        Some(first) => {
+            Err(FlyError::Differs(Box::new(Difference { ticks_that_differ: differing, ticks, ..first })))
+        }
+        None => Ok(Compared { ticks, worst_time_us, latch: target_latch, summary }),
+    }
+}
+
+fn one_ulp_off(mut input: TickInput) -> TickInput {
+    input.baro = input.baro.map(|reading| match reading {
+        BaroReading::PressurePa(pressure_pa) => BaroReading::PressurePa(pressure_pa.next_up()),
+        BaroReading::AltitudeM(altitude_m) => BaroReading::AltitudeM(altitude_m.next_up()),
+    });
+    input
+}
+
+/// A good record must have been flown from its first input to its last.
+fn check_complete(summary: &Summary, inputs: u32, compared: u64) -> Result<(), FlyError> {
+    let counts = [
+        ("lost results", summary.lost_results),
+        ("damaged frames", summary.bad_frames),
+        ("damaged payloads", summary.bad_payloads),
+        ("missing frames", summary.missed_frames),
+        ("failed polls of sensors", summary.sensor_faults),
+        ("cut record", u32::from(summary.input_cut)),
+    ];
+    if let Some((what, count)) = counts.into_iter().find(|(_, count)| *count > 0) {
+        return Err(FlyError::Incomplete(format!("{what}: {count}")));
+    }
+    if summary.ticks != inputs || compared != u64::from(inputs) {
+        return Err(FlyError::Incomplete(format!(
+            "{inputs} inputs, {} ticks flown, {compared} results",
+            summary.ticks
+        )));
+    }
+    Ok(())
+}

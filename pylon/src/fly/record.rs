@@ -1,0 +1,126 @@
+//! The files that go into the emulation and come out of it.
+
+use std::fs::File;
+use std::io::{BufReader, BufWriter, Read, Write};
+use std::path::Path;
+
+use flight_record::{Decoder, Encoder, End, Header, Kind, MAX_STUFFED, Payload, Stream, Summary, TickRecord};
+use kf_core::input::TickInput;
+use kf_core::latch::LatchRecord;
+
+use super::error::FlyError;
+
+/// Bytes read at a time.
+const CHUNK: usize = 64 * 1024;
+
+/// Writes a whole flight record and returns how many inputs it holds.
+pub(super) fn write_inputs(
+    path: &Path,
+    model: u64,
+    inputs: impl Iterator<Item = TickInput>,
+) -> Result<u32, FlyError> {
+    let file = File::create(path).map_err(FlyError::io(path.display().to_string()))?;
+    let mut writer = Writer { file: BufWriter::new(file), path, encoder: Encoder::new() };
+    writer.write(&Header::new(Stream::Inputs, model))?;
+    let mut count = 0_u32;
+    for input in inputs {
+        writer.write(&input)?;
+        count = count.checked_add(1).ok_or_else(|| {
+            FlyError::Host("the flight has more than 2^32 rows: a flight record can not hold it".to_owned())
+        })?;
+    }
+    writer.write(&End { inputs: count })?;
+    writer.file.flush().map_err(FlyError::io(path.display().to_string()))?;
+    Ok(count)
+}
+
+struct Writer<'a> {
+    file: BufWriter<File>,
+    path: &'a Path,
+    encoder: Encoder,
+}
+
+impl Writer<'_> {
+    fn write<P: Payload>(&mut self, payload: &P) -> Result<(), FlyError> {
+        let mut buffer = [0; MAX_STUFFED];
+        let frame = self
+            .encoder
+            .encode(payload, &mut buffer)
+            .map_err(|_| FlyError::Host("a tick is too long for a frame of the flight record".to_owned()))?;
+        self.file.write_all(frame).map_err(FlyError::io(self.path.display().to_string()))
+    }
+}
+
+/// One result of the flight computer.
+#[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "one at a time")]
+pub enum FlightResult {
+    /// What a tick said.
+    Tick(TickRecord),
+    /// The calibration, after the tick that latched it.
+    Latch(LatchRecord),
+    /// What was counted: the last one.
+    Summary(Summary),
+}
+
+/// The results of an emulation, read as they are asked for.
+pub struct Results {
+    file: BufReader<File>,
+    decoder: Decoder,
+    header: Option<Header>,
+}
+
+impl Results {
+    /// Opens the file that the firmware wrote.
+    pub(super) fn open(path: &Path) -> Result<Self, FlyError> {
+        let file = File::open(path).map_err(FlyError::io(path.display().to_string()))?;
+        Ok(Self { file: BufReader::with_capacity(CHUNK, file), decoder: Decoder::new(), header: None })
+    }
+
+    /// The next result; `None` at the end of the file.
+    ///
+    /// # Errors
+    /// [`FlyError::Results`] for anything that is not a result, or lacks one before it.
+    pub fn next_result(&mut self) -> Result<Option<FlightResult>, FlyError> {
+        loop {
+            let mut byte = [0];
+            let read = self.file.read(&mut byte).map_err(FlyError::io("reading the results"))?;
+            if read == 0 {
+                if self.decoder.is_inside_frame() {
+                    return Err(FlyError::Results("the last one is cut".to_owned()));
+                }
+                return Ok(None);
+            }
+            let damaged = |what: &str| FlyError::Results(what.to_owned());
+            let pushed = self.decoder.push(byte[0]);
+            let frame = pushed.map_err(|error| FlyError::Results(format!("{error:?}")))?;
+            let Some(frame) = frame else { continue };
+            if frame.missed > 0 {
+                return Err(FlyError::Results(format!("{} are missing", frame.missed)));
+            }
+            let bad_payload = |_| damaged("a result does not decode");
+            match (frame.kind, self.header) {
+                (Kind::Header, None) => {
+                    let header: Header = frame.payload().map_err(bad_payload)?;
+                    if header != Header::new(Stream::Outputs, header.model) {
+                        return Err(damaged("they are of another version of the format"));
+                    }
+                    self.header = Some(header);
+                }
+                (_, None) => return Err(damaged("they do not start with a header")),
+                (Kind::Tick, _) => {
+                    return frame.payload().map(FlightResult::Tick).map(Some).map_err(bad_payload);
+                }
+                (Kind::Latch, _) => {
+                    return frame.payload().map(FlightResult::Latch).map(Some).map_err(bad_payload);
+                }
+                (Kind::Summary, _) => {
+                    return frame.payload().map(FlightResult::Summary).map(Some).map_err(bad_payload);
+                }
+                (Kind::Header | Kind::Input | Kind::End, _) => {
+                    return Err(damaged("a frame is out of place"));
+                }
+            }
+        }
+    }
+}
