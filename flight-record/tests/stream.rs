@@ -79,9 +79,9 @@ fn longest_latch() -> LatchRecord {
         bias_m: f32::MAX,
         bias_variance_m2: f32::MAX,
         readings: u32::MAX,
-        residual_sigma_m: f32::MAX,
-        standard_error_m: f32::MAX,
-        bound_m: f32::MAX,
+        residual_variance_m2: f32::MAX,
+        mean_variance_m2: f32::MAX,
+        bound_m2: f32::MAX,
     };
     LatchRecord {
         time_us: u64::MAX,

@@ -51,13 +51,13 @@ pub struct Summary {
     pub count: u32,
     /// Their mean.
     pub mean: f32,
-    /// Their standard deviation.
-    pub deviation: f32,
-    /// Standard error of the mean by batch means: the blocks' scatter, so that autocorrelation
-    /// within a block is accounted for. Zero if there are fewer than two blocks.
-    pub standard_error: f32,
-    /// Standard deviation of the block means: the slow part of the spread.
-    pub block_deviation: f32,
+    /// Their variance.
+    pub variance: f32,
+    /// Variance of the mean by batch means: the blocks' scatter, so that autocorrelation within a
+    /// block is accounted for. Zero if there are fewer than two blocks.
+    pub mean_variance: f32,
+    /// Variance of the block means: the slow part of the spread.
+    pub block_variance: f32,
 }
 
 /// A straight line through the block means.
@@ -65,8 +65,8 @@ pub struct Summary {
 pub struct Trend {
     /// Change from the first block to the last.
     pub drift: f32,
-    /// Its standard error, from the scatter of the blocks about the line.
-    pub drift_sigma: f32,
+    /// Its variance, from the scatter of the blocks about the line.
+    pub drift_variance: f32,
 }
 
 /// Block means of a series: at most 32 blocks, which double in length when they run out.
@@ -133,18 +133,18 @@ impl BlockStatistics {
         if all.count < 2 {
             return None;
         }
-        let deviation = libm::sqrtf(all.squares / (all.count - 1) as f32);
         let mut means = Block::default();
         for block in self.blocks.iter().filter(|block| block.count > 0) {
             means.add(block.mean);
         }
-        let (block_deviation, standard_error) = if means.count < 2 {
+        let (block_variance, mean_variance) = if means.count < 2 {
             (0.0, 0.0)
         } else {
             let variance = means.squares / (means.count - 1) as f32;
-            (libm::sqrtf(variance), libm::sqrtf(variance / means.count as f32))
+            (variance, variance / means.count as f32)
         };
-        Some(Summary { count: all.count, mean: all.mean, deviation, standard_error, block_deviation })
+        let variance = all.squares / (all.count - 1) as f32;
+        Some(Summary { count: all.count, mean: all.mean, variance, mean_variance, block_variance })
     }
 
     /// Least-squares line through the means of blocks `from..to` of the filled span, given in 32nds
@@ -173,7 +173,7 @@ impl BlockStatistics {
         };
         let scatter = points().map(residual).sum::<f32>() / (n - 2.0);
         let span = points().next_back().map_or(0.0, |(x, _)| x) - points().next().map_or(0.0, |(x, _)| x);
-        Some(Trend { drift: slope * span, drift_sigma: span * libm::sqrtf(scatter / xx) })
+        Some(Trend { drift: slope * span, drift_variance: span * span * scatter / xx })
     }
 }
 
@@ -202,10 +202,10 @@ mod tests {
         // 100 s at 20 Hz: 4 s blocks, 25 of them; the line spans their centres, 96 s.
         let trend = filled((0..2_000).map(|k| k as f32 * 0.01), 50_000).trend(0, 32).unwrap();
         assert!((trend.drift - 19.2).abs() < 1e-3, "{trend:?}");
-        assert!(trend.drift_sigma < 1e-3);
+        assert!(trend.drift_variance < 1e-6);
         let alternating = filled((0..2_000).map(|k| if k % 2 == 0 { 1.0 } else { -1.0 }), 50_000);
         let trend = alternating.trend(0, 32).unwrap();
-        assert!(trend.drift.abs() <= 3.0 * trend.drift_sigma + 1e-6, "{trend:?}");
+        assert!(trend.drift.abs() <= 3.0 * trend.drift_variance.sqrt() + 1e-6, "{trend:?}");
     }
 
     #[test]
@@ -215,10 +215,10 @@ mod tests {
         let summary = filled((0..n).map(x), 5_000).summary().unwrap();
         let mean = (0..n).map(|k| f64::from(x(k))).sum::<f64>() / f64::from(n);
         let squares = (0..n).map(|k| (f64::from(x(k)) - mean).powi(2)).sum::<f64>();
-        let deviation = (squares / f64::from(n - 1)).sqrt();
+        let variance = squares / f64::from(n - 1);
         // f32 keeps 2,000 m to 0.12 mm; a mean must not lose more than a few of those.
         assert!((f64::from(summary.mean) - mean).abs() < 6e-4, "{} {mean}", summary.mean);
-        assert!((f64::from(summary.deviation) / deviation - 1.0).abs() < 1e-3);
+        assert!((f64::from(summary.variance) / variance - 1.0).abs() < 1e-3);
     }
 
     proptest! {
@@ -233,7 +233,7 @@ mod tests {
             let squares = samples.iter().map(|x| (f64::from(*x) - mean).powi(2)).sum::<f64>();
             prop_assert_eq!(summary.count as usize, samples.len());
             prop_assert!((f64::from(summary.mean) - mean).abs() < 1e-2);
-            prop_assert!((f64::from(summary.deviation) - (squares / (n - 1.0)).sqrt()).abs() < 1e-1);
+            prop_assert!((f64::from(summary.variance).sqrt() - (squares / (n - 1.0)).sqrt()).abs() < 1e-1);
         }
     }
 }

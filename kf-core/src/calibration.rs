@@ -96,7 +96,7 @@ pub(crate) struct Calibration<const HEAD: usize, const TAIL: usize, const E: usi
     last_reading_us: [Option<u64>; SENSORS],
     residuals: [BlockStatistics; SENSORS],
     altitude: BlockStatistics,
-    airspeed: BlockStatistics,
+    airspeed_squared: BlockStatistics,
     reference_drift: BlockStatistics,
     innovations: u32,
     implausible: u32,
@@ -124,7 +124,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
             last_reading_us: [None; SENSORS],
             residuals: core::array::from_fn(|_| BlockStatistics::default()),
             altitude: BlockStatistics::default(),
-            airspeed: BlockStatistics::default(),
+            airspeed_squared: BlockStatistics::default(),
             reference_drift: BlockStatistics::default(),
             innovations: 0,
             implausible: 0,
@@ -317,10 +317,10 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         }
     }
 
-    /// Notes the airspeed, m/s.
+    /// Notes the squared airspeed, (m/s)^2.
     #[inline]
-    pub(crate) fn note_airspeed(&mut self, time_us: u64, airspeed_mps: f32) {
-        self.airspeed.add(time_us, airspeed_mps);
+    pub(crate) fn note_airspeed(&mut self, time_us: u64, airspeed_squared_m2ps2: f32) {
+        self.airspeed_squared.add(time_us, airspeed_squared_m2ps2);
     }
 
     /// Copies the calibration at launch.
@@ -338,20 +338,20 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         for ((latch, sensor), residuals) in sensors.iter_mut().zip(Sensor::ALL).zip(&self.residuals) {
             let summary = residuals.summary();
             let bias_variance_m2 = self.estimator.bias_variance_m2(sensor);
-            let residual_sigma_m = summary.map_or(0.0, |summary| summary.deviation);
-            let sigma_m = match config.monitor.sigma {
-                SigmaSource::Residual => residual_sigma_m,
-                SigmaSource::Covariance => libm::sqrtf(bias_variance_m2),
-                SigmaSource::Datasheet => config.sensors[sensor.index()].sigma_m,
+            let residual_variance_m2 = summary.map_or(0.0, |summary| summary.variance);
+            let variance_m2 = match config.monitor.sigma {
+                SigmaSource::Residual => residual_variance_m2,
+                SigmaSource::Covariance => bias_variance_m2,
+                SigmaSource::Datasheet => square(config.sensors[sensor.index()].sigma_m),
             };
             let calibrated = summary.is_some();
             *latch = SensorLatch {
                 bias_m: self.estimator.bias_m(sensor),
                 bias_variance_m2,
                 readings: summary.map_or(0, |summary| summary.count),
-                residual_sigma_m,
-                standard_error_m: summary.map_or(0.0, |summary| summary.standard_error),
-                bound_m: if calibrated { config.monitor.multiplier * sigma_m } else { 0.0 },
+                residual_variance_m2,
+                mean_variance_m2: summary.map_or(0.0, |summary| summary.mean_variance),
+                bound_m2: if calibrated { square(config.monitor.multiplier) * variance_m2 } else { 0.0 },
             };
         }
         let mut failed = FailedChecks::default();
@@ -384,10 +384,14 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         failed: &mut FailedChecks,
     ) {
         let quiet = |statistics: &BlockStatistics, limit: f32| {
-            statistics.summary().is_none_or(|summary| summary.block_deviation <= limit)
+            statistics.summary().is_none_or(|summary| summary.block_variance <= square(limit))
         };
         failed.note(Check::TrimmedAltitude, quiet(&self.altitude, limits.trimmed_altitude_m));
-        failed.note(Check::TrimmedAirspeed, quiet(&self.airspeed, limits.trimmed_airspeed_mps));
+        // Of V^2: its deviation is 2 V times the airspeed's.
+        let airspeed_is_quiet = self.airspeed_squared.summary().is_none_or(|summary| {
+            summary.block_variance <= 4.0 * summary.mean * square(limits.trimmed_airspeed_mps)
+        });
+        failed.note(Check::TrimmedAirspeed, airspeed_is_quiet);
         failed.note(
             Check::InnovationsPlausible,
             self.implausible as f32 <= limits.implausible_share * self.innovations as f32,
@@ -399,7 +403,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         for (trend, residuals) in trends.iter().zip(&self.residuals) {
             if let (Some(trend), Some(summary)) = (trend, residuals.summary()) {
                 stationary &= !is_significant(trend)
-                    || trend.drift.abs() <= limits.bias_drift_sigmas * summary.deviation;
+                    || square(trend.drift) <= square(limits.bias_drift_sigmas) * summary.variance;
             }
         }
         failed.note(Check::BiasesStationary, stationary);
@@ -433,8 +437,12 @@ fn own_regressors<const E: usize>(
     own_m
 }
 
+const fn square(x: f32) -> f32 {
+    x * x
+}
+
 fn is_significant(trend: &Trend) -> bool {
-    trend.drift.abs() > SIGNIFICANT_SIGMAS * trend.drift_sigma
+    square(trend.drift) > square(SIGNIFICANT_SIGMAS) * trend.drift_variance
 }
 
 /// Whether at least two sensors drift against the reference, all by as much: then it is the
@@ -446,10 +454,10 @@ fn drift_is_common(trends: &[Option<Trend>; SENSORS], limit_m: f32) -> bool {
     for trend in known {
         others += 1;
         let apart = trend.drift - first.drift;
-        let variance = trend.drift_sigma * trend.drift_sigma + first.drift_sigma * first.drift_sigma;
+        let variance = trend.drift_variance + first.drift_variance;
         if !is_significant(trend)
             || trend.drift.abs() <= limit_m
-            || apart * apart > SIGNIFICANT_SIGMAS * SIGNIFICANT_SIGMAS * variance
+            || square(apart) > square(SIGNIFICANT_SIGMAS) * variance
         {
             return false;
         }

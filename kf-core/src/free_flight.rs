@@ -30,7 +30,7 @@ enum Correction {
 impl Correction {
     fn new(
         kind: &SecondCorrection,
-        sigma_m: f32,
+        variance_m2: f32,
         bias_variance_m2: f32,
         window_us: u64,
         time_us: u64,
@@ -41,7 +41,7 @@ impl Correction {
                 Self::MovingAverage { average: MovingAverage::new(window_us), value_m: 0.0 }
             }
             SecondCorrection::Kalman { wander_m_per_sqrt_s } => {
-                let noise = NoiseVariance::new(sigma_m * sigma_m);
+                let noise = NoiseVariance::new(variance_m2);
                 let filter = UdFilter::new([], [], [0.0], [bias_variance_m2]);
                 match (noise, filter) {
                     (Ok(noise), Ok(filter)) => Self::Kalman {
@@ -106,12 +106,12 @@ impl FreeFlight {
         let window_us = microseconds(config.monitor.window_s);
         let watch = |sensor: Sensor| {
             let latched = latch.sensors.get(sensor.index())?;
-            let is_watched = sensor.flies_free() && latched.bound_m > 0.0 && latched.bound_m.is_finite();
+            let is_watched = sensor.flies_free() && latched.bound_m2 > 0.0 && latched.bound_m2.is_finite();
             is_watched.then(|| Watch {
-                monitor: Monitor::new(latched.bound_m, window_us),
+                monitor: Monitor::new(latched.bound_m2, window_us),
                 correction: Correction::new(
                     &config.second_correction,
-                    latched.residual_sigma_m,
+                    latched.residual_variance_m2,
                     latched.bias_variance_m2,
                     window_us,
                     latch.time_us,

@@ -37,13 +37,34 @@ pub struct SensorLatch {
     pub bias_variance_m2: f32,
     /// Readings that the calibration used.
     pub readings: u32,
-    /// Spread of the calibrated residual (1 sigma), metres; zero without two readings.
-    pub residual_sigma_m: f32,
-    /// Standard error of the residual's mean by batch means, metres: what the bias is worth when
+    /// Variance of the calibrated residual, square metres; zero without two readings.
+    pub residual_variance_m2: f32,
+    /// Variance of the residual's mean by batch means, square metres: what the bias is worth when
     /// the residual is autocorrelated.
-    pub standard_error_m: f32,
+    pub mean_variance_m2: f32,
+    /// Square of the monitor's bound, square metres; zero where there is nothing to monitor with.
+    pub bound_m2: f32,
+}
+
+/// Roots, for readers: the flight computer itself takes none.
+impl SensorLatch {
+    /// Spread of the calibrated residual (1 sigma), metres; zero without two readings.
+    #[must_use]
+    pub fn residual_sigma_m(&self) -> f32 {
+        libm::sqrtf(self.residual_variance_m2)
+    }
+
+    /// Standard error of the residual's mean, metres; see [`Self::mean_variance_m2`].
+    #[must_use]
+    pub fn standard_error_m(&self) -> f32 {
+        libm::sqrtf(self.mean_variance_m2)
+    }
+
     /// The monitor's bound, metres; zero where there is nothing to monitor with.
-    pub bound_m: f32,
+    #[must_use]
+    pub fn bound_m(&self) -> f32 {
+        libm::sqrtf(self.bound_m2)
+    }
 }
 
 /// The calibration at launch.
@@ -98,8 +119,12 @@ mod tests {
     use proptest::prelude::*;
 
     fn record(bias_m: f32, states: usize) -> LatchRecord {
-        let sensor =
-            SensorLatch { bias_m, residual_sigma_m: 40.3308, readings: u32::MAX, ..SensorLatch::default() };
+        let sensor = SensorLatch {
+            bias_m,
+            residual_variance_m2: 1_626.573,
+            readings: u32::MAX,
+            ..SensorLatch::default()
+        };
         LatchRecord {
             time_us: u64::MAX,
             duration_s: 70.0,

@@ -153,8 +153,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             let step =
                 self.calibration.step(&self.config, time_us, fix, &self.tracker, &readings_m, &regressors_m);
             let is_new = input.signals.true_airspeed_mps.is_some() || input.gps.is_some();
-            if let (true, Some(airspeed_mps)) = (is_new, self.signals.airspeed_mps()) {
-                self.calibration.note_airspeed(time_us, airspeed_mps);
+            if let (true, Some(squared)) = (is_new, self.signals.airspeed_squared_m2ps2()) {
+                self.calibration.note_airspeed(time_us, squared);
             }
             step
         } else {

@@ -6,6 +6,6 @@ use crate::atmosphere::STANDARD_GRAVITY_MPS2;
 ///
 /// From `dp = rho V^2 / 2` and the hydrostatic `dh = dp / (rho g)`; the density cancels.
 #[must_use]
-pub fn dynamic_pressure_head_m(true_airspeed_mps: f32) -> f32 {
-    true_airspeed_mps * true_airspeed_mps * (0.5 / STANDARD_GRAVITY_MPS2)
+pub fn dynamic_pressure_head_m(airspeed_squared_m2ps2: f32) -> f32 {
+    airspeed_squared_m2ps2 * (0.5 / STANDARD_GRAVITY_MPS2)
 }

@@ -7,7 +7,7 @@ use crate::input::{GpsFix, Signals};
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SignalHolder {
     true_airspeed_mps: Option<f32>,
-    ground_speed_mps: Option<f32>,
+    ground_speed_squared_m2ps2: Option<f32>,
     /// How many signal values were refused because they were not finite.
     refused: u32,
 }
@@ -26,14 +26,15 @@ impl SignalHolder {
     pub fn take_fix(&mut self, fix: &GpsFix) {
         if let (Some(north), Some(east)) = (fix.velocity_north_mps, fix.velocity_east_mps) {
             let down = fix.velocity_down_mps.unwrap_or(0.0);
-            self.ground_speed_mps = Some(libm::sqrtf(north * north + east * east + down * down));
+            self.ground_speed_squared_m2ps2 = Some(north * north + east * east + down * down);
         }
     }
 
-    /// True airspeed in m/s, or the speed over ground where no airspeed has ever been measured.
+    /// Square of the true airspeed, (m/s)^2, or of the speed over ground where no airspeed has ever
+    /// been measured.
     #[must_use]
-    pub fn airspeed_mps(&self) -> Option<f32> {
-        self.true_airspeed_mps.or(self.ground_speed_mps)
+    pub fn airspeed_squared_m2ps2(&self) -> Option<f32> {
+        self.true_airspeed_mps.map(|speed| speed * speed).or(self.ground_speed_squared_m2ps2)
     }
 
     /// How many signal values were refused because they were not finite.
@@ -47,7 +48,7 @@ impl SignalHolder {
     #[must_use]
     pub fn regressor_m(&self, effect: EffectId) -> Option<f32> {
         match effect {
-            EffectId::BaroDynamicPressure => self.airspeed_mps().map(dynamic_pressure_head_m),
+            EffectId::BaroDynamicPressure => self.airspeed_squared_m2ps2().map(dynamic_pressure_head_m),
         }
     }
 }
@@ -66,12 +67,12 @@ mod tests {
             velocity_down_mps: Some(12.0),
             ..GpsFix::default()
         });
-        assert_eq!(holder.airspeed_mps(), Some(13.0));
+        assert_eq!(holder.airspeed_squared_m2ps2(), Some(169.0));
         holder.take(&Signals { true_airspeed_mps: Some(100.0), ..Signals::default() });
         // 100 m/s: 10^4 / (2 * 9.80665) = 509.86 m.
         let head = holder.regressor_m(EffectId::BaroDynamicPressure).unwrap();
         assert!((head - 509.858).abs() < 1e-3, "{head}");
         holder.take(&Signals { true_airspeed_mps: Some(f32::NAN), ..Signals::default() });
-        assert_eq!((holder.airspeed_mps(), holder.refused()), (Some(100.0), 1));
+        assert_eq!((holder.airspeed_squared_m2ps2(), holder.refused()), (Some(10_000.0), 1));
     }
 }

@@ -137,7 +137,7 @@ fn a_healthy_flight_is_calibrated_latched_and_trusted() {
         assert!((sensor.bias_m - bias_m).powi(2) < 16.0 * sensor.bias_variance_m2, "{sensor:?} {bias_m}");
         // The residual is the sensor's unit noise and the reference's of 2 m: sqrt(5), by 1,400
         // readings of 140 fixes.
-        assert!((sensor.residual_sigma_m - 5.0_f32.sqrt()).abs() < 4.0 * 2.2 / 16.7, "{sensor:?}");
+        assert!((sensor.residual_sigma_m() - 5.0_f32.sqrt()).abs() < 4.0 * 2.2 / 16.7, "{sensor:?}");
         assert_eq!(sensor.readings, 1_400);
     }
     let last = last.unwrap();

@@ -111,9 +111,10 @@ pub struct Monitored {
 }
 
 impl Monitored {
-    /// On the paper's problem, with the bounds of Table 1 and a window of 2 s.
+    /// On the paper's problem, with the bounds of Table 1 and a window of 3 s.
     pub fn new() -> Result<Self, ConfigError> {
-        let monitors = [Monitor::new(32.4422, 2_000_000), Monitor::new(40.3308, 2_000_000)];
+        let monitors =
+            [Monitor::new(32.4422 * 32.4422, 3_000_000), Monitor::new(40.3308 * 40.3308, 3_000_000)];
         Ok(Self { filter: UdFilter::new()?, monitors, averages_m: [0.0; 2] })
     }
 }
