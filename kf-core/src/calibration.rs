@@ -5,7 +5,7 @@ use crate::config::{MissionConfig, QualityConfig, SigmaSource};
 use crate::error::FilterError;
 use crate::estimator::{ConfigError, Estimator, MeasurementNoise};
 use crate::input::GpsFix;
-use crate::latch::{LatchRecord, SensorLatch};
+use crate::latch::{LatchRecord, SensorLatch, collected};
 use crate::quality::{Check, FailedChecks};
 use crate::reference::{AcceptedFix, ReferenceTracker};
 use crate::sensor::{SENSORS, Sensor};
@@ -364,16 +364,12 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         self.check_statistics(&config.quality, tracker, &mut failed);
 
         let states = 1 + SENSORS + E;
-        let mut state = heapless::Vec::new();
-        let mut covariance = heapless::Vec::new();
         let biases = Sensor::ALL.map(|sensor| self.estimator.bias_m(sensor));
         let coefficients = self.estimator.coefficients();
         let values = core::iter::once(self.estimator.altitude_m()).chain(biases).chain(coefficients);
-        // `states <= MAX_STATES`: a shape with more effects is refused by `Mission::new`.
-        state.extend(values.take(states));
-        for row in 0..states {
-            covariance.extend((row..states).map(|column| self.estimator.covariance(row, column)));
-        }
+        let state = collected(values);
+        let triangle = (0..states).flat_map(|row| (row..states).map(move |column| (row, column)));
+        let covariance = collected(triangle.map(|(row, column)| self.estimator.covariance(row, column)));
         LatchRecord { time_us, duration_s, failed_checks: failed.bits(), sensors, state, covariance }
     }
 

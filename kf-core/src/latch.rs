@@ -113,6 +113,18 @@ impl LatchRecord {
     }
 }
 
+/// The items as a vector. It ends where the vector is full, which no caller reaches: a shape with more
+/// effects than there is room for is refused by `Mission::new`. (heapless's own `extend` panics there.)
+pub(crate) fn collected<T, const N: usize>(items: impl Iterator<Item = T>) -> heapless::Vec<T, N> {
+    let mut vector = heapless::Vec::new();
+    for item in items {
+        if vector.push(item).is_err() {
+            break;
+        }
+    }
+    vector
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -8,7 +8,7 @@ use crate::error::FilterError;
 use crate::estimator::{ConfigError, constant_correction_m};
 use crate::free_flight::FreeFlight;
 use crate::input::{BaroReading, GpsFix, TickInput};
-use crate::latch::LatchRecord;
+use crate::latch::{LatchRecord, collected};
 use crate::output::{CoefficientOutput, Phase, Rejection, SensorOutput, TickOutput, Trust};
 use crate::reading::StuckDetector;
 use crate::reference::{AcceptedFix, ReferenceTracker};
@@ -340,11 +340,10 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
                 .map_or(Trust::Calibrating, |watch| watch.trust(sensor, time_us, has_reference)),
             rejection: None,
         });
-        let mut coefficients = heapless::Vec::new();
-        // `E <= MAX_ESTIMATED_EFFECTS`, checked by `new`.
-        coefficients.extend(estimator.coefficients().into_iter().enumerate().map(|(j, coefficient)| {
-            CoefficientOutput { coefficient, variance: estimator.coefficient_variance(j) }
-        }));
+        let coefficients =
+            collected(estimator.coefficients().into_iter().enumerate().map(|(j, coefficient)| {
+                CoefficientOutput { coefficient, variance: estimator.coefficient_variance(j) }
+            }));
         TickOutput {
             time_us,
             out_of_order: false,
