@@ -4,4 +4,5 @@ pub mod flight;
 pub mod fly;
 pub mod output_file;
 pub mod replay;
+pub mod simulate;
 pub mod statistics;
