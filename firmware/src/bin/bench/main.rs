@@ -42,22 +42,44 @@ impl<F: Filter> Call for Tick<F> {
     }
 }
 
+/// In which role a filter is measured.
+#[derive(Clone, Copy)]
+enum Role {
+    /// kf-core.
+    Ours,
+    /// A published filter, or the textbook's form on a published matrix library.
+    Peer,
+    /// For comparison only: nobody publishes it.
+    Reference,
+}
+
+impl Role {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Ours => "ours",
+            Self::Peer => "peer",
+            Self::Reference => "reference",
+        }
+    }
+}
+
 /// How a filter fared.
 struct Outcome {
+    role: Role,
     name: &'static str,
     count: Count,
     state: [f32; 4],
     variances: [f32; 4],
 }
 
-fn run<F: Filter>(counter: &Counter, name: &'static str, filter: F) -> Outcome {
+fn run<F: Filter>(counter: &Counter, role: Role, name: &'static str, filter: F) -> Outcome {
     let mut source = Measurements::new();
     let mut tick = Tick { filter, time_us: 0, measurements: [0.0; 4] };
     let count = counter.count(TICKS, &mut tick, |tick| {
         tick.time_us += TICK_US;
         tick.measurements = source.next_tick();
     });
-    Outcome { name, count, state: tick.filter.state(), variances: tick.filter.variances() }
+    Outcome { role, name, count, state: tick.filter.state(), variances: tick.filter.variances() }
 }
 
 /// Whether two filters ended at the same state and covariance, but for rounding.
@@ -84,17 +106,17 @@ fn main() -> ! {
 /// The filters that solve the 4-state problem, and must agree. The first is the one agreed with.
 fn four_states(counter: &Counter) -> Result<[Outcome; 11], ConfigError> {
     Ok([
-        run(counter, "nalgebra sequential", textbook::Sequential::<false>::new()),
-        run(counter, "nalgebra rank-one", textbook::Sequential::<true>::new()),
-        run(counter, "nalgebra dense", textbook::Dense::new()),
-        run(counter, "minikalman scalar", peer_minikalman::scalar()),
-        run(counter, "minikalman vector", peer_minikalman::vector()),
-        run(counter, "kfilter scalar", peers::Kfilter::<1, 4>::new()),
-        run(counter, "kfilter vector", peers::Kfilter::<4, 1>::new()),
-        run(counter, "adskalman", peers::Adskalman::new()),
-        run(counter, "multicalc", peers::Multicalc::new()),
-        run(counter, "kf-core filter", ours::UdFilter::<3, 1, 0>::new()?),
-        run(counter, "kf-core filter and monitors", ours::Monitored::new()?),
+        run(counter, Role::Peer, "nalgebra sequential", textbook::Sequential::<false>::new()),
+        run(counter, Role::Reference, "nalgebra rank-one", textbook::Sequential::<true>::new()),
+        run(counter, Role::Peer, "nalgebra dense", textbook::Dense::new()),
+        run(counter, Role::Peer, "minikalman scalar", peer_minikalman::scalar()),
+        run(counter, Role::Peer, "minikalman vector", peer_minikalman::vector()),
+        run(counter, Role::Peer, "kfilter scalar", peers::Kfilter::<1, 4>::new()),
+        run(counter, Role::Peer, "kfilter vector", peers::Kfilter::<4, 1>::new()),
+        run(counter, Role::Peer, "adskalman", peers::Adskalman::new()),
+        run(counter, Role::Peer, "multicalc", peers::Multicalc::new()),
+        run(counter, Role::Ours, "kf-core filter", ours::UdFilter::<3, 1, 0>::new()?),
+        run(counter, Role::Ours, "kf-core filter and monitors", ours::Monitored::new()?),
     ])
 }
 
@@ -102,12 +124,22 @@ fn four_states(counter: &Counter) -> Result<[Outcome; 11], ConfigError> {
 fn more_of_ours(counter: &Counter) -> Result<[Outcome; 6], ConfigError> {
     let never = u64::MAX;
     Ok([
-        run(counter, "kf-core filter 4 effects", ours::UdFilter::<3, 5, 4>::new()?),
-        run(counter, "kf-core filter 4 effects dense", ours::UdFilter::<0, 8, 4>::new()?),
-        run(counter, "kf-core whole tick captive", ours::WholeTick::<3, 1, 0>::new(never)?),
-        run(counter, "kf-core whole tick free", ours::WholeTick::<3, 1, 0>::new(10)?),
-        run(counter, "kf-core whole tick 4 effects captive", ours::WholeTick::<3, 5, 4>::new(never)?),
-        run(counter, "kf-core whole tick 4 effects dense captive", ours::WholeTick::<0, 8, 4>::new(never)?),
+        run(counter, Role::Ours, "kf-core filter 4 effects", ours::UdFilter::<3, 5, 4>::new()?),
+        run(counter, Role::Ours, "kf-core filter 4 effects dense", ours::UdFilter::<0, 8, 4>::new()?),
+        run(counter, Role::Ours, "kf-core whole tick captive", ours::WholeTick::<3, 1, 0>::new(never)?),
+        run(counter, Role::Ours, "kf-core whole tick free", ours::WholeTick::<3, 1, 0>::new(10)?),
+        run(
+            counter,
+            Role::Ours,
+            "kf-core whole tick 4 effects captive",
+            ours::WholeTick::<3, 5, 4>::new(never)?,
+        ),
+        run(
+            counter,
+            Role::Ours,
+            "kf-core whole tick 4 effects dense captive",
+            ours::WholeTick::<0, 8, 4>::new(never)?,
+        ),
     ])
 }
 
@@ -116,7 +148,7 @@ fn bench(counter: &Counter) -> ExitCode {
         eprintln!("bench: kf-core refused its configuration");
         return ExitCode::FAILURE;
     };
-    println!("name,mean,least,most,h_m,bias_master_m,bias_slave_m,bias_baro_m,agrees");
+    println!("name,role,mean,least,most,h_m,bias_master_m,bias_slave_m,bias_baro_m,agrees");
     let mut status = ExitCode::SUCCESS;
     for outcome in &outcomes {
         let agrees = agree(outcome, &outcomes[0]);
@@ -134,7 +166,11 @@ fn bench(counter: &Counter) -> ExitCode {
 fn print_row(outcome: &Outcome, agrees: &str) {
     let Count { least, most, mean } = outcome.count;
     let [h, master, slave, baro] = outcome.state;
-    println!("{},{mean},{least},{most},{h},{master},{slave},{baro},{agrees}", outcome.name);
+    println!(
+        "{},{},{mean},{least},{most},{h},{master},{slave},{baro},{agrees}",
+        outcome.name,
+        outcome.role.name()
+    );
 }
 
 #[panic_handler]
