@@ -92,7 +92,8 @@ impl Model {
     /// The paper's section 3.2: x0, P0 and R as printed, A = I, Q = 0, no effect, and eq. 17 at 1 sigma of
     /// the captive residual.
     ///
-    /// What the paper does not print is chosen here: the moving average's length (1 s), when the
+    /// What the paper does not print is chosen here: the moving average's length (2.5 s, the one that gives its four
+    /// flag times on its reconstruction; flights/README.md), when the
     /// reference counts as lost, and the thresholds of the calibration's checks, which its data (a
     /// trimmed mother ship, 70 s, a GPS of 25 m) would pass.
     #[must_use]
@@ -115,7 +116,7 @@ impl Model {
                 lost_after_s: 5.0,
             },
             sensors: [sensor(50.0, 100.0), sensor(70.0, 150.0), sensor(150.0, 300.0)],
-            monitor: MonitorConfig { sigma: SigmaSource::Residual, multiplier: 1.0, window_s: 1.0 },
+            monitor: MonitorConfig { sigma: SigmaSource::Residual, multiplier: 1.0, window_s: 2.5 },
             second_correction: SecondCorrection::Off,
             quality: QualityConfig {
                 minimum_duration_s: 30.0,
