@@ -3,7 +3,7 @@
 //!
 //! `PYLON_MODEL` is a preset's name or a model file (default: the preset `default`); the workbench gives
 //! `PYLON_MODEL_SOURCE` instead, a file of source that it has generated from the model it flies.
-//! `PYLON_MUTATE` (`ulp`, `panic`, `fault`) plants an error (`src/mutation.rs`).
+//! `PYLON_MUTATE` (`ulp`, `panic`, `fault`, `starve`) plants an error (`src/mutation.rs`).
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -16,12 +16,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     write_model(&out)?;
 
     println!("cargo:rerun-if-env-changed=PYLON_MUTATE");
-    println!("cargo:rustc-check-cfg=cfg(pylon_mutate, values(\"ulp\", \"panic\", \"fault\"))");
+    println!("cargo:rustc-check-cfg=cfg(pylon_mutate, values(\"ulp\", \"panic\", \"fault\", \"starve\"))");
     match env::var("PYLON_MUTATE") {
-        Ok(error) if ["ulp", "panic", "fault"].contains(&error.as_str()) => {
+        Ok(error) if ["ulp", "panic", "fault", "starve"].contains(&error.as_str()) => {
             println!("cargo:rustc-cfg=pylon_mutate={error:?}");
         }
-        Ok(other) => return Err(format!("PYLON_MUTATE is {other:?}: expected ulp, panic or fault").into()),
+        Ok(other) => {
+            return Err(format!("PYLON_MUTATE is {other:?}: expected ulp, panic, fault or starve").into());
+        }
         Err(_) => {}
     }
 

@@ -143,12 +143,18 @@ mod app {
     /// Brings input for the ticks to come.
     #[task(binds = EXTI1, priority = 1, shared = [feeder])]
     fn feed(cx: feed::Context) {
+        if mutation::is_busy(mutation::Work::Feed) {
+            return;
+        }
         cx.shared.feeder.feed();
     }
 
     /// Writes what the ticks said.
     #[task(binds = EXTI0, priority = 1, local = [results_out, sink], shared = [mission, counts, feeder])]
     fn report(cx: report::Context) {
+        if mutation::is_busy(mutation::Work::Report) {
+            return;
+        }
         let report::LocalResources { results_out, sink, .. } = cx.local;
         let mut mission = cx.shared.mission;
         let mut counts = cx.shared.counts;

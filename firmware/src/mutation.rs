@@ -1,5 +1,5 @@
-//! Planted errors, to prove that they are found. There is none unless the build asks for one
-//! (`PYLON_MUTATE`, see `build.rs`).
+//! Planted errors and planted load, to prove that the one is found and the other stood. There is none
+//! unless the build asks for it (`PYLON_MUTATE`, see `build.rs`).
 
 use kf_core::input::TickInput;
 
@@ -38,4 +38,32 @@ pub fn mutated(input: TickInput) -> TickInput {
         cortex_m::asm::udf();
     }
     input
+}
+
+/// What has to be done besides the ticks.
+#[derive(Clone, Copy)]
+pub enum Work {
+    /// Reading ahead.
+    Feed,
+    /// Writing results.
+    Report,
+}
+
+/// Whether the processor has no time for this work now.
+#[cfg(not(pylon_mutate = "starve"))]
+pub const fn is_busy(_: Work) -> bool {
+    false
+}
+
+/// The work gets its turn so seldom that both queues run to their ends again and again.
+#[cfg(pylon_mutate = "starve")]
+pub fn is_busy(work: Work) -> bool {
+    use core::sync::atomic::{AtomicU32, Ordering};
+
+    static ASKED: [AtomicU32; 2] = [const { AtomicU32::new(0) }; 2];
+    let (asked, turn) = match work {
+        Work::Feed => (&ASKED[0], 40),
+        Work::Report => (&ASKED[1], 20),
+    };
+    !asked.fetch_add(1, Ordering::Relaxed).is_multiple_of(turn)
 }

@@ -7,11 +7,15 @@
 
 mod ticks;
 
+use std::path::Path;
+
 use flight_record::ExitStatus;
 use kf_core::effect::EffectId;
 use kf_core::input::TickInput;
 use model::Model;
 use pylon::fly::{FlyError, FlyOptions, FlyReport, PlantedError, fly_inputs};
+use pylon::replay::Replay;
+use pylon::simulate::{Scenario, simulate};
 
 use ticks::{LAUNCH, TICK_US, TICKS, flight, must, prompt};
 
@@ -50,6 +54,28 @@ fn every_tick_has_the_hosts_bits_for_every_shape_of_the_filter() {
 fn the_same_flight_takes_the_same_instructions() {
     let fly = || must(fly(&flight(), &prompt(Model::default()), FlyOptions::default()));
     assert_eq!(fly(), fly());
+}
+
+#[test]
+fn a_simulated_flight_has_the_hosts_bits_with_both_presets() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../flights/paper-reconstruction.toml");
+    let scenario = Scenario::load(&file).unwrap();
+    let (flight, _) = simulate(&scenario, scenario.seed).unwrap();
+    for model in [Model::default(), Model::paper()] {
+        let replay = Replay::new(&flight, &model, None).unwrap();
+        let report = must(pylon::fly::fly(&replay, &FlyOptions::default()));
+        assert_eq!(report.ticks as usize, flight.rows());
+        assert!(report.latch.is_some());
+        assert_eq!(report.latch, replay.run(&mut |_, _| ()).unwrap().latch);
+    }
+}
+
+#[test]
+fn a_flight_computer_without_time_waits_and_loses_nothing() {
+    let options = FlyOptions { target_error: Some(PlantedError::Starve), ..FlyOptions::default() };
+    let report = must(fly(&flight(), &prompt(Model::default()), options));
+    assert_eq!(report.ticks as usize, TICKS);
+    assert!(report.underruns > 100 && report.stalls > 100, "{report:?}");
 }
 
 #[test]

@@ -11,6 +11,7 @@ use drivers::{
 };
 use flight_record::{CostUnit, Encoder, ExitStatus, Header, MAX_STUFFED, Payload, Stream, Summary};
 use kf_core::input::{GpsFix, ImuSample};
+use stm32f4xx_hal::nb;
 use stm32f4xx_hal::pac::{Peripherals, RCC, TIM5, USART1};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Config;
@@ -26,6 +27,9 @@ pub const NAME: &str = "f405";
 const CRYSTAL_MHZ: u32 = 8;
 /// The core's clock, MHz.
 const CORE_MHZ: u32 = 168;
+/// The timers' clock: APB1 runs at a quarter of the core's, its timers at twice that.
+const TIMER_MHZ: u16 = 84;
+const TIMER_HZ: u32 = TIMER_MHZ as u32 * 1_000_000;
 /// The telemetry's line rate, baud: a tick's result is about 150 bytes, so 200 Hz fill a third of it.
 const TELEMETRY_BAUD: u32 = 921_600;
 
@@ -50,17 +54,19 @@ pub fn start(
 ) -> Result<Board, ExitStatus> {
     let clocks = Config::hse(CRYSTAL_MHZ.MHz()).sysclk(CORE_MHZ.MHz()).require_pll48clk();
     let mut rcc = device.RCC.freeze(clocks);
-    let timer_hz = rcc.clocks.timclk1().raw();
+    if rcc.clocks.timclk1().raw() != TIMER_HZ {
+        return Err(ExitStatus::Configuration);
+    }
     let port_a = device.GPIOA.split(&mut rcc);
     let line = serial::Config::default().baudrate(TELEMETRY_BAUD.bps());
     let telemetry = device.USART1.tx(port_a.pa9, line, &mut rcc).map_err(|_| ExitStatus::NoOutput)?;
     Ok(Board {
         clock: CostClock::start(core.DCB, core.DWT),
-        source: Source::start(device.TIM5, &rcc, timer_hz),
+        source: Source::start(device.TIM5, &rcc),
         feeder: Feeder,
         sensors: Suite::new(Absent, Absent, Absent, Absent, Absent, Absent, Absent),
         sink: Sink::start(telemetry),
-        timer: TickTimer::start(device.TIM2, &rcc, timer_hz),
+        timer: TickTimer::start(device.TIM2, &rcc, TIMER_HZ),
     })
 }
 
@@ -96,10 +102,9 @@ pub struct Source {
 }
 
 impl Source {
-    fn start(tim5: TIM5, rcc: &RCC, timer_hz: u32) -> Self {
+    fn start(tim5: TIM5, rcc: &RCC) -> Self {
         rcc.apb1enr().modify(|_, w| w.tim5en().enabled());
-        let prescaler = u16::try_from(timer_hz / 1_000_000 - 1).unwrap_or(u16::MAX);
-        tim5.psc().write(|w| w.psc().set(prescaler));
+        tim5.psc().write(|w| w.psc().set(TIMER_MHZ - 1));
         tim5.arr().write(|w| w.arr().set(u32::MAX));
         tim5.egr().write(|w| w.ug().set_bit());
         tim5.cr1().modify(|_, w| w.cen().enabled());
@@ -146,10 +151,16 @@ impl Sink {
     pub fn write<P: Payload>(&mut self, payload: &P) {
         let mut buffer = [0; MAX_STUFFED];
         let sent = match self.encoder.encode(payload, &mut buffer) {
-            Ok(bytes) => embedded_io::Write::write_all(&mut self.line, bytes).is_ok(),
+            Ok(bytes) => self.send(bytes),
             Err(_) => false,
         };
         self.failed |= !sent;
+    }
+
+    /// Byte by byte: the HAL's `embedded_io::Write` says "wrote nothing" when the line is busy, on which
+    /// its `write_all` panics.
+    fn send(&mut self, bytes: &[u8]) -> bool {
+        bytes.iter().all(|&byte| nb::block!(self.line.write(byte)).is_ok())
     }
 
     /// How the flight ended.

@@ -59,7 +59,7 @@ impl Program {
     }
 }
 
-/// An error planted in an image, to prove that it is found.
+/// An error, or load, planted in an image, to prove that it is found, or stood.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PlantedError {
     /// Every barometer reading is one unit in the last place off.
@@ -68,6 +68,9 @@ pub enum PlantedError {
     Panic,
     /// A fault of the core in the second tick.
     Fault,
+    /// A processor that seldom has time for anything but the ticks: no error, and the flight must
+    /// lose nothing.
+    Starve,
 }
 
 impl PlantedError {
@@ -76,6 +79,7 @@ impl PlantedError {
             Self::Ulp => "ulp",
             Self::Panic => "panic",
             Self::Fault => "fault",
+            Self::Starve => "starve",
         }
     }
 }
