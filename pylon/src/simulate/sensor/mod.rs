@@ -89,7 +89,8 @@ impl NoiseSource {
 
 /// Rounds to a multiple of the resolution; 0 is none.
 fn quantise(value: f64, quantum: f64) -> f64 {
-    if quantum > 0.0 { libm::rint(value / quantum) * quantum } else { value }
+    // Adding zero turns a negative zero into the zero that a converter has.
+    if quantum > 0.0 { libm::rint(value / quantum) * quantum + 0.0 } else { value }
 }
 
 #[cfg(test)]
