@@ -2,6 +2,7 @@
 
 pub mod flight;
 pub mod fly;
+pub mod import;
 pub mod output_file;
 pub mod replay;
 pub mod simulate;

@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use crate::import::ImportError;
+
 /// A flight that could not be read; displays as one line.
 #[derive(Debug, Error)]
 #[error("{}: {problem}", file.display())]
@@ -181,8 +183,8 @@ pub enum Problem {
         expected: &'static str,
     },
     /// A log of another format that could not be imported.
-    #[error("{0}")]
-    Import(String),
+    #[error(transparent)]
+    Import(#[from] ImportError),
 }
 
 fn ask(name: &Option<String>) -> String {

@@ -37,6 +37,8 @@ pub use csv_writer::{to_writer, write};
 pub use error::{FlightError, Problem, ReadError};
 pub use note::Note;
 
+pub use crate::import::open;
+
 /// Largest time of a row, seconds (285 years): microseconds of it are still whole numbers in f64.
 pub const MAX_TIME_S: f64 = 9.0e9;
 

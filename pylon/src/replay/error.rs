@@ -4,7 +4,8 @@ use kf_core::estimator::ConfigError;
 use model::ModelError;
 use thiserror::Error;
 
-use super::window::{CalibrationWindow, WindowError};
+use super::quiet::Calmest;
+use super::window::WindowError;
 use crate::flight::Problem;
 
 /// Why a flight can not be replayed; displays as one line, without the flight's name.
@@ -18,12 +19,12 @@ pub enum ReplayError {
     #[error(transparent)]
     Window(#[from] WindowError),
     /// The flight does not say when it was launched, and is nowhere quiet.
-    #[error("no launch column and no quiet stretch of {wanted_s} s to calibrate on{}; give one by --calibrate START..END (seconds)", hint(.calmest.as_ref()))]
+    #[error("no launch column and no quiet stretch of {wanted_s:.0} s to calibrate on{}; give one by --calibrate START..END (seconds)", hint(.calmest.as_ref()))]
     NoQuietStretch {
         /// How long it would have to be, seconds.
-        wanted_s: f32,
-        /// The least restless window, and how far the altitude went in it, metres.
-        calmest: Option<(CalibrationWindow, f32)>,
+        wanted_s: f64,
+        /// Where it comes nearest to that.
+        calmest: Option<Calmest>,
     },
     /// The model is not valid.
     #[error(transparent)]
@@ -33,9 +34,12 @@ pub enum ReplayError {
     Config(&'static str),
 }
 
-fn hint(found: Option<&(CalibrationWindow, f32)>) -> String {
-    found.map_or_else(String::new, |(window, range_m)| {
-        format!(" (the calmest is {window}, where the altitude goes over {range_m:.1} m)")
+fn hint(found: Option<&Calmest>) -> String {
+    found.map_or_else(String::new, |Calmest { window, altitude_range_m, speed_range_mps }| {
+        format!(
+            " (the calmest is {window}, where altitude goes over {altitude_range_m:.1} m and speed over \
+             {speed_range_mps:.1} m/s)"
+        )
     })
 }
 

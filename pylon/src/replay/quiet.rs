@@ -52,6 +52,17 @@ impl fmt::Display for QuietStretch {
     }
 }
 
+/// The stretch with the least change of altitude, where none is quiet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Calmest {
+    /// From when to when.
+    pub window: CalibrationWindow,
+    /// Range of its blocks' median altitudes, metres.
+    pub altitude_range_m: f32,
+    /// Range of its blocks' median speeds, m/s.
+    pub speed_range_mps: f32,
+}
+
 /// A block that had fixes and sensor samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Block {
@@ -79,15 +90,16 @@ pub fn find(flight: &Flight, quality: &QualityConfig) -> Result<QuietStretch, Re
         CalibrationWindow { start_s, end_s: start_s + blocks as f64 * length_s }
     };
 
-    let mut calmest: Option<(CalibrationWindow, f32)> = None;
+    let mut calmest: Option<Calmest> = None;
     for start in 0..blocks.len() {
         let Some(candidates) = blocks.get(start..) else { break };
         let Some(first) = candidates.first() else { break };
         if let Some(shortest) = candidates.get(..BLOCKS).filter(|shortest| is_gapless(shortest)) {
             let range_m = range(shortest.iter().map(|block| block.altitude_m));
             let found = window(first, BLOCKS);
-            if found.end_s <= last_s && calmest.is_none_or(|(_, least_m)| range_m < least_m) {
-                calmest = Some((found, range_m));
+            if found.end_s <= last_s && calmest.is_none_or(|calmest| range_m < calmest.altitude_range_m) {
+                let speed_range_mps = range(shortest.iter().filter_map(|block| block.speed_mps));
+                calmest = Some(Calmest { window: found, altitude_range_m: range_m, speed_range_mps });
             }
         }
         let mut count = quiet_blocks(candidates, quality);
@@ -110,7 +122,7 @@ pub fn find(flight: &Flight, quality: &QualityConfig) -> Result<QuietStretch, Re
             speed_mps: median(&mut speeds),
         });
     }
-    Err(ReplayError::NoQuietStretch { wanted_s, calmest })
+    Err(ReplayError::NoQuietStretch { wanted_s: BLOCKS as f64 * length_s, calmest })
 }
 
 /// Median time between fixes, seconds.
