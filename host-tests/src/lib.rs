@@ -1,5 +1,3 @@
-//! Tests of the whole chain, what they compare it with, and what the firmware may cost.
+//! Tests of the whole chain, and what they compare it with.
 
-pub mod bench;
-pub mod budget;
 pub mod textbook;

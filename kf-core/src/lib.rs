@@ -22,7 +22,6 @@ pub mod effect;
 pub mod error;
 pub mod estimator;
 mod free_flight;
-pub mod gauss_markov;
 pub mod input;
 pub mod latch;
 pub mod mission;

@@ -1,9 +1,12 @@
 //! The workbench of Pylon: it compares what the estimator in [`kf_core`] says with measured flights.
 
+pub mod compare;
+pub mod export;
 pub mod flight;
 pub mod fly;
 pub mod import;
 pub mod output_file;
+pub mod plots;
 pub mod replay;
 pub mod simulate;
 pub mod statistics;

@@ -18,7 +18,9 @@ pub use batch_means::BatchMeans;
 pub use chi_squared::{Consistency, NisSummary};
 pub use correlator::{Autocovariance, Correlator, Lag};
 pub use moments::Moments;
-pub use monitor_rule::{Delay, Fault, MonitorRule, RuleQuality, RuleSearch, assess_rule, recommend_rule};
+pub use monitor_rule::{
+    Delay, Fault, MonitorRule, RuleChoice, RuleQuality, RuleSearch, assess_rule, recommend_rule,
+};
 pub use residual_model::{Component, ResidualModel};
 pub use robust::RobustSpread;
 pub use whiteness::{Whiteness, ljung_box};

@@ -1,0 +1,112 @@
+//! `pylon compare`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use pylon::compare::{Comparison, Options, RuleWishes, Traces, compare, text};
+use pylon::plots;
+use pylon::replay::{CalibrationWindow, Replay};
+
+use super::failure::Failure;
+use super::progress::Progress;
+use super::{load, terminal};
+
+const EXAMPLES: &str = "\
+Examples:
+  pylon compare flight.csv
+      how well the default model agrees with the flight, sensor by sensor
+  pylon compare flight.csv --model paper --plots pictures
+      the paper's model, and its Figures 2 to 4 drawn for this flight
+  pylon compare logger.csv --calibrate 60..180
+      a flight that does not say when it was launched: calibrate on 60 s to 180 s
+  pylon compare flight.csv --json | jq .sensors.baro
+      for other programs";
+
+/// Fly a model over a flight: where it holds and where it fails
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// The flight: a flight's CSV, or a log that `pylon import` reads
+    #[arg(value_name = "FLIGHT")]
+    flight: PathBuf,
+    /// The model: a TOML file, `default` or `paper`
+    #[arg(long, value_name = "MODEL", default_value = "default")]
+    model: String,
+    /// Calibrate on this part of the flight (seconds by its own time) and say launch at its end
+    #[arg(long, value_name = "START..END")]
+    calibrate: Option<CalibrationWindow>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+    /// Draw the paper's Figures 2, 3 and 4 for this flight into DIR (SVG)
+    #[arg(long, value_name = "DIR")]
+    plots: Option<PathBuf>,
+    /// False alarms an hour that a recommended monitor's rule may cost
+    #[arg(long, value_name = "PER_HOUR", default_value_t = RuleWishes::default().false_alarms_per_hour, value_parser = positive)]
+    false_alarms: f64,
+    /// The step that a rule is to detect, metres (without: 5 sigmas of the captive residual)
+    #[arg(long, value_name = "METRES", value_parser = positive)]
+    step: Option<f64>,
+    /// The ramp that a rule is to detect, m/s (without: 1 sigma of the captive residual in 10 s)
+    #[arg(long, value_name = "M_PER_S", value_parser = positive)]
+    ramp: Option<f64>,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        _ => Err("expected a positive number".to_owned()),
+    }
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let model = load::model(&arguments.model)?;
+    let (flight, notes) = load::flight(&arguments.flight)?;
+    let in_flight =
+        |error: &dyn std::fmt::Display| Failure::input(format!("{}: {error}", arguments.flight.display()));
+    let replay = Replay::new(&flight, &model, arguments.calibrate).map_err(|error| in_flight(&error))?;
+    let options = Options {
+        traces: arguments.plots.is_some(),
+        wishes: RuleWishes {
+            false_alarms_per_hour: arguments.false_alarms,
+            step_m: arguments.step,
+            ramp_mps: arguments.ramp,
+        },
+    };
+    let mut progress = Progress::new("flying", flight.rows() as u64);
+    let (mut comparison, traces) =
+        compare(&replay, &options, &mut |rows| progress.show(rows)).map_err(|error| in_flight(&error))?;
+    drop(progress);
+    comparison.flight.file = arguments.flight.display().to_string();
+    comparison.model.clone_from(&arguments.model);
+    comparison.warnings.splice(0..0, notes.iter().map(ToString::to_string));
+    let drawn = draw(arguments, &comparison, traces.as_deref())?;
+    print(arguments, &comparison)?;
+    // Where the pictures are is no part of the result.
+    for file in drawn {
+        eprintln!("drew {}", file.display());
+    }
+    Ok(())
+}
+
+fn draw(
+    arguments: &Arguments,
+    comparison: &Comparison,
+    traces: Option<&Traces>,
+) -> Result<Vec<PathBuf>, Failure> {
+    match (&arguments.plots, traces) {
+        (Some(directory), Some(traces)) => Ok(plots::draw(directory, comparison, traces)?),
+        _ => Ok(Vec::new()),
+    }
+}
+
+fn print(arguments: &Arguments, comparison: &Comparison) -> Result<(), Failure> {
+    if arguments.json {
+        let mut json = serde_json::to_string_pretty(comparison)?;
+        json.push('\n');
+        terminal::put(&json)
+    } else {
+        terminal::put(&text(comparison, terminal::has_colour()))
+    }
+}

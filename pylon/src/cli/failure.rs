@@ -1,0 +1,54 @@
+//! Errors of the command line.
+
+use std::fmt::Display;
+use std::io::Write as _;
+use std::process::ExitCode;
+
+/// Host and target computed different bits.
+const DIFFERS: u8 = 1;
+/// Bad usage or bad input.
+const BAD_INPUT: u8 = 2;
+
+/// Why a command did not do what was asked: one line and the exit status.
+#[derive(Debug)]
+pub struct Failure {
+    message: String,
+    status: u8,
+}
+
+impl Failure {
+    /// Bad input: exit status 2.
+    pub fn input(message: impl Display) -> Self {
+        Self { message: one_line(&message.to_string()), status: BAD_INPUT }
+    }
+
+    /// Host and target computed different bits: exit status 1.
+    pub fn differs(message: impl Display) -> Self {
+        Self { status: DIFFERS, ..Self::input(message) }
+    }
+
+    /// Bad usage, in one line: clap's own has several.
+    pub fn usage(error: &clap::Error) -> Self {
+        let text = error.render().to_string();
+        let first = text.split("\n\n").next().unwrap_or(&text);
+        let message = one_line(first.strip_prefix("error: ").unwrap_or(first));
+        Self { message: format!("{message} (see --help)"), status: BAD_INPUT }
+    }
+
+    /// Says why on standard error and gives the exit status.
+    pub fn report(&self) -> ExitCode {
+        // Nothing is left to be told to when standard error is closed too.
+        let _ = writeln!(std::io::stderr(), "error: {}", self.message);
+        ExitCode::from(self.status)
+    }
+}
+
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+impl<E: std::error::Error> From<E> for Failure {
+    fn from(error: E) -> Self {
+        Self::input(error)
+    }
+}

@@ -1,0 +1,108 @@
+//! `pylon fly`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use pylon::fly::{FlyError, FlyOptions, FlyReport, fly};
+use pylon::replay::{CalibrationWindow, Replay};
+use serde_json::json;
+
+use super::failure::Failure;
+use super::progress::while_busy;
+use super::{load, terminal};
+
+const EXAMPLES: &str = "\
+Examples:
+  pylon fly flight.csv
+      fly it through the firmware, emulated by QEMU, and compare every tick with the host's bits
+  pylon fly flight.csv --model improved.toml --json
+
+Exit status: 0 every bit is the same; 1 bits differ; 2 bad usage or bad input, or no emulator.";
+
+/// Fly a flight through the firmware in QEMU and compare with the host, bit for bit
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// The flight: a flight's CSV, or a log that `pylon import` reads
+    #[arg(value_name = "FLIGHT")]
+    flight: PathBuf,
+    /// The model: a TOML file, `default` or `paper`
+    #[arg(long, value_name = "MODEL", default_value = "default")]
+    model: String,
+    /// Calibrate on this part of the flight (seconds by its own time) and say launch at its end
+    #[arg(long, value_name = "START..END")]
+    calibrate: Option<CalibrationWindow>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let model = load::model(&arguments.model)?;
+    let (flight, _) = load::flight(&arguments.flight)?;
+    let replay = Replay::new(&flight, &model, arguments.calibrate)
+        .map_err(|error| Failure::input(format!("{}: {error}", arguments.flight.display())))?;
+    let file = arguments.flight.display();
+    let report = while_busy("flying in QEMU", || fly(&replay, &FlyOptions::default())).map_err(|error| {
+        let line = format!("{file}: {error}");
+        if matches!(error, FlyError::Differs(_)) { Failure::differs(line) } else { Failure::input(line) }
+    })?;
+    if arguments.json {
+        let mut text = serde_json::to_string_pretty(&json(&report))?;
+        text.push('\n');
+        return terminal::put(&text);
+    }
+    terminal::put(&text(&file.to_string(), &report))
+}
+
+fn text(file: &str, report: &FlyReport) -> String {
+    let mut text = format!(
+        "{file}: the emulated flight computer and the host agree to the bit in all {} ticks\n  \
+         instructions a tick  {:.1} mean, {} worst (at {:.3} s)\n  \
+         stack                {} of {} bytes used\n  \
+         image                {} bytes of flash, {} bytes of static RAM\n",
+        report.ticks,
+        report.instructions_mean,
+        report.instructions_worst,
+        report.worst_time_us as f64 * 1e-6,
+        report.stack_used_bytes,
+        report.stack_size_bytes,
+        report.flash_bytes,
+        report.static_ram_bytes,
+    );
+    match &report.latch {
+        Some(latch) => {
+            text.push_str(&format!(
+                "  latched              at {:.3} s, the same record on both\n",
+                latch.time_us as f64 * 1e-6
+            ));
+        }
+        None => text.push_str("  latched              nothing: no launch\n"),
+    }
+    if report.underruns > 0 || report.stalls > 0 {
+        text.push_str(&format!(
+            "  waited               {} timer ticks for input, {} for room for results\n",
+            report.underruns, report.stalls
+        ));
+    }
+    text
+}
+
+fn json(report: &FlyReport) -> serde_json::Value {
+    json!({
+        "bit_for_bit": true,
+        "ticks": report.ticks,
+        "instructions_mean": report.instructions_mean,
+        "instructions_worst": report.instructions_worst,
+        "worst_time_s": report.worst_time_us as f64 * 1e-6,
+        "stack_used_bytes": report.stack_used_bytes,
+        "stack_size_bytes": report.stack_size_bytes,
+        "flash_bytes": report.flash_bytes,
+        "static_ram_bytes": report.static_ram_bytes,
+        "underruns": report.underruns,
+        "stalls": report.stalls,
+        "latched_s": report.latch.as_ref().map(|latch| latch.time_us as f64 * 1e-6),
+        "log": report.log,
+    })
+}

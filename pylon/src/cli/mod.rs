@@ -1,0 +1,71 @@
+//! Commands, their arguments, and what becomes of errors.
+//!
+//! Standard output carries the result, standard error the progress and one line for an error. Exit
+//! status 0: it ran; 1: `fly` found bits that differ; 2: bad usage or bad input.
+
+mod compare;
+mod failure;
+mod fly;
+mod load;
+mod progress;
+mod simulate;
+mod terminal;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use self::failure::Failure;
+
+/// Calibrates a UAV's altitude sensors in captive flight, watches them in free flight, and says where
+/// the model fails.
+#[derive(Debug, Parser)]
+#[command(name = "pylon", version, propagate_version = true, max_term_width = 100)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Simulate(simulate::Arguments),
+    Compare(compare::Arguments),
+    Fly(fly::Arguments),
+}
+
+/// Runs the command line.
+pub fn main() -> ExitCode {
+    let outcome = match Arguments::try_parse() {
+        Ok(arguments) => match arguments.command {
+            Command::Simulate(arguments) => simulate::run(&arguments),
+            Command::Compare(arguments) => compare::run(&arguments),
+            Command::Fly(arguments) => fly::run(&arguments),
+        },
+        Err(error) if error.use_stderr() => Err(Failure::usage(&error)),
+        Err(help) => terminal::write(&help.render().ansi().to_string(), &help.render().to_string()),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory as _;
+
+    #[test]
+    fn arguments_are_consistent() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn every_command_shows_an_example() {
+        for command in Arguments::command().get_subcommands() {
+            let help = command.clone().render_long_help().to_string();
+            let example = format!("pylon {}", command.get_name());
+            assert!(help.contains("Examples:") && help.contains(&example), "{help}");
+        }
+    }
+}

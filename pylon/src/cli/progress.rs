@@ -1,0 +1,64 @@
+//! Progress on standard error, for what takes longer than a second.
+
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// Nothing is shown before this.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// A bar that appears after a second, on a terminal only.
+#[derive(Debug)]
+pub struct Progress {
+    started: Instant,
+    what: &'static str,
+    total: u64,
+    bar: Option<ProgressBar>,
+}
+
+impl Progress {
+    /// Progress of `total` steps of something.
+    pub fn new(what: &'static str, total: u64) -> Self {
+        Self { started: Instant::now(), what, total, bar: None }
+    }
+
+    /// `done` steps are done.
+    pub fn show(&mut self, done: u64) {
+        if self.bar.is_none() && self.started.elapsed() > PATIENCE {
+            let template = "{msg} {wide_bar} {human_pos} of {human_len}, {eta} left";
+            let style =
+                ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+            self.bar = Some(ProgressBar::new(self.total).with_style(style).with_message(self.what));
+        }
+        if let Some(bar) = &self.bar {
+            bar.set_position(done);
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+/// Runs something whose end can not be foreseen; after a second a spinner says what is going on.
+pub fn while_busy<T>(what: &'static str, work: impl FnOnce() -> T) -> T {
+    let (done, wait) = std::sync::mpsc::channel::<()>();
+    std::thread::scope(|scope| {
+        scope.spawn(move || {
+            // An error means that the work is done and `done` was dropped.
+            if wait.recv_timeout(PATIENCE) == Err(std::sync::mpsc::RecvTimeoutError::Timeout) {
+                let spinner = ProgressBar::new_spinner().with_message(what);
+                spinner.enable_steady_tick(Duration::from_millis(120));
+                let _ = wait.recv();
+                spinner.finish_and_clear();
+            }
+        });
+        let result = work();
+        drop(done);
+        result
+    })
+}

@@ -1,0 +1,28 @@
+//! Standard output.
+
+use std::io::{self, IsTerminal as _, Write as _};
+
+use super::failure::Failure;
+
+/// Whether standard output takes colours: it is a terminal and `NO_COLOR` is not set
+/// (<https://no-color.org>).
+pub fn has_colour() -> bool {
+    let refused = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
+    io::stdout().is_terminal() && !refused
+}
+
+/// Writes `coloured` to a terminal that takes colours, `plain` to anything else.
+pub fn write(coloured: &str, plain: &str) -> Result<(), Failure> {
+    put(if has_colour() { coloured } else { plain })
+}
+
+/// Writes to standard output. A reader that has seen enough (`| head`) is no error.
+pub fn put(text: &str) -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Failure::input(format!("standard output: {error}")))
+        }
+        _ => Ok(()),
+    }
+}

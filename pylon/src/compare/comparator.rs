@@ -1,0 +1,225 @@
+//! Gathers a comparison tick by tick.
+
+use std::collections::BTreeMap;
+
+use kf_core::config::{MonitorConfig, SigmaSource};
+use kf_core::input::TickInput;
+use kf_core::latch::LatchRecord;
+use kf_core::mission::{Counters, SourceCounters};
+use kf_core::output::{Phase, TickOutput, Trust};
+use kf_core::quality::FailedChecks;
+use kf_core::sensor::{SENSORS, Sensor};
+
+use super::comparison::{
+    CalibrationFacts, Comparison, MonitorFacts, ReadingCounts, ReferenceComparison, SensorComparison,
+};
+use super::flags::Flags;
+use super::phase_statistics::PhaseStatistics;
+use super::rules::{RuleWishes, SensorRules, judge};
+use super::timeline::Timeline;
+use super::traces::Traces;
+use super::warnings::warnings;
+
+/// Worst stretches listed for each sensor.
+const WORST_STRETCHES: usize = 3;
+
+/// Takes a mission's inputs and outputs, tick by tick and in bounded memory (but for one entry a
+/// second of free flight).
+#[derive(Clone, Debug, Default)]
+pub struct Comparator {
+    captive: [PhaseStatistics; SENSORS],
+    free: [PhaseStatistics; SENSORS],
+    reference: PhaseStatistics,
+    flags: [Flags; SENSORS],
+    moving_average_m: [Option<f32>; SENSORS],
+    last_bias: [Option<(f32, f32)>; SENSORS],
+    has_read: [bool; SENSORS],
+    launch_us: Option<u64>,
+    timeline: Timeline,
+    traces: Option<Box<Traces>>,
+}
+
+/// What the mission itself knows at its end.
+#[derive(Clone, Copy, Debug)]
+pub struct MissionEnd<'a> {
+    /// The latched calibration, if there was a launch.
+    pub latch: Option<&'a LatchRecord>,
+    /// What was counted.
+    pub counters: &'a Counters,
+    /// The monitor as configured.
+    pub monitor: &'a MonitorConfig,
+}
+
+impl Comparator {
+    /// A comparator; `with_traces` keeps what figures are drawn from.
+    #[must_use]
+    pub fn new(with_traces: bool) -> Self {
+        Self { traces: with_traces.then(Box::default), ..Self::default() }
+    }
+
+    /// Takes one tick.
+    #[inline]
+    pub fn take(&mut self, input: &TickInput, output: &TickOutput) {
+        if output.out_of_order {
+            return;
+        }
+        if output.latched_now {
+            self.launch_us = Some(output.time_us);
+        }
+        if let Some(traces) = &mut self.traces {
+            traces.take(output);
+        }
+        for (has_read, sensor) in self.has_read.iter_mut().zip(&output.sensors) {
+            *has_read |= sensor.error_m.is_some() || sensor.rejection.is_some();
+        }
+        match output.phase {
+            Phase::Settling => {}
+            Phase::Calibrating => self.take_captive(output),
+            Phase::FreeFlight => self.take_free(input, output),
+        }
+    }
+
+    fn take_captive(&mut self, output: &TickOutput) {
+        if let Some(innovation_m) = output.gps_innovation_m {
+            self.reference.take_error(output.time_us, f64::from(innovation_m));
+        }
+        if let Some(signed_nis) = output.gps_signed_nis {
+            self.reference.take_nis(signed_nis);
+        }
+        for (index, sensor) in output.sensors.iter().enumerate() {
+            self.captive[index].take_captive(output.time_us, sensor);
+            if sensor.error_m.is_some() {
+                self.last_bias[index] = Some((sensor.bias_m, sensor.bias_variance_m2));
+            }
+        }
+    }
+
+    fn take_free(&mut self, input: &TickInput, output: &TickOutput) {
+        self.timeline.take(input, output);
+        for (index, sensor) in output.sensors.iter().enumerate() {
+            if let Some(error_m) = sensor.error_m {
+                self.free[index].take_error(output.time_us, f64::from(error_m));
+            }
+            self.moving_average_m[index] = sensor.moving_average_m.or(self.moving_average_m[index]);
+            self.flags[index].take(output.time_us, sensor.trust);
+        }
+    }
+
+    /// The comparison, without what only the caller knows (the flight's and the model's names, the
+    /// remedies), and the traces if they were kept.
+    #[must_use]
+    pub fn finish(self, end: &MissionEnd<'_>, wishes: &RuleWishes) -> (Comparison, Option<Box<Traces>>) {
+        let sensors = Sensor::ALL
+            .into_iter()
+            .filter(|sensor| self.has_read[sensor.index()])
+            .map(|sensor| (sensor.name(), self.sensor(sensor, end)))
+            .collect();
+        let failures = self.timeline.failures(WORST_STRETCHES);
+        let mut comparison = Comparison {
+            launch_s: self.launch_us.map(|launch_us| launch_us as f64 * 1e-6),
+            sensors,
+            reference: ReferenceComparison {
+                captive: self.reference.summary(0.0),
+                fixes: counts(&end.counters.gps),
+            },
+            calibration: calibration(end.latch),
+            monitor: monitor(end.monitor),
+            rules: self.rules(end, wishes),
+            failures,
+            ..Comparison::default()
+        };
+        comparison.warnings = warnings(end.counters, &comparison);
+        (comparison, self.traces)
+    }
+
+    fn sensor(&self, sensor: Sensor, end: &MissionEnd<'_>) -> SensorComparison {
+        let index = sensor.index();
+        let captive = &self.captive[index];
+        let latched = end.latch.map(|latch| &latch.sensors[index]).filter(|_| captive.readings() > 0);
+        let bias = latched.map(|latch| (latch.bias_m, latch.bias_variance_m2)).or(self.last_bias[index]);
+        let bias_m = bias.map(|(bias_m, _)| f64::from(bias_m));
+        let captive_summary = captive.summary(bias_m.or_else(|| captive.mean_m()).unwrap_or(0.0));
+        let free_summary = self.free[index].summary(0.0);
+        let flags = &self.flags[index];
+        let after_s = |time_us: Option<u64>| {
+            let (time_us, launch_us) = time_us.zip(self.launch_us)?;
+            Some(time_us.saturating_sub(launch_us) as f64 * 1e-6)
+        };
+        SensorComparison {
+            flies_free: sensor.flies_free(),
+            bias_m,
+            bias_sigma_m: bias.map(|(_, variance)| f64::from(variance).sqrt()),
+            residual_sigma_m: latched
+                .map(|latch| f64::from(latch.residual_sigma_m()))
+                .filter(|sigma| *sigma > 0.0)
+                .or_else(|| captive.spread_m()),
+            captive_rms_m: captive_summary.rms_m,
+            free_flight_rms_m: free_summary.rms_m,
+            moving_average_end_m: self.moving_average_m[index].map(f64::from),
+            doubtful_after_s: after_s(flags.doubtful_us),
+            untrustworthy_after_s: after_s(flags.untrustworthy_us),
+            trust: flags.last.unwrap_or(Trust::Calibrating).name(),
+            unmonitored_s: flags.unmonitored_us as f64 * 1e-6,
+            bound_m: latched.map(|latch| f64::from(latch.bound_m())).filter(|bound| *bound > 0.0),
+            captive: captive_summary,
+            free_flight: free_summary,
+            readings: counts(&end.counters.sensors[index]),
+        }
+    }
+
+    /// The rules of the sensors that fly free, one thread a sensor: they are the one part whose time
+    /// does not shrink with the flight.
+    fn rules(&self, end: &MissionEnd<'_>, wishes: &RuleWishes) -> BTreeMap<&'static str, SensorRules> {
+        let (multiplier, window_s) = (f64::from(end.monitor.multiplier), f64::from(end.monitor.window_s));
+        std::thread::scope(|scope| {
+            let threads: Vec<_> = Sensor::ALL
+                .into_iter()
+                .filter(|sensor| sensor.flies_free())
+                .map(|sensor| {
+                    scope.spawn(move || {
+                        let residual = self.captive[sensor.index()].residual_model()?;
+                        let bound_m = end
+                            .latch
+                            .map(|latch| f64::from(latch.sensors[sensor.index()].bound_m()))
+                            .filter(|bound| *bound > 0.0);
+                        Some((sensor.name(), judge(residual, bound_m, multiplier, window_s, wishes)))
+                    })
+                })
+                .collect();
+            threads.into_iter().filter_map(|thread| thread.join().ok().flatten()).collect()
+        })
+    }
+}
+
+fn counts(counters: &SourceCounters) -> ReadingCounts {
+    ReadingCounts {
+        accepted: counters.accepted,
+        not_finite: counters.not_finite,
+        held: counters.held,
+        stuck: counters.stuck,
+        variance: counters.variance,
+    }
+}
+
+fn calibration(latch: Option<&LatchRecord>) -> CalibrationFacts {
+    let Some(latch) = latch else { return CalibrationFacts::default() };
+    let failed = FailedChecks::from_bits(latch.failed_checks);
+    CalibrationFacts {
+        quality: Some(if failed.is_empty() { "good" } else { "degraded" }),
+        failed_checks: failed.iter().map(|check| check.name()).collect(),
+        duration_s: Some(f64::from(latch.duration_s)),
+        ..CalibrationFacts::default()
+    }
+}
+
+fn monitor(config: &MonitorConfig) -> MonitorFacts {
+    MonitorFacts {
+        sigma: match config.sigma {
+            SigmaSource::Residual => "residual",
+            SigmaSource::Covariance => "covariance",
+            SigmaSource::Datasheet => "datasheet",
+        },
+        multiplier: f64::from(config.multiplier),
+        window_s: f64::from(config.window_s),
+    }
+}

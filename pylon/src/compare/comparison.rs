@@ -1,0 +1,136 @@
+//! What a comparison found: the keys of `pylon compare --json`.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::phase_statistics::PhaseSummary;
+use super::remedies::Remedy;
+use super::rules::SensorRules;
+use super::timeline::Failures;
+
+/// How well a model agrees with a flight. Serialised, a value that does not exist is null, and so is
+/// one that is not finite.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Comparison {
+    /// The flight.
+    pub flight: FlightFacts,
+    /// The model's name: a preset or a file.
+    pub model: String,
+    /// When the UAV was launched, by the flight's own clock, seconds.
+    pub launch_s: Option<f64>,
+    /// The sensors by name; those without a single reading are left out.
+    pub sensors: BTreeMap<&'static str, SensorComparison>,
+    /// The reference.
+    pub reference: ReferenceComparison,
+    /// The calibration.
+    pub calibration: CalibrationFacts,
+    /// The monitor as configured.
+    pub monitor: MonitorFacts,
+    /// What the monitor's rule costs and catches, and a better one, by sensor.
+    pub rules: BTreeMap<&'static str, SensorRules>,
+    /// Section 4's second correction, side by side.
+    pub remedies: Vec<Remedy>,
+    /// Where the model fails.
+    pub failures: Failures,
+    /// What was in the flight and not used as it stood.
+    pub warnings: Vec<String>,
+}
+
+/// Which flight it was.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct FlightFacts {
+    /// The file.
+    pub file: String,
+    /// The vehicle.
+    pub vehicle: String,
+    /// Where the flight comes from.
+    pub source: String,
+    /// Rows.
+    pub rows: u64,
+    /// From the first row to the last, seconds.
+    pub duration_s: f64,
+}
+
+/// One sensor.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct SensorComparison {
+    /// Whether the sensor leaves with the UAV.
+    pub flies_free: bool,
+    /// Bias as latched (without a launch: as estimated last), metres.
+    pub bias_m: Option<f64>,
+    /// Its standard deviation by the filter, metres.
+    pub bias_sigma_m: Option<f64>,
+    /// Spread of the calibrated residual in captive flight (Table 1 of the paper), metres.
+    pub residual_sigma_m: Option<f64>,
+    /// Root mean square error in captive flight, by the latched bias, metres.
+    pub captive_rms_m: Option<f64>,
+    /// Root mean square error in free flight, metres.
+    pub free_flight_rms_m: Option<f64>,
+    /// Moving average of the error at the flight's end, metres.
+    pub moving_average_end_m: Option<f64>,
+    /// When the sensor became doubtful, seconds after launch.
+    pub doubtful_after_s: Option<f64>,
+    /// When it became untrustworthy, seconds after launch.
+    pub untrustworthy_after_s: Option<f64>,
+    /// Trust at the flight's end.
+    pub trust: &'static str,
+    /// For how long there was no reference to watch it by, seconds.
+    pub unmonitored_s: f64,
+    /// The monitor's bound (multiplier times sigma), metres.
+    pub bound_m: Option<f64>,
+    /// Captive flight after settling.
+    pub captive: PhaseSummary,
+    /// Free flight.
+    pub free_flight: PhaseSummary,
+    /// Readings that were and were not used.
+    pub readings: ReadingCounts,
+}
+
+/// How often a source's readings were used or not.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct ReadingCounts {
+    /// Used.
+    pub accepted: u32,
+    /// NaN or infinite, or a pressure that is none.
+    pub not_finite: u32,
+    /// A fix held since the last.
+    pub held: u32,
+    /// A sensor that repeats itself.
+    pub stuck: u32,
+    /// Refused by the filter.
+    pub variance: u32,
+}
+
+/// The reference in captive flight.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct ReferenceComparison {
+    /// Innovations of its fixes: bias, spread, whiteness, NIS.
+    pub captive: PhaseSummary,
+    /// Fixes that were and were not used.
+    pub fixes: ReadingCounts,
+}
+
+/// The calibration.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct CalibrationFacts {
+    /// `good`, `degraded`, or null when nothing was latched.
+    pub quality: Option<&'static str>,
+    /// Names of the checks that failed.
+    pub failed_checks: Vec<&'static str>,
+    /// For how long was calibrated, seconds.
+    pub duration_s: Option<f64>,
+    /// What decided when the captive flight ends.
+    pub source: String,
+}
+
+/// The monitor as configured.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct MonitorFacts {
+    /// Where sigma comes from.
+    pub sigma: &'static str,
+    /// Threshold in sigmas.
+    pub multiplier: f64,
+    /// Length of the moving average, seconds.
+    pub window_s: f64,
+}

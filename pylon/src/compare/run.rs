@@ -1,0 +1,125 @@
+//! Flies a model over a flight and compares.
+
+use kf_core::config::SecondCorrection;
+use kf_core::output::TickOutput;
+use model::{Model, SECOND_CORRECTION_WANDER_M_PER_SQRT_S};
+
+use super::comparator::{Comparator, MissionEnd};
+use super::comparison::{Comparison, FlightFacts};
+use super::remedies::{Remedy, RemedyTally};
+use super::rules::RuleWishes;
+use super::traces::Traces;
+use super::warnings::input_warnings;
+use crate::replay::{AnyMission, Replay, ReplayError, mission};
+
+/// Progress is reported once in this many rows.
+const ROWS_PER_REPORT: u64 = 1 << 14;
+
+/// What a comparison is to do.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Options {
+    /// Keep what figures are drawn from.
+    pub traces: bool,
+    /// What the monitor's rules are judged by.
+    pub wishes: RuleWishes,
+}
+
+/// Flies the replay's model over its flight and compares; `progress` is told how many rows are done.
+///
+/// The names of the flight's file and of the model are the caller's to fill in.
+///
+/// # Errors
+/// [`ReplayError`] for a model that no mission can be made of.
+pub fn compare(
+    replay: &Replay<'_>,
+    options: &Options,
+    progress: &mut dyn FnMut(u64),
+) -> Result<(Comparison, Option<Box<Traces>>), ReplayError> {
+    std::thread::scope(|scope| {
+        let others = scope.spawn(|| remedies(replay));
+        let main = fly(replay, options, progress);
+        let others = others.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        let (mut comparison, traces, tally) = main?;
+        let mut remedies = others?;
+        let flown = name(&replay.model().second_correction);
+        remedies.push(tally.figures(flown));
+        remedies.sort_by_key(|remedy| ORDER.iter().position(|name| *name == remedy.second_correction));
+        comparison.remedies = remedies.into_iter().filter(|remedy| !remedy.sensors.is_empty()).collect();
+        Ok((comparison, traces))
+    })
+}
+
+/// The main run: everything but the other second corrections.
+fn fly(
+    replay: &Replay<'_>,
+    options: &Options,
+    progress: &mut dyn FnMut(u64),
+) -> Result<(Comparison, Option<Box<Traces>>, RemedyTally), ReplayError> {
+    let mut comparator = Comparator::new(options.traces);
+    let mut tally = RemedyTally::default();
+    let mut rows = 0;
+    let summary = replay.run(&mut |input, output| {
+        comparator.take(input, output);
+        tally.take(output);
+        rows += 1;
+        if rows % ROWS_PER_REPORT == 0 {
+            progress(rows);
+        }
+    })?;
+    let end = MissionEnd {
+        latch: summary.latch.as_ref(),
+        counters: &summary.counters,
+        monitor: &replay.model().monitor,
+    };
+    let (mut comparison, traces) = comparator.finish(&end, &options.wishes);
+    comparison.flight = facts(replay);
+    comparison.calibration.source = replay.source().to_string();
+    let mut warnings = input_warnings(&summary);
+    warnings.append(&mut comparison.warnings);
+    comparison.warnings = warnings;
+    Ok((comparison, traces, tally))
+}
+
+fn facts(replay: &Replay<'_>) -> FlightFacts {
+    let flight = replay.flight();
+    let times = || flight.time_s.iter().copied();
+    let last = times().fold(f64::NEG_INFINITY, f64::max);
+    let first = times().fold(f64::INFINITY, f64::min);
+    FlightFacts {
+        file: String::new(),
+        vehicle: flight.header.vehicle.clone(),
+        source: flight.header.source.clone(),
+        rows: flight.rows() as u64,
+        duration_s: if last > first { last - first } else { 0.0 },
+    }
+}
+
+const ORDER: [&str; 3] = ["none", "moving_average", "kalman"];
+
+const fn name(correction: &SecondCorrection) -> &'static str {
+    match correction {
+        SecondCorrection::Off => ORDER[0],
+        SecondCorrection::MovingAverage => ORDER[1],
+        SecondCorrection::Kalman { .. } => ORDER[2],
+    }
+}
+
+/// Section 4's second corrections other than the one that flies, side by side over the same ticks.
+fn remedies(replay: &Replay<'_>) -> Result<Vec<Remedy>, ReplayError> {
+    let flown = name(&replay.model().second_correction);
+    let kalman = SecondCorrection::Kalman { wander_m_per_sqrt_s: SECOND_CORRECTION_WANDER_M_PER_SQRT_S };
+    let mut runs = Vec::new();
+    for second_correction in [SecondCorrection::Off, SecondCorrection::MovingAverage, kalman] {
+        if name(&second_correction) != flown {
+            let model = Model { second_correction, ..replay.model().clone() };
+            runs.push((name(&second_correction), mission(&model)?, RemedyTally::default()));
+        }
+    }
+    for input in replay.inputs() {
+        for (_, mission, tally) in &mut runs {
+            let output: TickOutput = AnyMission::tick(mission.as_mut(), &input);
+            tally.take(&output);
+        }
+    }
+    Ok(runs.iter().map(|(name, _, tally)| tally.figures(name)).collect())
+}

@@ -1,0 +1,164 @@
+//! A comparison in plain words and tables.
+
+mod failures;
+mod number;
+mod rules;
+mod sensors;
+mod table;
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use kf_core::sensor::Sensor;
+
+use self::number::{grouped, metres, seconds, signed_m};
+use self::table::{Mood, Sheet};
+use super::comparison::{Comparison, SensorComparison};
+
+/// Writing a line to a string, which can not fail.
+macro_rules! put {
+    ($out:expr, $($arguments:tt)*) => {{
+        let _ = writeln!($out, $($arguments)*);
+    }};
+}
+use put;
+
+/// The comparison as text of some 100 columns, with colours by ANSI codes if `colour`.
+#[must_use]
+pub fn text(comparison: &Comparison, colour: bool) -> String {
+    let mut out = String::new();
+    heading(&mut out, comparison);
+    sensors::write(&mut out, comparison, colour);
+    failures::write(&mut out, comparison, colour);
+    rules::write(&mut out, comparison, colour);
+    remedies(&mut out, comparison, colour);
+    lines(&mut out, "Not used as it stood", &comparison.warnings);
+    lines(&mut out, "Not in this flight", &comparison.failures.missing);
+    out
+}
+
+/// Entries in the order of the sensors, not of their names.
+fn in_order<'a, T>(by_name: &'a BTreeMap<&'static str, T>) -> Vec<(&'static str, &'a T)> {
+    Sensor::ALL.iter().filter_map(|sensor| Some((sensor.name(), by_name.get(sensor.name())?))).collect()
+}
+
+fn heading(out: &mut String, comparison: &Comparison) {
+    let flight = &comparison.flight;
+    let launch = comparison
+        .launch_s
+        .map_or_else(|| "no launch".to_owned(), |launch_s| format!("launch at {launch_s:.3} s"));
+    put!(
+        out,
+        "{}: {} in {} rows, {launch}",
+        flight.file,
+        seconds(Some(flight.duration_s)),
+        grouped(flight.rows)
+    );
+    for (key, value) in
+        [("vehicle", &flight.vehicle), ("source", &flight.source), ("model", &comparison.model)]
+    {
+        if !value.is_empty() {
+            put!(out, "  {key:<9}{value}");
+        }
+    }
+    put!(out, "");
+    let calibration = &comparison.calibration;
+    match calibration.quality {
+        None => put!(out, "Calibration: none was latched ({}).", calibration.source),
+        Some(quality) => {
+            let duration = seconds(calibration.duration_s);
+            put!(out, "Calibration: {quality}, {duration} long ({}).", calibration.source);
+            for check in &calibration.failed_checks {
+                put!(out, "  failed: {check} - {}", meaning(check));
+            }
+        }
+    }
+    if comparison.launch_s.is_some() {
+        for (name, sensor) in in_order(&comparison.sensors) {
+            if sensor.flies_free {
+                put!(out, "{name}: {}", verdict(sensor));
+            }
+        }
+    }
+}
+
+/// What a failed check means.
+fn meaning(check: &str) -> &'static str {
+    match check {
+        "settled" => "launched before the settling time was over",
+        "long_enough" => "the calibration was too short",
+        "trimmed_altitude" => "the altitude was not quiet",
+        "trimmed_airspeed" => "the airspeed was not quiet",
+        "reference_converged" => {
+            "the receiver's own altitude still drifted, or it said itself that it was poor"
+        }
+        "reference_fresh" => "the reference was lost during the calibration or at launch",
+        "biases_stationary" => "a bias drifted",
+        "innovations_plausible" => "innovations were larger than the model says",
+        "inputs_valid" => "numbers were not finite, or time ran backward",
+        "sensors_alive" => "a sensor was stuck or silent",
+        _ => "see the documentation of kf_core::quality",
+    }
+}
+
+fn verdict(sensor: &SensorComparison) -> String {
+    if sensor.free_flight.readings == 0 {
+        return format!("{}; no reading in free flight had a reference.", sensor.trust);
+    }
+    let rms = metres(sensor.free_flight_rms_m);
+    match (sensor.doubtful_after_s, sensor.untrustworthy_after_s) {
+        (Some(doubtful), Some(untrustworthy)) => format!(
+            "doubtful {} after launch, untrustworthy {} later; rms error in free flight {rms}.",
+            seconds(Some(doubtful)),
+            seconds(Some(untrustworthy - doubtful)),
+        ),
+        (Some(doubtful), None) => format!(
+            "doubtful {} after launch, never untrustworthy; rms error in free flight {rms}.",
+            seconds(Some(doubtful)),
+        ),
+        _ => format!("never doubtful, {} at the end; rms error in free flight {rms}.", sensor.trust),
+    }
+}
+
+fn never(after_s: Option<f64>) -> String {
+    after_s.map_or_else(|| "never".to_owned(), |after_s| seconds(Some(after_s)))
+}
+
+fn remedies(out: &mut String, comparison: &Comparison, colour: bool) {
+    let Some(first) = comparison.remedies.first() else { return };
+    put!(out, "\nA second correction in free flight (section 4 of the paper), each flown over this flight");
+    let names: Vec<&str> = first.sensors.iter().map(|figures| figures.sensor).collect();
+    let mut sheet = Sheet::new("mean and rms error; untrustworthy after", &names);
+    for remedy in &comparison.remedies {
+        let label = match remedy.second_correction {
+            "moving_average" => "moving average",
+            "kalman" => "Kalman filter",
+            other => other,
+        };
+        let cells = remedy.sensors.iter().map(|figures| {
+            let text = format!(
+                "{}, {}; {}",
+                signed_m(Some(figures.mean_m)),
+                metres(Some(figures.rms_m)),
+                never(figures.untrustworthy_after_s)
+            );
+            (text, Mood::Neutral)
+        });
+        sheet.row(label, cells);
+    }
+    put!(out, "{}", sheet.render(colour));
+    put!(
+        out,
+        "Both learn from the reference itself: they show how slow the errors are, not that the sensor is right."
+    );
+}
+
+fn lines(out: &mut String, title: &str, lines: &[String]) {
+    if lines.is_empty() {
+        return;
+    }
+    put!(out, "\n{title}");
+    for line in lines {
+        put!(out, "  {line}");
+    }
+}

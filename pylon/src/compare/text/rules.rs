@@ -1,0 +1,116 @@
+//! The monitor's rule as set, and a better one.
+
+use std::fmt::Write as _;
+
+use super::number::{NONE, metres, per_hour, percent, plain, seconds};
+use super::table::{Mood, Sheet};
+use super::{in_order, never, put};
+use crate::compare::comparison::Comparison;
+use crate::compare::rules::SensorRules;
+use crate::statistics::{Delay, Fault, RuleQuality};
+
+/// A share of launches with a false alarm worth a line of its own.
+const NOTEWORTHY_SHARE: f64 = 0.01;
+
+pub(super) fn write(out: &mut String, comparison: &Comparison, colour: bool) {
+    let by_name = in_order(&comparison.rules);
+    if by_name.is_empty() {
+        return;
+    }
+    let names: Vec<&str> = by_name.iter().map(|(name, _)| *name).collect();
+    let columns: Vec<&SensorRules> = by_name.iter().map(|(_, rules)| *rules).collect();
+    let monitor = &comparison.monitor;
+    put!(out, "\nThe monitor's rule, judged by each sensor's own captive residual");
+    let mut sheet = Sheet::new("to detect", &names);
+    let row = |sheet: &mut Sheet, label: &str, cell: &dyn Fn(&SensorRules) -> String| {
+        sheet.row(label, columns.iter().map(|rules| (cell(rules), Mood::Neutral)));
+    };
+    row(&mut sheet, "a step of", &|rules| rules.step().map_or_else(|| NONE.to_owned(), fault));
+    row(&mut sheet, "a ramp of", &|rules| rules.ramp().map_or_else(|| NONE.to_owned(), fault));
+
+    sheet.section("as set");
+    row(&mut sheet, "rule", &|_| rule(monitor.multiplier, monitor.window_s));
+    quality_rows(&mut sheet, &columns, |rules| rules.set.as_ref());
+
+    let wished = columns.first().map(|rules| rules.wished_false_alarms_per_hour);
+    sheet.section(&format!("recommended for {}", per_hour(wished)));
+    row(&mut sheet, "rule", &|rules| {
+        rules.recommended.as_ref().map_or_else(
+            || "captive flight too short".to_owned(),
+            |advice| rule(advice.multiplier, advice.window_s),
+        )
+    });
+    quality_rows(&mut sheet, &columns, |rules| rules.recommended.as_ref().map(|advice| &advice.quality));
+    put!(out, "{}", sheet.render(colour));
+    for (name, rules) in by_name {
+        notes(out, name, rules);
+    }
+}
+
+fn rule(multiplier: f64, window_s: f64) -> String {
+    format!("{} sigma, {} average", plain(Some(multiplier)), seconds(Some(window_s)))
+}
+
+fn quality_rows(
+    sheet: &mut Sheet,
+    columns: &[&SensorRules],
+    quality: impl for<'a> Fn(&'a SensorRules) -> Option<&'a RuleQuality>,
+) {
+    let mut row = |label: &str, cell: &dyn Fn(&RuleQuality) -> String| {
+        let of = |rules: &&SensorRules| quality(rules).map_or_else(|| NONE.to_owned(), cell);
+        sheet.row(label, columns.iter().map(|rules| (of(rules), Mood::Neutral)));
+    };
+    row("bound", &|quality| metres(Some(quality.rule.threshold_m)));
+    row("healthy readings beyond it", &|quality| percent(Some(quality.healthy_share_beyond)));
+    row("a healthy sensor is doubtful after", &|quality| {
+        quality.healthy_first_doubt_s.map_or_else(|| "> 10 min".to_owned(), |s| seconds(Some(s)))
+    });
+    row("and called untrustworthy", &|quality| per_hour(Some(quality.false_alarms_per_hour)));
+    row("step detected after (90 %)", &|quality| delay(quality.delays.first()));
+    row("ramp detected after (90 %)", &|quality| delay(quality.delays.get(1)));
+}
+
+fn fault(fault: Fault) -> String {
+    match fault {
+        Fault::Step { size_m } => metres(Some(size_m)),
+        Fault::Ramp { rate_mps } => format!("{}/s", metres(Some(rate_mps))),
+    }
+}
+
+/// Median and ninetieth percentile: `1.10 s (1.40 s)`.
+fn delay(delay: Option<&Delay>) -> String {
+    delay.map_or_else(
+        || NONE.to_owned(),
+        |delay| format!("{} ({})", never(delay.median_s), never(delay.ninety_percent_s)),
+    )
+}
+
+fn notes(out: &mut String, name: &str, rules: &SensorRules) {
+    put!(
+        out,
+        "{name}: the captive flight shows correlations up to {}; slower wander is not in these figures.",
+        seconds(Some(rules.residual.longest_lag_s))
+    );
+    if let Some(advice) = rules.recommended.as_ref().filter(|advice| !advice.detects_step) {
+        put!(
+            out,
+            "{name}: no rule detects that step nine times in ten at that rate; the smallest it could be is {}.",
+            metres(Some(advice.smallest_step_m))
+        );
+    }
+    let first_window = |quality: Option<&RuleQuality>| {
+        quality.map(|quality| quality.healthy_alarm_in_first_window).filter(|share| *share > NOTEWORTHY_SHARE)
+    };
+    for (kind, share) in [
+        ("as set", first_window(rules.set.as_ref())),
+        ("recommended", first_window(rules.recommended.as_ref().map(|advice| &advice.quality))),
+    ] {
+        if let Some(share) = share {
+            put!(
+                out,
+                "{name}, {kind}: {} of healthy launches end untrustworthy before the average has its full window.",
+                percent(Some(share))
+            );
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! The table of the sensors, phase by phase.
+
+use std::fmt::Write as _;
+
+use super::number::{NONE, grouped, metres, plain, seconds, signed_m, with_sigma_m};
+use super::table::{Mood, Sheet};
+use super::{in_order, never, put};
+use crate::compare::comparison::{Comparison, SensorComparison};
+use crate::compare::phase_statistics::PhaseSummary;
+use crate::statistics::Whiteness;
+
+/// A sequence is called white when a white one would look less so at least this often.
+const WHITE_P_VALUE: f64 = 0.01;
+
+pub(super) fn write(out: &mut String, comparison: &Comparison, colour: bool) {
+    let sensors = in_order(&comparison.sensors);
+    if sensors.is_empty() {
+        return;
+    }
+    let names: Vec<&str> = sensors.iter().map(|(name, _)| *name).collect();
+    let columns: Vec<&SensorComparison> = sensors.iter().map(|(_, sensor)| *sensor).collect();
+    let mut sheet = Sheet::new("captive flight", &names);
+    captive(&mut sheet, &columns);
+    if comparison.launch_s.is_some() {
+        sheet.section("free flight");
+        free_flight(&mut sheet, &columns);
+    }
+    put!(out, "\n{}", sheet.render(colour));
+    let reference = &comparison.reference.captive;
+    if reference.readings > 0 {
+        put!(
+            out,
+            "gps, the reference: innovations {} rms, mean NIS {}, white: {}",
+            metres(reference.rms_m),
+            nis(reference),
+            white(reference.innovation_whiteness.as_ref())
+        );
+    }
+}
+
+fn captive(sheet: &mut Sheet, columns: &[&SensorComparison]) {
+    let mut row = |label: &str, cell: &dyn Fn(&SensorComparison) -> String| {
+        sheet.row(label, columns.iter().map(|sensor| (cell(sensor), Mood::Neutral)));
+    };
+    row("bias, by the filter", &|sensor| with_sigma_m(sensor.bias_m, sensor.bias_sigma_m));
+    row("standard error of the mean residual", &|sensor| metres(sensor.captive.bias_standard_error_m));
+    row("spread of the residual (1 sigma)", &|sensor| metres(sensor.residual_sigma_m));
+    row("the same, robust", &|sensor| metres(sensor.captive.robust_spread_m));
+    row("rms error", &|sensor| metres(sensor.captive_rms_m));
+    row("error keeps its sign for", &|sensor| seconds(sensor.captive.correlation_time_s));
+    row("readings (worth independent ones)", &|sensor| readings(&sensor.captive));
+    row("innovations white", &|sensor| white(sensor.captive.innovation_whiteness.as_ref()));
+    row("mean NIS (consistent: 95 % within)", &|sensor| nis(&sensor.captive));
+}
+
+fn free_flight(sheet: &mut Sheet, columns: &[&SensorComparison]) {
+    let mut row = |label: &str, cell: &dyn Fn(&SensorComparison) -> (String, Mood)| {
+        let cells = columns
+            .iter()
+            .map(|sensor| if sensor.flies_free { cell(sensor) } else { (NONE.to_owned(), Mood::Neutral) });
+        sheet.row(label, cells);
+    };
+    let neutral = |text: String| (text, Mood::Neutral);
+    row("mean error", &|sensor| neutral(signed_m(sensor.free_flight.bias_m)));
+    row("spread of the error", &|sensor| neutral(metres(sensor.free_flight.spread_m)));
+    row("rms error", &|sensor| neutral(metres(sensor.free_flight_rms_m)));
+    row("error keeps its sign for", &|sensor| neutral(seconds(sensor.free_flight.correlation_time_s)));
+    row("errors white", &|sensor| neutral(white(sensor.free_flight.error_whiteness.as_ref())));
+    row("bound of the monitor", &|sensor| neutral(metres(sensor.bound_m)));
+    row("moving average at the end", &|sensor| neutral(signed_m(sensor.moving_average_end_m)));
+    row("doubtful after", &|sensor| flag(sensor, sensor.doubtful_after_s, Mood::Doubt));
+    row("untrustworthy after", &|sensor| flag(sensor, sensor.untrustworthy_after_s, Mood::Bad));
+    row("trust at the end", &|sensor| (sensor.trust.to_owned(), trust_mood(sensor.trust)));
+}
+
+fn flag(sensor: &SensorComparison, after_s: Option<f64>, raised: Mood) -> (String, Mood) {
+    match after_s {
+        Some(_) => (never(after_s), raised),
+        None if sensor.free_flight.readings > 0 => (never(None), Mood::Good),
+        None => (NONE.to_owned(), Mood::Neutral),
+    }
+}
+
+fn trust_mood(trust: &str) -> Mood {
+    match trust {
+        "trusted" => Mood::Good,
+        "untrustworthy" => Mood::Bad,
+        "doubtful" | "unmonitored" => Mood::Doubt,
+        _ => Mood::Neutral,
+    }
+}
+
+fn readings(phase: &PhaseSummary) -> String {
+    match phase.effective_readings {
+        Some(effective) => format!("{} ({})", grouped(phase.readings), grouped(effective.round() as u64)),
+        None => grouped(phase.readings),
+    }
+}
+
+fn white(whiteness: Option<&Whiteness>) -> String {
+    let Some(whiteness) = whiteness else { return NONE.to_owned() };
+    if whiteness.p_value < WHITE_P_VALUE {
+        format!("no, lag 1: {:+.2}", whiteness.lag_one)
+    } else {
+        format!("yes, p {:.2}", whiteness.p_value)
+    }
+}
+
+fn nis(phase: &PhaseSummary) -> String {
+    phase.nis.as_ref().map_or_else(
+        || NONE.to_owned(),
+        |nis| format!("{} ({} to {})", plain(Some(nis.mean)), plain(Some(nis.lower)), plain(Some(nis.upper))),
+    )
+}

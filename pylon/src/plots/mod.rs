@@ -1,0 +1,78 @@
+//! The paper's Figures 2, 3 and 4, drawn for any flight (SVG).
+
+mod calibration;
+mod canvas;
+mod free_flight;
+mod legend;
+mod panel;
+mod residuals;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use crate::compare::{Comparison, Traces};
+use crate::output_file::{OutputError, write_atomically};
+
+/// Why figures were not drawn.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum PlotError {
+    /// The directory could not be made.
+    #[error("{}: can not be made a directory: {reason}", directory.display())]
+    Directory {
+        /// The directory.
+        directory: PathBuf,
+        /// Why not.
+        reason: std::io::Error,
+    },
+    /// A figure could not be drawn.
+    #[error("{figure}: can not be drawn: {reason}")]
+    Drawing {
+        /// The figure's file name.
+        figure: &'static str,
+        /// Why not.
+        reason: String,
+    },
+    /// A figure could not be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+}
+
+/// Figure 2: the estimated parameters over captive flight.
+pub const CALIBRATION: &str = "figure-2-calibration.svg";
+/// Figure 3: the residuals over captive flight.
+pub const RESIDUALS: &str = "figure-3-residuals.svg";
+/// Figure 4: the errors in free flight.
+pub const FREE_FLIGHT: &str = "figure-4-free-flight.svg";
+
+/// Draws the figures that the flight has data for into `directory`, which is made if need be, and
+/// says which files were written. All are drawn before the first is written.
+///
+/// # Errors
+/// [`PlotError`].
+pub fn draw(directory: &Path, comparison: &Comparison, traces: &Traces) -> Result<Vec<PathBuf>, PlotError> {
+    let figures = [
+        (CALIBRATION, calibration::draw(comparison, traces)),
+        (RESIDUALS, residuals::draw(comparison, traces)),
+        (FREE_FLIGHT, free_flight::draw(comparison, traces)),
+    ];
+    let mut drawn = Vec::new();
+    for (figure, svg) in figures {
+        match svg {
+            None => {}
+            Some(Ok(svg)) => drawn.push((figure, svg)),
+            Some(Err(reason)) => return Err(PlotError::Drawing { figure, reason }),
+        }
+    }
+    fs::create_dir_all(directory)
+        .map_err(|reason| PlotError::Directory { directory: directory.to_path_buf(), reason })?;
+    let mut files = Vec::new();
+    for (figure, svg) in drawn {
+        let file = directory.join(figure);
+        write_atomically(&file, |out| out.write_all(svg.as_bytes()))?;
+        files.push(file);
+    }
+    Ok(files)
+}

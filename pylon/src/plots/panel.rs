@@ -1,0 +1,271 @@
+//! One diagram of a figure.
+
+use std::error::Error;
+use std::ops::Range;
+
+use plotters::coord::types::RangedCoordf64;
+use plotters::prelude::*;
+
+use super::canvas::{Area, SCALE};
+use super::legend;
+use crate::compare::{Envelope, Slot};
+
+pub(super) const BLUE: RGBColor = RGBColor(0, 90, 160);
+pub(super) const MID_BLUE: RGBColor = RGBColor(60, 125, 190);
+pub(super) const LIGHT_BLUE: RGBColor = RGBColor(95, 155, 210);
+pub(super) const PALE_BLUE: RGBColor = RGBColor(205, 224, 241);
+pub(super) const GREEN: RGBColor = RGBColor(0, 150, 60);
+pub(super) const GREY: RGBColor = RGBColor(120, 120, 120);
+pub(super) const ORANGE: RGBColor = RGBColor(213, 94, 0);
+pub(super) const PALE_GREY: RGBColor = RGBColor(238, 238, 238);
+pub(super) const MAGENTA: RGBColor = RGBColor(214, 0, 170);
+
+/// Height of the names above a diagram, CSS pixels.
+pub(super) const LEGEND_HEIGHT: i32 = 24;
+/// A dash, and the gap after it.
+pub(super) const DASH: i32 = 7 * SCALE;
+pub(super) const GAP: i32 = 5 * SCALE;
+
+type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+
+/// What is drawn, in this order.
+pub(super) enum Layer<'a> {
+    /// A filled area between two curves.
+    Band { from: Vec<(f64, f64)>, to: Vec<(f64, f64)>, colour: RGBColor, name: &'a str },
+    /// A curve.
+    Curve { points: Vec<(f64, f64)>, colour: RGBColor, width: i32, name: &'a str },
+    /// A dashed horizontal line.
+    Level { value: f64, colour: RGBColor, name: &'a str },
+    /// A vertical line with its name.
+    Moment { at: f64, colour: RGBColor, name: String },
+}
+
+impl Layer<'_> {
+    /// The name in the legend; empty for none.
+    pub(super) fn name(&self) -> &str {
+        match self {
+            Self::Band { name, .. } | Self::Curve { name, .. } | Self::Level { name, .. } => name,
+            Self::Moment { name, .. } => name,
+        }
+    }
+}
+
+/// A diagram: layers over axes.
+pub(super) struct Panel<'a> {
+    pub(super) x_range: Range<f64>,
+    pub(super) y_range: Range<f64>,
+    pub(super) x_name: &'a str,
+    pub(super) y_name: String,
+    pub(super) layers: Vec<Layer<'a>>,
+    /// Whether the layers' names stand above the diagram.
+    pub(super) has_legend: bool,
+}
+
+impl Panel<'_> {
+    pub(super) fn draw(&self, area: &Area<'_>) -> Result<(), Box<dyn Error>> {
+        let mut chart = ChartBuilder::on(area)
+            .margin_left(8 * SCALE)
+            .margin_right(18 * SCALE)
+            .margin_top(if self.has_legend { LEGEND_HEIGHT * SCALE } else { 4 * SCALE })
+            .margin_bottom(6 * SCALE)
+            .x_label_area_size(36 * SCALE)
+            .y_label_area_size(62 * SCALE)
+            .build_cartesian_2d(self.x_range.clone(), self.y_range.clone())?;
+        for layer in self.layers.iter().filter(|layer| matches!(layer, Layer::Band { .. })) {
+            self.draw_layer(&mut chart, layer)?;
+        }
+        let text = |size: i32| ("sans-serif", size * SCALE).into_font();
+        let decimals = if self.y_range.end - self.y_range.start < 4.0 { 1 } else { 0 };
+        chart
+            .configure_mesh()
+            .light_line_style(TRANSPARENT)
+            .bold_line_style(RGBColor(215, 215, 215).stroke_width(SCALE as u32 / 2))
+            .axis_style(RGBColor(60, 60, 60).stroke_width(SCALE as u32))
+            .set_all_tick_mark_size(4 * SCALE)
+            .x_labels(11)
+            .y_labels(6)
+            .x_desc(self.x_name)
+            .y_desc(&self.y_name)
+            .axis_desc_style(text(13))
+            .label_style(text(12))
+            .y_label_formatter(&|value| format!("{:.decimals$}", value + 0.0))
+            .x_label_formatter(&|value| format!("{}", (value * 1e3).round() / 1e3))
+            .draw()?;
+        for layer in self.layers.iter().filter(|layer| !matches!(layer, Layer::Band { .. })) {
+            self.draw_layer(&mut chart, layer)?;
+        }
+        if self.has_legend {
+            legend::draw(area, &self.layers)?;
+        }
+        Ok(())
+    }
+
+    fn draw_layer(&self, chart: &mut Chart<'_, '_>, layer: &Layer<'_>) -> Result<(), Box<dyn Error>> {
+        match layer {
+            Layer::Band { from, to, colour, .. } => {
+                let mut outline = self.clamped(from);
+                outline.extend(self.clamped(to).into_iter().rev());
+                chart.draw_series([Polygon::new(outline, colour.filled())])?;
+            }
+            Layer::Curve { points, colour, width, .. } => {
+                let style = colour.stroke_width((*width * SCALE / 2) as u32);
+                for part in clipped(points, &self.y_range) {
+                    chart.draw_series(LineSeries::new(part, style))?;
+                }
+            }
+            Layer::Level { value, colour, .. } => {
+                let line = [(self.x_range.start, *value), (self.x_range.end, *value)];
+                let style = colour.stroke_width(SCALE as u32);
+                chart.draw_series(DashedLineSeries::new(line, DASH, GAP, style))?;
+            }
+            Layer::Moment { at, colour, .. } => {
+                let line = [(*at, self.y_range.start), (*at, self.y_range.end)];
+                chart.draw_series(LineSeries::new(line, colour.stroke_width(2 * SCALE as u32)))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Points within the diagram: the backend does not clip.
+    fn clamped(&self, points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+        let y = |value: f64| value.clamp(self.y_range.start, self.y_range.end);
+        points.iter().map(|&(x, value)| (x, y(value))).collect()
+    }
+}
+
+/// The parts of a line that lie within the range, cut where it leaves.
+fn clipped(points: &[(f64, f64)], range: &Range<f64>) -> Vec<Vec<(f64, f64)>> {
+    let mut parts: Vec<Vec<(f64, f64)>> = Vec::new();
+    let mut is_open = false;
+    for pair in points.windows(2) {
+        let ((x0, y0), (x1, y1)) = (pair[0], pair[1]);
+        // The shares of the way at which the segment enters and leaves the range.
+        let (mut enter, mut leave) = (0.0, 1.0);
+        if y0 == y1 {
+            if !(range.start..=range.end).contains(&y0) {
+                is_open = false;
+                continue;
+            }
+        } else {
+            let at = |level: f64| (level - y0) / (y1 - y0);
+            let (low, high) = (at(range.start), at(range.end));
+            enter = f64::max(enter, low.min(high));
+            leave = f64::min(leave, low.max(high));
+        }
+        if enter >= leave {
+            is_open = false;
+            continue;
+        }
+        let point = |share: f64| (x0 + share * (x1 - x0), y0 + share * (y1 - y0));
+        if !is_open || enter > 0.0 {
+            parts.push(vec![point(enter)]);
+        }
+        if let Some(part) = parts.last_mut() {
+            part.push(point(leave));
+        }
+        is_open = leave == 1.0;
+    }
+    parts
+}
+
+/// Layers of a dense series: the range of its values in each slot filled, and the line over it.
+pub(super) fn series<'a>(
+    envelope: &Envelope,
+    seconds: impl Fn(u64) -> f64 + Copy,
+    colour: RGBColor,
+    name: &'a str,
+) -> [Layer<'a>; 2] {
+    let edge = |value: fn(&Slot) -> f32| -> Vec<(f64, f64)> {
+        envelope.slots().iter().map(|slot| (seconds(slot.time_us), f64::from(value(slot)))).collect()
+    };
+    [
+        Layer::Band { from: edge(|slot| slot.least), to: edge(|slot| slot.greatest), colour, name: "" },
+        Layer::Curve { points: outline(envelope, seconds), colour, width: 2, name },
+    ]
+}
+
+/// The envelope as one line that touches the least and the greatest value of every slot; times by
+/// `seconds`.
+pub(super) fn outline(envelope: &Envelope, seconds: impl Fn(u64) -> f64) -> Vec<(f64, f64)> {
+    let mut points: Vec<(f64, f64)> = Vec::new();
+    for slot in envelope.slots() {
+        let x = seconds(slot.time_us);
+        let (least, greatest) = (f64::from(slot.least), f64::from(slot.greatest));
+        let before = points.last().map_or(least, |(_, y)| *y);
+        let (first, second) = if (before - least).abs() <= (before - greatest).abs() {
+            (least, greatest)
+        } else {
+            (greatest, least)
+        };
+        points.push((x, first));
+        if second != first {
+            points.push((x, second));
+        }
+    }
+    points
+}
+
+/// Range of values with a margin; never empty.
+pub(super) fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
+    let (least, greatest) = values
+        .filter(|value| value.is_finite())
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, greatest), value| {
+            (least.min(value), greatest.max(value))
+        });
+    if least > greatest {
+        return -1.0..1.0;
+    }
+    let margin = (0.06 * (greatest - least)).max(0.05);
+    least - margin..greatest + margin
+}
+
+/// First and last time of several envelopes, in seconds.
+pub(super) fn span<'a>(
+    envelopes: impl Iterator<Item = &'a Envelope>,
+    seconds: impl Fn(u64) -> f64,
+) -> Option<Range<f64>> {
+    let (mut first, mut last) = (u64::MAX, 0);
+    for envelope in envelopes {
+        if let (Some(from), Some(to)) = (envelope.slots().first(), envelope.slots().last()) {
+            first = first.min(from.time_us);
+            last = last.max(to.time_us);
+        }
+    }
+    (first < last).then(|| seconds(first)..seconds(last))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn outline_touches_every_extreme() {
+        let mut envelope = Envelope::default();
+        for (time_us, value) in [(0, 1.0), (100, -2.0), (200, 3.0), (5_000, 0.5)] {
+            envelope.push(time_us, value);
+        }
+        let points = outline(&envelope, |us| us as f64);
+        assert_eq!(points, vec![(0.0, -2.0), (0.0, 3.0), (5_000.0, 0.5)]);
+    }
+
+    #[test]
+    fn lines_are_cut_where_they_leave_the_diagram() {
+        let line = [(0.0, 0.0), (1.0, 2.0), (2.0, 0.0), (3.0, 0.0), (4.0, -4.0), (5.0, -4.0), (6.0, 4.0)];
+        assert_eq!(
+            clipped(&line, &(-1.0..1.0)),
+            vec![
+                vec![(0.0, 0.0), (0.5, 1.0)],
+                vec![(1.5, 1.0), (2.0, 0.0), (3.0, 0.0), (3.25, -1.0)],
+                vec![(5.375, -1.0), (5.625, 1.0)],
+            ]
+        );
+        assert_eq!(clipped(&[(0.0, 9.0), (1.0, 8.0)], &(-1.0..1.0)), Vec::<Vec<(f64, f64)>>::new());
+    }
+
+    #[test]
+    fn ranges_are_never_empty() {
+        assert_eq!(range(std::iter::empty()), -1.0..1.0);
+        let one = range([5.0, f64::NAN].into_iter());
+        assert!(one.start < 5.0 && one.end > 5.0);
+    }
+}

@@ -1,0 +1,275 @@
+//! Budgets of the firmware (`firmware/budgets.toml`): what is measured, what it may be.
+
+use std::fmt::Display;
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use model::Model;
+use pylon::fly::{Board, FlyReport, Image, Program, build};
+use serde::Deserialize;
+
+use crate::bench::{Row, cheapest_peer, named};
+
+/// The benchmark's name of the filter with the monitors.
+const FILTER_AND_MONITORS: &str = "kf-core filter and monitors";
+/// And of the filter with eight states.
+const FILTER_4_EFFECTS: &str = "kf-core filter 4 effects";
+
+/// The budgets; see the file for what each is.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Budgets {
+    /// Sizes of the flight computer's image.
+    pub image: ImageBudget,
+    /// An emulated flight.
+    pub flight: FlightBudget,
+    /// The image of the mission's tick alone.
+    pub core_only: CoreOnlyBudget,
+    /// The benchmark.
+    pub bench: BenchBudget,
+}
+
+/// Sizes of the flight computer's image.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ImageBudget {
+    /// Flash, bytes.
+    pub flash_bytes: u64,
+    /// RAM of static variables, bytes.
+    pub static_ram_bytes: u64,
+}
+
+/// An emulated flight.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FlightBudget {
+    /// High-water mark of the stack, bytes.
+    pub stack_bytes: u32,
+    /// Mean instructions of a tick.
+    pub instructions_mean: f64,
+    /// Instructions of the dearest tick.
+    pub instructions_worst: u32,
+}
+
+/// The image of the mission's tick alone.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CoreOnlyBudget {
+    /// No symbol may contain one of these.
+    pub forbidden_symbols: Vec<String>,
+}
+
+/// The benchmark; instructions of one tick, mean.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BenchBudget {
+    /// Four states, four measurements, two monitors.
+    pub filter_and_monitors: f64,
+    /// Eight states, four measurements.
+    pub filter_4_effects: f64,
+    /// How many times the cheapest peer must cost what the filter with the monitors costs.
+    pub times_cheaper: f64,
+}
+
+/// One measured value and its budget.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Check {
+    /// What was measured, of what.
+    pub what: String,
+    /// How much it is.
+    pub measured: String,
+    /// How much it may be.
+    pub budget: String,
+    /// Whether it is kept.
+    pub kept: bool,
+}
+
+impl Check {
+    fn at_most<T: PartialOrd + Display>(what: impl Into<String>, measured: T, budget: T) -> Self {
+        let kept = measured <= budget;
+        Self { what: what.into(), measured: measured.to_string(), budget: format!("<= {budget}"), kept }
+    }
+
+    fn at_least<T: PartialOrd + Display>(what: impl Into<String>, measured: T, budget: T) -> Self {
+        let kept = measured >= budget;
+        Self { what: what.into(), measured: measured.to_string(), budget: format!(">= {budget}"), kept }
+    }
+}
+
+impl Budgets {
+    /// Reads the file.
+    ///
+    /// # Errors
+    /// It is not there, or not as it should be.
+    pub fn read() -> Result<Self> {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware/budgets.toml");
+        let text = fs::read_to_string(&file).with_context(|| file.display().to_string())?;
+        toml::from_str(&text).with_context(|| file.display().to_string())
+    }
+
+    /// Builds the flight computer's images, for both boards and both presets, and the mission's tick
+    /// alone, and checks them.
+    ///
+    /// # Errors
+    /// An image does not build.
+    pub fn check_images(&self) -> Result<Vec<Check>> {
+        let mut checks = Vec::new();
+        for (preset, model) in [("default", Model::default()), ("paper", Model::paper())] {
+            for board in [Board::Qemu, Board::F405] {
+                let image = Image::read(&build(Program::Flight(board), &model, None)?)?;
+                checks.extend(self.image(&format!("flight image, {board:?}, {preset} model"), &image));
+            }
+        }
+        let image = Image::read(&build(Program::CoreOnly, &Model::default(), None)?)?;
+        checks.extend(self.core_only(&image));
+        Ok(checks)
+    }
+
+    fn image(&self, name: &str, image: &Image) -> [Check; 2] {
+        [
+            Check::at_most(format!("{name}: flash, bytes"), image.flash_bytes, self.image.flash_bytes),
+            Check::at_most(
+                format!("{name}: static RAM, bytes"),
+                image.static_ram_bytes,
+                self.image.static_ram_bytes,
+            ),
+        ]
+    }
+
+    fn core_only(&self, image: &Image) -> Vec<Check> {
+        let check = |forbidden: &String| {
+            let found: Vec<&str> = image
+                .symbols
+                .iter()
+                .filter(|symbol| symbol.contains(forbidden))
+                .map(String::as_str)
+                .collect();
+            Check {
+                what: format!("core-only image: symbols with {forbidden}"),
+                measured: if found.is_empty() { "none".to_owned() } else { found.join(", ") },
+                budget: "none".to_owned(),
+                kept: found.is_empty(),
+            }
+        };
+        // An image without the tick would keep every budget.
+        let has_tick = image.symbols.iter().any(|symbol| symbol.contains("kf_core"));
+        let tick = Check {
+            what: "core-only image: symbols of kf-core".to_owned(),
+            measured: if has_tick { "some" } else { "none" }.to_owned(),
+            budget: "some".to_owned(),
+            kept: has_tick,
+        };
+        self.core_only.forbidden_symbols.iter().map(check).chain([tick]).collect()
+    }
+
+    /// Checks an emulated flight.
+    #[must_use]
+    pub fn check_flight(&self, name: &str, report: &FlyReport) -> [Check; 3] {
+        let budget = &self.flight;
+        [
+            Check::at_most(format!("{name}: stack, bytes"), report.stack_used_bytes, budget.stack_bytes),
+            Check::at_most(
+                format!("{name}: instructions a tick, mean"),
+                report.instructions_mean.round(),
+                budget.instructions_mean,
+            ),
+            Check::at_most(
+                format!("{name}: instructions a tick, worst"),
+                report.instructions_worst,
+                budget.instructions_worst,
+            ),
+        ]
+    }
+
+    /// Checks the benchmark.
+    ///
+    /// # Errors
+    /// A row is missing.
+    pub fn check_bench(&self, rows: &[Row]) -> Result<[Check; 3]> {
+        let budget = &self.bench;
+        let ours = named(rows, FILTER_AND_MONITORS)?;
+        let peer = cheapest_peer(rows)?;
+        let times = (peer.mean / ours.mean * 100.0).round() / 100.0;
+        Ok([
+            Check::at_most("filter and monitors: instructions a tick", ours.mean, budget.filter_and_monitors),
+            Check::at_most(
+                "filter with 4 effects: instructions a tick",
+                named(rows, FILTER_4_EFFECTS)?.mean,
+                budget.filter_4_effects,
+            ),
+            Check::at_least(
+                format!("filter and monitors: times cheaper than the filter alone of {}", peer.name),
+                times,
+                budget.times_cheaper,
+            ),
+        ])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bench::Role;
+
+    fn kept(checks: &[Check]) -> Vec<bool> {
+        checks.iter().map(|check| check.kept).collect()
+    }
+
+    #[test]
+    fn the_file_is_as_it_should_be() {
+        let budgets = Budgets::read().unwrap();
+        assert_eq!(budgets.image, ImageBudget { flash_bytes: 96 * 1024, static_ram_bytes: 24 * 1024 });
+        assert!(toml::from_str::<Budgets>("[image]\nflash_bytes = 1").is_err());
+    }
+
+    #[test]
+    fn an_image_of_one_byte_too_many_is_found() {
+        let budgets = Budgets::read().unwrap();
+        let image = Image { flash_bytes: 98_304, static_ram_bytes: 24_576, symbols: vec![] };
+        assert_eq!(kept(&budgets.image("", &image)), [true, true]);
+        let image = Image { flash_bytes: 98_305, static_ram_bytes: 24_577, symbols: vec![] };
+        assert_eq!(kept(&budgets.image("", &image)), [false, false]);
+    }
+
+    #[test]
+    fn forbidden_symbols_and_an_empty_image_are_found() {
+        let budgets = Budgets::read().unwrap();
+        let image = |names: &[&str]| Image {
+            symbols: names.iter().map(|&name| name.to_owned()).collect(),
+            ..Image::default()
+        };
+        let all_kept = |image: &Image| kept(&budgets.core_only(image)).into_iter().all(|kept| kept);
+        assert!(all_kept(&image(&["kf_core::mission::Mission::tick", "__aeabi_f2ulz"])));
+        assert!(!all_kept(&image(&["main"])));
+        for forbidden in ["core::panicking::panic_fmt", "__aeabi_dmul", "libm::math::sqrt::sqrtf"] {
+            assert!(!all_kept(&image(&["kf_core::mission::Mission::tick", forbidden])), "{forbidden}");
+        }
+    }
+
+    #[test]
+    fn a_filter_too_dear_or_not_cheap_enough_is_found() {
+        let budgets = Budgets::read().unwrap();
+        let row = |name: &str, role, mean| Row {
+            name: name.to_owned(),
+            role,
+            mean,
+            least: 0,
+            most: 0,
+            agrees: Some(true),
+        };
+        let rows = |monitored, effects, peer| {
+            [
+                row(FILTER_AND_MONITORS, Role::Ours, monitored),
+                row(FILTER_4_EFFECTS, Role::Ours, effects),
+                row("peer", Role::Peer, peer),
+                row("reference", Role::Reference, 1.0),
+            ]
+        };
+        let kept =
+            |monitored, effects, peer| kept(&budgets.check_bench(&rows(monitored, effects, peer)).unwrap());
+        assert_eq!(kept(250.0, 1_200.0, 750.0), [true, true, true]);
+        assert_eq!(kept(250.5, 1_200.5, 749.0), [false, false, false]);
+        assert!(budgets.check_bench(&[]).is_err());
+    }
+}

@@ -1,0 +1,4 @@
+//! What `cargo xtask` is made of.
+
+pub mod bench;
+pub mod budget;
