@@ -1,5 +1,6 @@
 //! `pylon compare`.
 
+use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -85,7 +86,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print(arguments, &comparison)?;
     // Where the pictures are is no part of the result.
     for file in drawn {
-        eprintln!("drew {}", file.display());
+        let _ = writeln!(std::io::stderr(), "drew {}", file.display());
     }
     Ok(())
 }

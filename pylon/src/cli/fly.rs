@@ -40,7 +40,8 @@ pub struct Arguments {
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let model = load::model(&arguments.model)?;
-    let (flight, _) = load::flight(&arguments.flight)?;
+    let (flight, notes) = load::flight(&arguments.flight)?;
+    load::write_notes(&notes);
     let replay = Replay::new(&flight, &model, arguments.calibrate)
         .map_err(|error| Failure::input(format!("{}: {error}", arguments.flight.display())))?;
     let file = arguments.flight.display();

@@ -1,19 +1,29 @@
 //! Flights and models, by what the user wrote.
 
+use std::io::Write as _;
 use std::path::Path;
 
 use model::Model;
-use pylon::flight::{self, Flight, Note};
+use pylon::flight::{Flight, Note};
+use pylon::import;
 
 use super::failure::Failure;
 use super::progress::while_busy;
 
-/// A flight and what was remarkable about its file.
+/// A flight, from its CSV or from any log that can be imported, and what was remarkable about it.
 pub fn flight(file: &Path) -> Result<(Flight, Vec<Note>), Failure> {
-    Ok(while_busy("reading", || flight::read(file))?)
+    Ok(while_busy("reading", || import::open(file))?)
 }
 
 /// A model by its preset's name or its file.
 pub fn model(name: &str) -> Result<Model, Failure> {
     Ok(Model::load(name)?)
+}
+
+/// Says on standard error what was remarkable about an input.
+pub fn write_notes(notes: &[Note]) {
+    for note in notes {
+        // Nothing is left to be told to when standard error is closed.
+        let _ = writeln!(std::io::stderr(), "note: {note}");
+    }
 }

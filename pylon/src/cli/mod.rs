@@ -4,8 +4,10 @@
 //! status 0: it ran; 1: `fly` found bits that differ; 2: bad usage or bad input.
 
 mod compare;
+mod export;
 mod failure;
 mod fly;
+mod import;
 mod load;
 mod progress;
 mod simulate;
@@ -29,6 +31,8 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     Simulate(simulate::Arguments),
+    Import(import::Arguments),
+    Export(export::Arguments),
     Compare(compare::Arguments),
     Fly(fly::Arguments),
 }
@@ -38,6 +42,8 @@ pub fn main() -> ExitCode {
     let outcome = match Arguments::try_parse() {
         Ok(arguments) => match arguments.command {
             Command::Simulate(arguments) => simulate::run(&arguments),
+            Command::Import(arguments) => import::run(&arguments),
+            Command::Export(arguments) => export::run(&arguments),
             Command::Compare(arguments) => compare::run(&arguments),
             Command::Fly(arguments) => fly::run(&arguments),
         },

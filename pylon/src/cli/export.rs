@@ -1,0 +1,67 @@
+//! `pylon export`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use pylon::export::mcap;
+use pylon::flight;
+use pylon::output_file::write_atomically;
+
+use super::failure::Failure;
+use super::load;
+use super::progress::while_busy;
+use super::terminal;
+
+const EXAMPLES: &str = "\
+Examples:
+  pylon export flight.csv --format mcap -o flight.mcap
+      for Foxglove Studio: one topic a device, JSON messages
+  pylon export logger.igc --format csv -o flight.csv
+      any log that `import` reads, as a flight's CSV";
+
+/// Turn a flight into another program's format
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// The flight: a flight's CSV, or a log that `pylon import` reads
+    #[arg(value_name = "FLIGHT")]
+    flight: PathBuf,
+    /// The format
+    #[arg(long, value_enum)]
+    format: Format,
+    /// The file to write
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Format {
+    /// A flight's CSV
+    Csv,
+    /// MCAP, for Foxglove Studio and ROS tools
+    Mcap,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let (flight, notes) = load::flight(&arguments.flight)?;
+    let file = arguments.output.display();
+    let line = match arguments.format {
+        Format::Csv => {
+            while_busy("writing", || flight::write(&arguments.output, &flight))?;
+            format!("{file}: {} rows\n", flight.rows())
+        }
+        Format::Mcap => {
+            let mut summary = mcap::McapSummary::default();
+            while_busy("writing", || {
+                write_atomically(&arguments.output, |out| {
+                    summary = mcap::write(out, &flight)?;
+                    Ok(())
+                })
+            })?;
+            format!("{file}: {} messages on {} topics\n", summary.messages, summary.topics)
+        }
+    };
+    load::write_notes(&notes);
+    terminal::put(&line)
+}

@@ -1,0 +1,3 @@
+//! Flights in the formats of other programs.
+
+pub mod mcap;
