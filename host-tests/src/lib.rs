@@ -1,3 +1,5 @@
-//! Tests of the whole chain, and what they compare it with.
+//! Tests of the whole chain, what they compare it with, and what the firmware may cost.
 
+pub mod bench;
+pub mod budget;
 pub mod textbook;

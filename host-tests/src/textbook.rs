@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 /// A discrete Kalman filter of any size.
 #[derive(Clone, Debug)]
 pub struct Textbook {
-    /// State x [n].
+    /// State x `[n]`.
     pub state: DVector<f64>,
     /// Covariance P [n x n].
     pub covariance: DMatrix<f64>,

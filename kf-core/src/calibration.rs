@@ -1,9 +1,10 @@
 //! Captive flight: the biases are estimated, and what their quality is judged by is gathered.
 
 use crate::block_statistics::{BlockStatistics, Trend};
-use crate::config::{MissionConfig, QualityConfig, SigmaSource};
+use crate::config::{MissionConfig, SigmaSource};
 use crate::error::FilterError;
 use crate::estimator::{ConfigError, Estimator, MeasurementNoise};
+use crate::gauss_markov::{drift_variance_factor, mean_variance_factor};
 use crate::input::GpsFix;
 use crate::latch::{LatchRecord, SensorLatch, collected};
 use crate::quality::{Check, FailedChecks};
@@ -334,13 +335,15 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         sensors_alive: bool,
     ) -> LatchRecord {
         let duration_s = self.start_us.map_or(0.0, |start_us| seconds_between(start_us, time_us));
+        let unseen_m2 = square(config.reference.sigma_m)
+            * mean_variance_factor(duration_s, config.reference.correlation_time_s);
         let mut sensors = [SensorLatch::default(); SENSORS];
         for ((latch, sensor), residuals) in sensors.iter_mut().zip(Sensor::ALL).zip(&self.residuals) {
             let summary = residuals.summary();
             let bias_variance_m2 = self.estimator.bias_variance_m2(sensor);
             let residual_variance_m2 = summary.map_or(0.0, |summary| summary.variance);
             let variance_m2 = match config.monitor.sigma {
-                SigmaSource::Residual => residual_variance_m2,
+                SigmaSource::Residual => residual_variance_m2 + 2.0 * unseen_m2,
                 SigmaSource::Covariance => bias_variance_m2,
                 SigmaSource::Datasheet => square(config.sensors[sensor.index()].sigma_m),
             };
@@ -361,7 +364,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         failed.note(Check::SensorsAlive, sensors_alive);
         let is_fresh = tracker.is_fresh(time_us) && !self.reference_was_lost;
         failed.note(Check::ReferenceFresh, is_fresh);
-        self.check_statistics(&config.quality, tracker, &mut failed);
+        self.check_statistics(config, duration_s, tracker, &mut failed);
 
         let states = 1 + SENSORS + E;
         let biases = Sensor::ALL.map(|sensor| self.estimator.bias_m(sensor));
@@ -375,10 +378,12 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
 
     fn check_statistics(
         &self,
-        limits: &QualityConfig,
+        config: &MissionConfig<E>,
+        duration_s: f32,
         tracker: &ReferenceTracker,
         failed: &mut FailedChecks,
     ) {
+        let limits = &config.quality;
         let quiet = |statistics: &BlockStatistics, limit: f32| {
             statistics.summary().is_none_or(|summary| summary.block_variance <= square(limit))
         };
@@ -395,10 +400,14 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
 
         let trends: [Option<Trend>; SENSORS] =
             core::array::from_fn(|i| self.residuals.get(i).and_then(|residuals| residuals.trend(0, 32)));
+        // A sensor is not blamed for a drift that the reference's own wander makes of itself.
+        let wander_m2 = square(config.reference.sigma_m)
+            * drift_variance_factor(duration_s, config.reference.correlation_time_s);
         let mut stationary = true;
         for (trend, residuals) in trends.iter().zip(&self.residuals) {
             if let (Some(trend), Some(summary)) = (trend, residuals.summary()) {
-                stationary &= !is_significant(trend)
+                let against_wander = Trend { drift_variance: trend.drift_variance + wander_m2, ..*trend };
+                stationary &= !is_significant(&against_wander)
                     || square(trend.drift) <= square(limits.bias_drift_sigmas) * summary.variance;
             }
         }

@@ -56,7 +56,10 @@ pub struct SensorConfig {
 /// Where the monitor's sigma of eq. 17 comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SigmaSource {
-    /// The spread of the calibrated residual in captive flight.
+    /// The spread of the calibrated residual in captive flight. Where the reference's error is
+    /// correlated in time, a calibration sees only part of it: what its length must miss is added,
+    /// once for the spread and once for the bias, which has the missing part in it
+    /// ([`crate::gauss_markov::mean_variance_factor`]). With a white reference (the paper's) nothing is.
     Residual,
     /// The filter's own covariance of the bias.
     Covariance,

@@ -131,7 +131,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimator<HEAD, TAIL,
     /// [`Self::update_reference`], each [`Self::update_sensor`] and [`Self::fold`] do, but all or
     /// nothing, which lets the state stay in registers.
     ///
-    /// `regressors_m` [sensor][effect] as for [`Self::update_sensor`].
+    /// `regressors_m[sensor][effect]` as for [`Self::update_sensor`].
     ///
     /// # Errors
     /// As [`Self::update_reference`]; nothing of the tick has then been taken.

@@ -22,6 +22,7 @@ pub mod effect;
 pub mod error;
 pub mod estimator;
 mod free_flight;
+pub mod gauss_markov;
 pub mod input;
 pub mod latch;
 pub mod mission;

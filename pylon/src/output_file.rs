@@ -17,8 +17,8 @@ pub struct OutputError {
     pub reason: io::Error,
 }
 
-/// Writes a file through `content`: under a temporary name in the same directory, renamed over
-/// `path` only once all of it is on the disk.
+/// Writes a file through `content`: without a name (elsewhere than on Linux: under a temporary one) in
+/// the same directory, and named `path` only once all of it is on the disk.
 ///
 /// A `path` that exists and is not a regular file (`/dev/stdout`, a pipe) is written to directly. A
 /// symbolic link stays; the file that it leads to is replaced.
@@ -50,15 +50,60 @@ where
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
-    let mut temporary = temporary_file(directory)?;
-    let mut buffered = BufWriter::with_capacity(1 << 16, temporary.as_file_mut());
-    content(&mut buffered)?;
-    buffered.flush()?;
-    drop(buffered);
-    // A rename can reach the disk before the data does; without this a power cut leaves an empty file.
-    temporary.as_file().sync_all()?;
+    #[cfg(target_os = "linux")]
+    if let Some(file) = unnamed::create(directory) {
+        fill(&file, content)?;
+        return unnamed::name(&file, directory, &target);
+    }
+    let temporary = temporary_file(directory)?;
+    fill(temporary.as_file(), content)?;
     temporary.persist(&target).map_err(|error| error.error)?;
     Ok(())
+}
+
+fn fill<F>(file: &File, content: F) -> io::Result<()>
+where
+    F: FnOnce(&mut dyn Write) -> io::Result<()>,
+{
+    let mut buffered = BufWriter::with_capacity(1 << 16, file);
+    content(&mut buffered)?;
+    buffered.flush()?;
+    // A rename can reach the disk before the data does; without this a power cut leaves an empty file.
+    file.sync_all()
+}
+
+/// Linux can write a file that has no name yet: killed at any moment, the program leaves nothing behind.
+#[cfg(target_os = "linux")]
+mod unnamed {
+    use std::fs::{self, File};
+    use std::io;
+    use std::os::fd::AsRawFd as _;
+    use std::path::Path;
+
+    use rustix::fs::{AtFlags, CWD, Mode, OFlags};
+
+    /// A file without a name in the directory, or `None` where the file system has no such thing or
+    /// `/proc`, which it is named through, is not there.
+    pub fn create(directory: &Path) -> Option<File> {
+        let flags = OFlags::TMPFILE | OFlags::WRONLY | OFlags::CLOEXEC;
+        // As any new file: what the user's umask leaves of it.
+        let mode = Mode::from_raw_mode(0o666);
+        let file = File::from(rustix::fs::open(directory, flags, mode).ok()?);
+        fs::exists(link(&file)).is_ok_and(|exists| exists).then_some(file)
+    }
+
+    fn link(file: &File) -> String {
+        format!("/proc/self/fd/{}", file.as_raw_fd())
+    }
+
+    /// Gives the file its name, in place of what had it. A name can only be given where none is, so
+    /// that the whole file has another one in between.
+    pub fn name(file: &File, directory: &Path, target: &Path) -> io::Result<()> {
+        let between = tempfile::Builder::new().prefix(".pylon-").make_in(directory, |path| {
+            Ok(rustix::fs::linkat(CWD, link(file), CWD, path, AtFlags::SYMLINK_FOLLOW)?)
+        })?;
+        between.into_temp_path().persist(target).map_err(|error| error.error)
+    }
 }
 
 fn temporary_file(directory: &Path) -> io::Result<tempfile::NamedTempFile> {
@@ -95,6 +140,29 @@ mod tests {
         write_atomically(&path, |out| out.write_all(b"whole")).unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"whole");
         assert_eq!(names(directory.path()), ["out.csv"]);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_file_has_no_name_until_it_is_whole() {
+        let directory = tempfile::tempdir().unwrap();
+        if unnamed::create(directory.path()).is_none() {
+            println!("skipped: the file system has no files without names");
+            return;
+        }
+        for content in ["first", "second"] {
+            let path = directory.path().join("out.csv");
+            let before = names(directory.path());
+            write_atomically(&path, |out| {
+                out.write_all(content.as_bytes())?;
+                out.flush()?;
+                assert_eq!(names(directory.path()), before);
+                Ok(())
+            })
+            .unwrap();
+            assert_eq!(fs::read_to_string(&path).unwrap(), content);
+            assert_eq!(names(directory.path()), ["out.csv"]);
+        }
     }
 
     #[test]

@@ -1,2 +1,75 @@
-//! xtask
-fn main() {}
+//! `cargo xtask`: one command for every job in this checkout. `cargo xtask` alone lists them.
+
+#[cfg(test)]
+mod architecture;
+mod bench;
+mod child;
+mod cli;
+mod demo;
+mod setup;
+mod steps;
+mod story;
+mod table;
+mod test_job;
+mod test_report;
+mod workspace;
+
+use std::process::ExitCode;
+
+use anyhow::bail;
+use clap::{CommandFactory, Parser};
+
+use cli::{Cli, Job};
+use setup::{Need, Provided};
+
+fn main() -> ExitCode {
+    let Cli { job, verbose } = Cli::parse();
+    let Some(job) = job else {
+        return match Cli::command().print_help() {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(_) => ExitCode::FAILURE,
+        };
+    };
+    match run(job, verbose) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            if let Some(child::Failure::Ended { said, .. }) = error.downcast_ref() {
+                eprintln!("{}", said.all.trim_end());
+            }
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Does the job, and says whether it came out well.
+fn run(job: Job, verbose: bool) -> anyhow::Result<bool> {
+    match job {
+        Job::Setup => set_up(verbose)?,
+        Job::Demo => demo::run(verbose)?,
+        Job::Test { words, list } => return test_job::run(&words, list, verbose),
+        Job::Bench { json, part } => bench::run(part, json, verbose)?,
+        Job::Measure { command } => bench::measure::print(&command)?,
+    }
+    Ok(true)
+}
+
+/// Installs what is missing, all of it before complaining of any.
+fn set_up(verbose: bool) -> anyhow::Result<()> {
+    let mut missing = 0;
+    for need in Need::ALL {
+        match setup::provide(need, verbose) {
+            Ok(Provided::Found(what)) => println!("{}: found, {what}", need.name()),
+            Ok(Provided::Installed(what)) => println!("{}: installed, {what}", need.name()),
+            Err(error) => {
+                eprintln!("error: {error:#}");
+                missing += 1;
+            }
+        }
+    }
+    if missing > 0 {
+        bail!("{missing} of {} tools are missing", Need::ALL.len());
+    }
+    Ok(())
+}

@@ -543,6 +543,46 @@ fn a_drifting_sensor_an_untrimmed_flight_and_a_wrong_sigma_have_names() {
 }
 
 #[test]
+fn a_calibration_shorter_than_the_references_wander_promises_less() {
+    let bound = |correlation_time_s| {
+        let mut wandering = config(true);
+        wandering.reference.correlation_time_s = correlation_time_s;
+        fly::<0, 4, 0>(&wandering, |_, _| {}, |_, _| {}).latch().unwrap().sensors[2]
+    };
+    // A white reference: four times the spread, as configured.
+    let white = bound(0.0);
+    assert!((white.bound_m() / (4.0 * white.residual_sigma_m()) - 1.0).abs() < 1e-5);
+    // 28 s of a wander of 2 m over 60 s: nearly all of it is in the bias and none in the spread.
+    let wandering = bound(60.0);
+    let a = 28.0_f32 / 60.0;
+    let unseen = 4.0 * 2.0 / a * (1.0 - (1.0 - (-a).exp()) / a);
+    let expected = 16.0 * (wandering.residual_variance_m2 + 2.0 * unseen);
+    assert!((wandering.bound_m2 / expected - 1.0).abs() < 1e-4, "{wandering:?}");
+}
+
+#[test]
+fn a_drift_that_the_references_wander_can_make_is_no_sensors() {
+    let drifting = |correlation_time_s, slope_m: f32| {
+        let mut wandering = config(true);
+        wandering.reference.correlation_time_s = correlation_time_s;
+        let mission = fly::<0, 4, 0>(
+            &wandering,
+            |k, input| {
+                if let Some(BaroReading::AltitudeM(altitude_m)) = input.baro {
+                    input.baro = Some(BaroReading::AltitudeM(altitude_m + k as f32 * 0.005 * slope_m));
+                }
+            },
+            |_, _| {},
+        );
+        failed(&mission).contains(&"biases_stationary")
+    };
+    // 28 s of 2 m over 60 s can drift by 2 sqrt(0.93) = 1.9 m (1 sigma).
+    assert!(!drifting(60.0, 4.0 / 28.0), "two sigmas");
+    assert!(drifting(60.0, 9.0 / 28.0), "nearly five");
+    assert!(drifting(0.0, 4.0 / 28.0), "and a white reference does not wander");
+}
+
+#[test]
 fn a_configuration_out_of_range_is_refused() {
     let refuse = |change: &dyn Fn(&mut MissionConfig<0>)| {
         let mut bad = config(true);

@@ -67,8 +67,8 @@ impl<const N: usize> UdFilter<0, N> {
     /// (Thornton's modified weighted Gram-Schmidt; Bierman 1977, ch. VI.4). Steps that are pending
     /// are propagated with the state.
     ///
-    /// `transition` is A [N x N], `input` is the product `B u` [N], `noise_input` is G [N x M],
-    /// `noise_variance` the diagonal of Q [M]. A correlated Q is `U_q D_q U_q^T`: pass `G U_q`, D_q.
+    /// `transition` is A `[N x N]`, `input` is the product `B u` `[N]`, `noise_input` is G `[N x M]`,
+    /// `noise_variance` the diagonal of Q `[M]`. A correlated Q is `U_q D_q U_q^T`: pass `G U_q`, D_q.
     ///
     /// # Errors
     /// [`FilterError::NotFinite`] if any number is not, or becomes so; [`FilterError::NotPositive`]

@@ -43,7 +43,7 @@ impl<const M: usize> Whitening<M> {
 impl<const N: usize> UdFilter<0, N> {
     /// Takes a vector measurement with correlated noise (eqs 6 to 8 with full H and R), then folds.
     ///
-    /// `y` [M], `h` [M x N]. Returns the innovations of the whitened scalars; the sum of their
+    /// `y` is `[M]`, `h` is `[M x N]`. Returns the innovations of the whitened scalars; the sum of their
     /// [`Innovation::nis`] is the NIS of the vector.
     ///
     /// # Errors

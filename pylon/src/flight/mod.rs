@@ -20,7 +20,7 @@
 //! and rejects them. A time that repeats or runs backward is kept: the estimator counts and ignores it.
 //!
 //! Values are held as f32, the estimator's own precision, and written with the fewest digits that give
-//! the same f32 back: what [`write`] wrote, [`read`] and [`write`] give back byte for byte.
+//! the same f32 back: what [`write()`] wrote, [`read`] and [`write()`] give back byte for byte.
 
 mod channel;
 mod column;

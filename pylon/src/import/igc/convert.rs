@@ -106,9 +106,11 @@ impl Converter<'_> {
 
     /// A part of the fix, which is nothing without its altitude.
     fn put_of_fix(&mut self, channel: Channel, cells: Cells) {
-        let rows = &self.log.rows;
-        let is_3d = |row: &Row| row.fix.is_some_and(|fix| fix.is_3d);
-        self.put(channel, rows.iter().zip(cells).map(|(row, cell)| cell.filter(|_| is_3d(row))));
+        let altitude = self.flight.channel(Channel::GpsAltM);
+        let has_altitude = |row: usize| altitude.is_some_and(|column| column.get(row).is_some());
+        let cells: Vec<_> =
+            cells.into_iter().enumerate().map(|(row, cell)| cell.filter(|_| has_altitude(row))).collect();
+        self.put(channel, cells.into_iter());
     }
 
     fn put_signal(&mut self, name: String, cells: impl Iterator<Item = Option<f64>>) {
@@ -155,14 +157,29 @@ impl Converter<'_> {
     /// GNSS altitude, and a receiver time, so that a parked receiver's equal fixes are not taken for
     /// one that is held.
     fn reference(&mut self) {
-        let is_3d = |row: &Row| row.fix.filter(|fix| fix.is_3d);
         let rows = &self.log.rows;
-        self.put(
-            Channel::GpsAltM,
-            rows.iter().map(|row| is_3d(row).map(|fix| f64::from(fix.gnss_altitude_m))),
-        );
-        self.put(Channel::GpsTimeS, rows.iter().map(|row| is_3d(row).map(|_| row.time_s)));
-        let without = rows.iter().filter(|row| row.fix.is_some_and(|fix| !fix.is_3d)).count();
+        let (indices, altitudes): (Vec<usize>, Vec<f32>) = rows
+            .iter()
+            .enumerate()
+            .filter_map(|(index, row)| {
+                row.fix.filter(|fix| fix.is_3d).map(|fix| (index, fix.gnss_altitude_m))
+            })
+            .unzip();
+        let missing = false_zeros(&altitudes);
+        let mut cells = vec![None; rows.len()];
+        for ((index, altitude), missing) in indices.into_iter().zip(&altitudes).zip(&missing) {
+            if let Some(cell) = cells.get_mut(index) {
+                *cell = (!missing).then_some(f64::from(*altitude));
+            }
+        }
+        let times = rows.iter().zip(&cells).map(|(row, altitude)| altitude.map(|_| row.time_s));
+        self.put(Channel::GpsTimeS, times.collect::<Vec<_>>().into_iter());
+        self.put(Channel::GpsAltM, cells.into_iter());
+        let zeros = missing.iter().filter(|missing| **missing).count();
+        if zeros > 0 {
+            self.note(format!("GPS altitudes of zero amid others, left out as missing values: {zeros}"));
+        }
+        let without = self.log.rows.iter().filter(|row| row.fix.is_some_and(|fix| !fix.is_3d)).count();
         if without > 0 {
             self.note(format!("fixes that are not 3D (validity V) and give no GPS sample: {without}"));
         }
@@ -238,9 +255,9 @@ impl Converter<'_> {
                 *slot = velocity.map(|(north, east)| (f64::from(north), f64::from(east)));
             }
         }
-        let ground = self.ground_mps.clone();
-        self.put(Channel::GpsVnMps, ground.iter().map(|velocity| velocity.map(|(north, _)| north)));
-        self.put(Channel::GpsVeMps, ground.iter().map(|velocity| velocity.map(|(_, east)| east)));
+        let (north, east) = self.ground_mps.iter().map(|velocity| velocity.unzip()).unzip();
+        self.put_of_fix(Channel::GpsVnMps, north);
+        self.put_of_fix(Channel::GpsVeMps, east);
         let rows = &self.log.rows;
         self.put_signal(
             "latitude_deg".into(),

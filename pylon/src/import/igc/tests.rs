@@ -77,6 +77,15 @@ fn logs_without_a_barometer_have_no_baro_column() {
 }
 
 #[test]
+fn gps_altitudes_of_zero_amid_others_are_no_fix() {
+    let (flight, notes) = import(&log("", &[(500, 560, 'A'), (501, 0, 'A'), (502, 562, 'A')]));
+    assert_eq!(cells(&flight, Channel::GpsAltM), [Some(560.0), None, Some(562.0)]);
+    assert_eq!(cells(&flight, Channel::GpsTimeS)[1], None);
+    assert_eq!(cells(&flight, Channel::GpsVnMps)[1], None);
+    assert!(has_note(&notes, "GPS altitudes of zero amid others, left out as missing values: 1"));
+}
+
+#[test]
 fn velocities_come_from_valid_positions() {
     // 54 thousandths of a minute of latitude at 45 degrees are 100.02 m.
     let (flight, notes) =

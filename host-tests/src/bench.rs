@@ -5,6 +5,7 @@ use std::time::Duration;
 use anyhow::{Context, Result, ensure};
 use model::Model;
 use pylon::fly::{Program, build, emulate};
+use serde::Serialize;
 
 /// The benchmark takes seconds.
 const PATIENCE: Duration = Duration::from_secs(300);
@@ -12,7 +13,8 @@ const PATIENCE: Duration = Duration::from_secs(300);
 const HEADER: &str = "name,role,mean,least,most,h_m,bias_master_m,bias_slave_m,bias_baro_m,agrees";
 
 /// Who was measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Role {
     /// kf-core.
     Ours,
@@ -23,7 +25,7 @@ pub enum Role {
 }
 
 /// One line of the benchmark.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
     /// Who.
     pub name: String,

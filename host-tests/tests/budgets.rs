@@ -4,11 +4,11 @@
 //! (`cargo xtask test` installs it).
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+use host_tests::bench;
+use host_tests::budget::{Budgets, Check};
 use kf_core::input::{BaroReading, GpsFix, TickInput};
 use model::Model;
 use pylon::fly::{FlyOptions, fly_inputs};
-use xtask::bench;
-use xtask::budget::{Budgets, Check};
 
 fn assert_kept(checks: &[Check]) {
     let broken: Vec<&Check> = checks.iter().filter(|check| !check.kept).collect();

@@ -7,7 +7,7 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use model::Model;
 use pylon::fly::{Board, FlyReport, Image, Program, build};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::bench::{Row, cheapest_peer, named};
 
@@ -73,7 +73,7 @@ pub struct BenchBudget {
 }
 
 /// One measured value and its budget.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Check {
     /// What was measured, of what.
     pub what: String,

@@ -1,0 +1,111 @@
+//! A test: who may depend on whom, as ARCHITECTURE.md says; checked against what cargo says.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde::Deserialize;
+
+use crate::{child, workspace};
+
+/// What each crate of ours may depend on, of ours.
+type Arrows = BTreeMap<String, BTreeSet<String>>;
+
+/// Reads the arrows from ARCHITECTURE.md: the lines `crate -> crate, crate` of its block ```` ```arrows ````.
+fn allowed(document: &str) -> Result<Arrows, String> {
+    let mut lines = document.lines().skip_while(|line| line.trim() != "```arrows");
+    lines.next().ok_or("ARCHITECTURE.md has no block ```arrows")?;
+    let mut arrows = Arrows::new();
+    for line in lines.take_while(|line| line.trim() != "```") {
+        let (from, to) = line
+            .split_once("->")
+            .ok_or_else(|| format!("ARCHITECTURE.md: `{line}`: expected `crate -> crates`"))?;
+        let to = to
+            .split(',')
+            .map(|name| name.trim().to_owned())
+            .filter(|name| !name.is_empty() && name != "nothing");
+        arrows.insert(from.trim().to_owned(), to.collect());
+    }
+    Ok(arrows)
+}
+
+/// What is in the tree and not allowed, one line each.
+fn violations(allowed: &Arrows, found: &Arrows) -> Vec<String> {
+    let mut lines = Vec::new();
+    for (from, dependencies) in found {
+        let Some(permitted) = allowed.get(from) else {
+            lines.push(format!("`{from}` has no place in ARCHITECTURE.md: say there what it may depend on"));
+            continue;
+        };
+        for to in dependencies.difference(permitted) {
+            lines.push(format!("`{from}` depends on `{to}`, which ARCHITECTURE.md does not allow"));
+        }
+    }
+    for name in allowed.keys().filter(|name| !found.contains_key(*name)) {
+        lines.push(format!("ARCHITECTURE.md names `{name}`, which is no crate of the workspace"));
+    }
+    lines
+}
+
+/// What of `cargo metadata` matters here.
+#[derive(Deserialize)]
+struct Metadata {
+    packages: Vec<Package>,
+}
+
+#[derive(Deserialize)]
+struct Package {
+    name: String,
+    dependencies: Vec<Dependency>,
+}
+
+/// A dependency of any kind: for the build and the tests too.
+#[derive(Deserialize)]
+struct Dependency {
+    name: String,
+}
+
+/// Of the crates of the workspace, on one another.
+fn found(metadata: &Metadata) -> Arrows {
+    let names: BTreeSet<_> = metadata.packages.iter().map(|package| &package.name).collect();
+    let ours = |package: &Package| {
+        let dependencies = package.dependencies.iter().map(|dependency| &dependency.name);
+        dependencies.filter(|name| names.contains(name)).cloned().collect()
+    };
+    metadata.packages.iter().map(|package| (package.name.clone(), ours(package))).collect()
+}
+
+#[test]
+fn every_dependency_is_one_that_the_architecture_allows() {
+    let document = std::fs::read_to_string(workspace::root().join("ARCHITECTURE.md")).unwrap();
+    let mut metadata = workspace::cargo(["metadata", "--format-version", "1", "--no-deps", "--offline"]);
+    let metadata = child::run(&mut metadata, false).unwrap();
+    let metadata: Metadata = serde_json::from_str(&metadata.stdout).unwrap();
+    let arrows = found(&metadata);
+    assert!(arrows["pylon"].contains("kf-core"), "pylon no longer depends on kf-core: {arrows:?}");
+    assert_eq!(violations(&allowed(&document).unwrap(), &arrows), Vec::<String>::new());
+}
+
+fn arrows(lines: &[&str]) -> Arrows {
+    allowed(&format!("text\n```arrows\n{}\n```\nmore -> text", lines.join("\n"))).unwrap()
+}
+
+#[test]
+fn a_forbidden_dependency_is_named() {
+    let allowed = arrows(&["kf-core -> nothing", "pylon -> kf-core, model", "model -> kf-core"]);
+    let found = arrows(&["kf-core -> pylon", "pylon -> kf-core", "model -> kf-core"]);
+    assert_eq!(
+        violations(&allowed, &found),
+        ["`kf-core` depends on `pylon`, which ARCHITECTURE.md does not allow"]
+    );
+}
+
+#[test]
+fn a_crate_that_the_document_does_not_know_or_that_is_gone_is_named() {
+    let violations = violations(&arrows(&["gone -> nothing"]), &arrows(&["new -> nothing"]));
+    assert_eq!(violations.len(), 2, "{violations:?}");
+}
+
+#[test]
+fn a_document_without_arrows_is_refused() {
+    assert!(allowed("# Architecture\n").is_err());
+    assert!(allowed("```arrows\nkf-core\n```\n").is_err());
+}

@@ -1,0 +1,188 @@
+//! Time and memory on this machine: of the estimator alone, and of a comparison beside the mere reading
+//! of its file, one after the other in one run.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::Context;
+use comfy_table::Cell;
+use serde::{Deserialize, Serialize};
+
+use super::figure::Figure;
+use super::long_flight;
+use super::measure::{self, Cost};
+use crate::child;
+use crate::table::{plain, right};
+use crate::workspace;
+
+/// Times that every command is run; what else the machine does only makes it slower, so the shortest counts.
+const ROUNDS: usize = 5;
+/// Lengths of the flights, hours.
+const HOURS: [u32; 2] = [1, 2];
+
+/// Ticks a second of a replay in memory.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+pub struct Replay {
+    /// The model's name.
+    pub model: String,
+    /// Of the flight.
+    pub ticks: f64,
+    /// The mission's ticks alone.
+    pub core_ticks_per_s: f64,
+    /// With the making of their inputs from the flight.
+    pub replay_ticks_per_s: f64,
+}
+
+/// What one flight cost.
+#[derive(Clone, Debug, Serialize)]
+pub struct Flight {
+    /// Its length.
+    pub hours: u32,
+    /// Its file's size.
+    pub file_bytes: u64,
+    /// Iterating its CSV with the csv crate.
+    pub csv: Cost,
+    /// And making numbers of its cells with the standard library.
+    pub parse: Cost,
+    /// `pylon compare`.
+    pub compare: Cost,
+}
+
+/// What the host's benchmarks found.
+#[derive(Clone, Debug, Serialize)]
+pub struct HostBench {
+    /// On the one-hour flight.
+    pub replays: Vec<Replay>,
+    /// By length.
+    pub flights: Vec<Flight>,
+    /// The figures to reach.
+    pub figures: Vec<Figure>,
+}
+
+/// Builds, makes the flights and measures.
+pub fn run(echo: bool) -> anyhow::Result<HostBench> {
+    child::run(&mut workspace::build_workbench(), echo)?;
+    let bench = super::program(echo)?;
+    let folder = workspace::target_folder().join("bench");
+    fs::create_dir_all(&folder)?;
+    let mut flights = Vec::new();
+    for hours in HOURS {
+        eprintln!("simulating and measuring a flight of {hours} h");
+        let file = simulate(&folder, hours, echo)?;
+        flights.push(measure_flight(&bench, &file, hours)?);
+    }
+    let said =
+        child::run(workspace::program(&bench).arg("replay").arg(flight_file(&folder, HOURS[0])), echo)?;
+    let replays = said
+        .stdout
+        .lines()
+        .map(serde_json::from_str)
+        .collect::<Result<Vec<Replay>, _>>()
+        .context("the replay's benchmark said something unexpected")?;
+    let figures = figures(&replays, &flights);
+    Ok(HostBench { replays, flights, figures })
+}
+
+fn flight_file(folder: &Path, hours: u32) -> PathBuf {
+    folder.join(format!("{hours}-h.csv"))
+}
+
+fn simulate(folder: &Path, hours: u32, echo: bool) -> anyhow::Result<PathBuf> {
+    let scenario = folder.join(format!("{hours}-h.toml"));
+    let flight = flight_file(folder, hours);
+    fs::write(&scenario, long_flight::scenario(hours))?;
+    let mut simulate = workspace::program(workspace::workbench());
+    child::run(simulate.arg("simulate").arg(&scenario).arg("-o").arg(&flight), echo)?;
+    Ok(flight)
+}
+
+/// The three ways through a file in turn, so that what disturbs one disturbs all.
+fn measure_flight(bench: &Path, file: &Path, hours: u32) -> anyhow::Result<Flight> {
+    let command = |program: &Path, arguments: &[&str]| {
+        let mut command = Command::new(program);
+        command.args(arguments).arg(file);
+        command
+    };
+    let commands = [
+        command(bench, &["csv"]),
+        command(bench, &["parse"]),
+        command(&workspace::workbench(), &["compare", "--json"]),
+    ];
+    let mut best = [Cost { seconds: f64::INFINITY, peak_bytes: 0 }; 3];
+    for _ in 0..ROUNDS {
+        for (best, command) in best.iter_mut().zip(&commands) {
+            let Cost { seconds, peak_bytes } = measure::cost(command)?;
+            *best = Cost { seconds: best.seconds.min(seconds), peak_bytes: best.peak_bytes.max(peak_bytes) };
+        }
+    }
+    let [csv, parse, compare] = best;
+    Ok(Flight { hours, file_bytes: fs::metadata(file)?.len(), csv, parse, compare })
+}
+
+fn figures(replays: &[Replay], flights: &[Flight]) -> Vec<Figure> {
+    let mut figures = Vec::new();
+    for replay in replays {
+        let name = format!("kf-core, model {}", replay.model);
+        figures.push(Figure::at_least(name, replay.core_ticks_per_s / 1e6, 2.0, " million ticks/s"));
+        let name = format!("replay of a flight in memory, model {}", replay.model);
+        figures.push(Figure::at_least(name, replay.replay_ticks_per_s / 1e6, 2.0, " million ticks/s"));
+    }
+    if let Some(flight) = flights.first() {
+        let ratio = flight.compare.seconds / flight.csv.seconds;
+        figures.push(Figure::at_most("compare / csv crate's iteration, time", ratio, 3.0, ""));
+    }
+    if let [short, long] = flights {
+        let memory = long.compare.peak_bytes as f64 / short.compare.peak_bytes as f64;
+        let file = long.file_bytes as f64 / short.file_bytes as f64;
+        figures.push(Figure::at_most("compare: growth of memory / growth of file", memory / file, 1.0, ""));
+    }
+    figures
+}
+
+impl HostBench {
+    /// Times and memory by flight.
+    pub fn table(&self) -> String {
+        let header =
+            [Cell::new("flight"), Cell::new("what"), right("time"), right("ratio"), right("peak memory")];
+        let mut table = plain(header);
+        let mebibytes = |bytes: u64| format!("{:.0} MiB", bytes as f64 / f64::from(1 << 20));
+        for flight in &self.flights {
+            let ways = [
+                ("iterate with the csv crate", flight.csv),
+                ("and parse every cell", flight.parse),
+                ("pylon compare", flight.compare),
+            ];
+            for (what, cost) in ways {
+                table.add_row([
+                    Cell::new(format!("{} h, {}", flight.hours, mebibytes(flight.file_bytes))),
+                    Cell::new(what),
+                    right(format!("{:.2} s", cost.seconds)),
+                    right(format!("{:.2}", cost.seconds / flight.csv.seconds)),
+                    right(mebibytes(cost.peak_bytes)),
+                ]);
+            }
+        }
+        format!(
+            "Simulated flights, 200 rows a second, on this machine; the shortest of {ROUNDS} rounds, taken in turn.\n{}",
+            table.trim_fmt()
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn flight(file_bytes: u64, seconds: f64, peak_bytes: u64) -> Flight {
+        let csv = Cost { seconds: 1.0, peak_bytes: 1 };
+        Flight { hours: 1, file_bytes, csv, parse: csv, compare: Cost { seconds, peak_bytes } }
+    }
+
+    #[test]
+    fn figures_are_ratios_of_one_run() {
+        let figures = figures(&[], &[flight(100, 2.5, 50), flight(200, 9.0, 110)]);
+        let measured: Vec<_> = figures.iter().map(|figure| (figure.measured.as_str(), figure.met)).collect();
+        assert_eq!(measured, [("2.50", true), ("1.10", false)]);
+    }
+}

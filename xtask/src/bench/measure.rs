@@ -1,0 +1,50 @@
+//! One child's wall time and peak memory.
+
+use std::process::{Command, Stdio};
+use std::time::Instant;
+use std::{env, io};
+
+use anyhow::{Context, bail};
+use nix::sys::resource::{UsageWho, getrusage};
+use serde::{Deserialize, Serialize};
+
+use crate::{child, workspace};
+
+/// What a child cost.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct Cost {
+    /// Wall time from start to end, seconds.
+    pub seconds: f64,
+    /// Peak resident memory, bytes.
+    pub peak_bytes: u64,
+}
+
+/// Runs a command in a process of its own, so that the peak is this child's and no other's.
+pub fn cost(command: &Command) -> anyhow::Result<Cost> {
+    let mut measurer = workspace::program(env::current_exe()?);
+    measurer.args(["measure", "--"]).arg(command.get_program()).args(command.get_args());
+    let said = child::run(&mut measurer, false)?;
+    serde_json::from_str(&said.stdout).context("`cargo xtask measure` said something unexpected")
+}
+
+/// Runs a command, throws away what it prints and prints what it cost.
+pub fn print(command: &[String]) -> anyhow::Result<()> {
+    let Some((program, arguments)) = command.split_first() else { bail!("no command to measure") };
+    let start = Instant::now();
+    let status = Command::new(program)
+        .args(arguments)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .status()
+        .with_context(|| format!("`{program}` could not be started"))?;
+    let seconds = start.elapsed().as_secs_f64();
+    if !status.success() {
+        bail!("`{}` ended with {status}", command.join(" "));
+    }
+    let peak = getrusage(UsageWho::RUSAGE_CHILDREN).map_err(io::Error::from)?.max_rss();
+    // Linux counts in KiB, macOS in bytes.
+    let unit = if cfg!(target_os = "macos") { 1 } else { 1024 };
+    let cost = Cost { seconds, peak_bytes: u64::try_from(peak)? * unit };
+    println!("{}", serde_json::to_string(&cost)?);
+    Ok(())
+}

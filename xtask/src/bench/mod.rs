@@ -1,0 +1,94 @@
+//! `cargo xtask bench`: the figures that Pylon wants to reach.
+
+mod figure;
+mod host;
+mod long_flight;
+pub mod measure;
+mod target;
+
+use std::path::PathBuf;
+
+use anyhow::Context;
+use comfy_table::Cell;
+use serde::{Deserialize, Serialize};
+
+use crate::child;
+use crate::cli::BenchPart;
+use crate::setup::{self, Need};
+use crate::table::{plain, right};
+use crate::workspace;
+
+use figure::Figure;
+
+/// Everything measured.
+#[derive(Serialize)]
+struct Report {
+    target: Option<target::TargetBench>,
+    host: Option<host::HostBench>,
+}
+
+/// Measures and prints.
+pub fn run(part: Option<BenchPart>, json: bool, echo: bool) -> anyhow::Result<()> {
+    let wants = |one| part.is_none_or(|part| part == one);
+    let target = if wants(BenchPart::Target) { Some(instructions(echo)?) } else { None };
+    let host = if wants(BenchPart::Host) {
+        eprintln!("building the workbench");
+        Some(host::run(echo)?)
+    } else {
+        None
+    };
+    let report = Report { target, host };
+    if json {
+        println!("{}", serde_json::to_string_pretty(&report)?);
+        return Ok(());
+    }
+    let mut figures = Vec::new();
+    if let Some(target) = &report.target {
+        println!("{}\n", target.table());
+        figures.extend_from_slice(&target.figures);
+    }
+    if let Some(host) = &report.host {
+        println!("{}\n", host.table());
+        figures.extend_from_slice(&host.figures);
+    }
+    println!("{}", figures_table(&figures));
+    Ok(())
+}
+
+/// Counts instructions in QEMU, after the set-up that it takes.
+fn instructions(echo: bool) -> anyhow::Result<target::TargetBench> {
+    for need in [Need::Target, Need::Qemu] {
+        setup::provide(need, echo)?;
+    }
+    eprintln!("building the benchmark's image and counting its instructions");
+    target::run(echo)
+}
+
+/// Builds the program that measures one thing a process, and says where it is.
+fn program(echo: bool) -> anyhow::Result<PathBuf> {
+    #[derive(Deserialize)]
+    struct Message {
+        executable: Option<PathBuf>,
+    }
+    let arguments =
+        ["bench", "--package", "host-tests", "--bench", "figures", "--no-run", "--message-format", "json"];
+    let said = child::run(&mut workspace::cargo(arguments), echo)?;
+    let messages = said.stdout.lines().filter_map(|line| serde_json::from_str::<Message>(line).ok());
+    messages
+        .filter_map(|message| message.executable)
+        .next_back()
+        .context("cargo named no benchmark that it built")
+}
+
+fn figures_table(figures: &[Figure]) -> String {
+    let mut table = plain([Cell::new("figure"), right("measured"), Cell::new("wanted"), Cell::new("")]);
+    for figure in figures {
+        table.add_row([
+            Cell::new(&figure.name),
+            right(&figure.measured),
+            Cell::new(&figure.wanted),
+            Cell::new(if figure.met { "met" } else { "MISSED" }),
+        ]);
+    }
+    table.trim_fmt()
+}

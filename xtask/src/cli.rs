@@ -1,0 +1,69 @@
+//! The command line.
+
+use clap::{Parser, Subcommand};
+
+/// Every job that has to do with this checkout.
+#[derive(Debug, Parser)]
+#[command(
+    name = "cargo xtask",
+    bin_name = "cargo xtask",
+    disable_help_subcommand = true,
+    after_help = "\
+Examples:
+  cargo xtask demo           see Pylon at work: a flight is calibrated, latched, flagged and drawn
+  cargo xtask test           set up what is missing and run every test of every kind
+  cargo xtask test budgets   only the steps whose name contains `budgets`, with what they need
+  cargo xtask bench          how fast, how small, beside whom
+
+Missing tools are installed by rustup and apt-get, and what is installed is said first."
+)]
+pub struct Cli {
+    /// What to do; without it, this help.
+    #[command(subcommand)]
+    pub job: Option<Job>,
+
+    /// Show what the commands that run say.
+    #[arg(long, short, global = true)]
+    pub verbose: bool,
+}
+
+/// A job.
+#[derive(Debug, Subcommand)]
+pub enum Job {
+    /// Install what is missing: rustfmt, clippy, the flight computer's target, QEMU.
+    Setup,
+    /// Fly the paper's flight, as reconstructed, on the host and in QEMU, and tell what happened.
+    Demo,
+    /// Run every test of every kind; ends with `N passed, N failed, N skipped`.
+    Test {
+        /// Only the steps whose name contains one of these words.
+        words: Vec<String>,
+        /// Only list the steps.
+        #[arg(long)]
+        list: bool,
+    },
+    /// Measure: instructions a tick beside other filters, ticks a second, time and memory of a comparison.
+    Bench {
+        /// Print JSON instead of tables.
+        #[arg(long)]
+        json: bool,
+        /// Only this part: `target` (instructions, in QEMU) or `host` (time and memory).
+        part: Option<BenchPart>,
+    },
+    /// Run a command and print its wall time and its peak memory as JSON (for `bench`).
+    #[command(hide = true)]
+    Measure {
+        /// The command and its arguments.
+        #[arg(required = true, trailing_var_arg = true, allow_hyphen_values = true)]
+        command: Vec<String>,
+    },
+}
+
+/// A part of the benchmarks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum BenchPart {
+    /// Instructions, counted by QEMU.
+    Target,
+    /// Time and memory on this machine.
+    Host,
+}

@@ -1,4 +1,0 @@
-//! What `cargo xtask` is made of.
-
-pub mod bench;
-pub mod budget;

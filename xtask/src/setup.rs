@@ -1,0 +1,161 @@
+//! What the jobs need from the machine: found, or installed, or said how to install.
+
+use std::env;
+use std::fs;
+use std::io::{self, IsTerminal};
+use std::path::Path;
+use std::process::Command;
+
+use anyhow::{Context, bail};
+
+use crate::child;
+use crate::workspace::{self, TARGET};
+
+/// The emulated board.
+const MACHINE: &str = "netduinoplus2";
+/// Debian's and Ubuntu's package of it.
+const PACKAGE: &str = "qemu-system-arm";
+
+/// Something that does not come with the checkout.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Need {
+    /// The formatter.
+    Rustfmt,
+    /// The linter.
+    Clippy,
+    /// The standard library of the flight computer.
+    Target,
+    /// The emulator.
+    Qemu,
+}
+
+/// What was found, or what was done about it.
+pub enum Provided {
+    /// It was there.
+    Found(String),
+    /// It was not, and is now.
+    Installed(String),
+}
+
+impl Need {
+    /// Everything that some job needs.
+    pub const ALL: [Self; 4] = [Self::Rustfmt, Self::Clippy, Self::Target, Self::Qemu];
+
+    /// Its name to the user.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Rustfmt => "rustfmt",
+            Self::Clippy => "clippy",
+            Self::Target => TARGET,
+            Self::Qemu => PACKAGE,
+        }
+    }
+
+    /// Its version or place, where it is there.
+    fn find(self) -> Option<String> {
+        match self {
+            Self::Rustfmt => first_line(&mut workspace::cargo(["fmt", "--version"])),
+            Self::Clippy => first_line(&mut workspace::cargo(["clippy", "--version"])),
+            Self::Target => target_library(),
+            Self::Qemu => {
+                let machines =
+                    child::run(workspace::program(PACKAGE).args(["-machine", "help"]), false).ok()?;
+                machines.stdout.lines().find(|line| line.split(' ').next() == Some(MACHINE))?;
+                first_line(workspace::program(PACKAGE).arg("--version"))
+            }
+        }
+    }
+
+    /// The command that installs it.
+    fn installation(self) -> anyhow::Result<Vec<Command>> {
+        let rustup = |kind: &str, name: &str| {
+            let mut command = workspace::program("rustup");
+            command.args([kind, "add", name]);
+            vec![command]
+        };
+        match self {
+            Self::Rustfmt => Ok(rustup("component", "rustfmt")),
+            Self::Clippy => Ok(rustup("component", "clippy")),
+            Self::Target => Ok(rustup("target", TARGET)),
+            Self::Qemu => {
+                if !on_path("apt-get") {
+                    bail!(
+                        "this machine has no apt-get; install QEMU's emulator of Arm systems by hand: it must \
+                         offer `{PACKAGE} -machine {MACHINE}`"
+                    );
+                }
+                Ok(vec![apt(&["update"])?, apt(&["install", "--yes", "--no-install-recommends", PACKAGE])?])
+            }
+        }
+    }
+}
+
+/// Finds what is needed; installs it where it is missing, and says so on standard error.
+pub fn provide(need: Need, echo: bool) -> anyhow::Result<Provided> {
+    let name = need.name();
+    if let Some(found) = need.find() {
+        return Ok(Provided::Found(found));
+    }
+    let commands = need.installation().with_context(|| format!("{name} is missing"))?;
+    let by_hand = commands.iter().map(child::shown).collect::<Vec<_>>().join(" && ");
+    eprintln!("{name} is missing; installing it: {by_hand}");
+    for mut command in commands {
+        let outcome = child::run(&mut command, echo);
+        // A package list that could not be renewed may still do.
+        if !child::shown(&command).ends_with("update") {
+            outcome.with_context(|| {
+                format!("{name} is missing and could not be installed; by hand: {by_hand}")
+            })?;
+        }
+    }
+    match need.find() {
+        Some(found) => Ok(Provided::Installed(found)),
+        None => bail!("{name} was installed and is still not found; by hand: {by_hand}"),
+    }
+}
+
+/// apt-get with these arguments, as root.
+fn apt(arguments: &[&str]) -> anyhow::Result<Command> {
+    let mut command = if nix::unistd::geteuid().is_root() {
+        workspace::program("env")
+    } else if on_path("sudo") {
+        let mut sudo = workspace::program("sudo");
+        // Nobody is there to type a password.
+        if !io::stdin().is_terminal() {
+            sudo.arg("--non-interactive");
+        }
+        sudo.arg("env");
+        sudo
+    } else {
+        bail!("only root may install packages; as root: apt-get install {PACKAGE}");
+    };
+    command.arg("DEBIAN_FRONTEND=noninteractive").arg("apt-get");
+    command.args(["-o", "Acquire::Retries=3", "-o", "DPkg::Lock::Timeout=300"]).args(arguments);
+    Ok(command)
+}
+
+/// The first line that a program says, if it ends well.
+fn first_line(command: &mut Command) -> Option<String> {
+    let said = child::run(command, false).ok()?;
+    said.stdout.lines().next().map(str::to_owned)
+}
+
+/// The folder of the target's standard library, if `core` is in it.
+fn target_library() -> Option<String> {
+    let folder =
+        first_line(workspace::program("rustc").args(["--print", "target-libdir", "--target", TARGET]))?;
+    let has_core = fs::read_dir(&folder)
+        .ok()?
+        .flatten()
+        .any(|entry| entry.file_name().to_string_lossy().starts_with("libcore-"));
+    has_core.then_some(folder)
+}
+
+fn on_path(name: &str) -> bool {
+    env::var_os("PATH")
+        .is_some_and(|path| env::split_paths(&path).any(|folder| is_program(&folder.join(name))))
+}
+
+fn is_program(path: &Path) -> bool {
+    fs::metadata(path).is_ok_and(|file| file.is_file())
+}

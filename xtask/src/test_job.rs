@@ -1,0 +1,147 @@
+//! `cargo xtask test`: every test of every kind.
+
+use anyhow::{anyhow, bail};
+
+use crate::child::{self, Failure};
+use crate::demo;
+use crate::setup::{self, Need, Provided};
+use crate::steps::{Done, Steps};
+use crate::test_report::TestReport;
+use crate::workspace::{self, TARGET};
+
+/// A step and what the machine must have for it.
+struct Step {
+    name: &'static str,
+    needs: &'static [Need],
+    run: fn(echo: bool) -> anyhow::Result<Done>,
+}
+
+const STEPS: &[Step] = &[
+    Step { name: "formatting", needs: &[Need::Rustfmt], run: formatting },
+    Step { name: "clippy, host", needs: &[Need::Clippy], run: clippy_host },
+    Step { name: "clippy, board-qemu", needs: &[Need::Clippy, Need::Target], run: clippy_qemu },
+    Step { name: "clippy, board-f405", needs: &[Need::Clippy, Need::Target], run: clippy_f405 },
+    Step { name: "documentation, host", needs: &[], run: documentation_host },
+    Step { name: "documentation, firmware", needs: &[Need::Target], run: documentation_firmware },
+    Step { name: "image, board-qemu", needs: &[Need::Target], run: image_qemu },
+    Step { name: "image, board-f405", needs: &[Need::Target], run: image_f405 },
+    Step { name: "tests", needs: &[Need::Target, Need::Qemu], run: tests },
+    Step { name: "demo", needs: &[Need::Target, Need::Qemu], run: demo::test },
+];
+
+/// Runs the steps whose name contains one of the words, or all; says whether none failed.
+pub fn run(words: &[String], list: bool, echo: bool) -> anyhow::Result<bool> {
+    let wanted =
+        |step: &&Step| words.is_empty() || words.iter().any(|word| step.name.contains(word.as_str()));
+    let chosen: Vec<_> = STEPS.iter().filter(wanted).collect();
+    if chosen.is_empty() {
+        bail!("no step is called {}; `cargo xtask test --list` names them", words.join(" or "));
+    }
+    if list {
+        for step in chosen {
+            println!("{}", step.name);
+        }
+        return Ok(true);
+    }
+
+    let needs: Vec<_> =
+        Need::ALL.into_iter().filter(|need| chosen.iter().any(|step| step.needs.contains(need))).collect();
+    let mut steps = Steps::new(needs.len() + chosen.len());
+    let mut missing = Vec::new();
+    for need in needs {
+        if !steps.run(&format!("set-up, {}", need.name()), || set_up(need, echo)) {
+            missing.push(need);
+        }
+    }
+    for step in chosen {
+        steps.run(step.name, || match step.needs.iter().find(|need| missing.contains(need)) {
+            Some(need) => Err(anyhow!("not run: {} is missing", need.name())),
+            None => (step.run)(echo),
+        });
+    }
+    println!("\n{}\n\n{}", steps.table(), steps.verdict());
+    let [_, failed, _] = steps.counts();
+    Ok(failed == 0)
+}
+
+fn set_up(need: Need, echo: bool) -> anyhow::Result<Done> {
+    Ok(Done::all(match setup::provide(need, echo)? {
+        Provided::Found(what) => format!("found: {what}"),
+        Provided::Installed(what) => format!("installed: {what}"),
+    }))
+}
+
+/// Runs cargo and has no more to say than that it ended well.
+fn cargo<const N: usize>(arguments: [&str; N], echo: bool) -> anyhow::Result<Done> {
+    child::run(&mut workspace::cargo(arguments), echo)?;
+    Ok(Done::default())
+}
+
+fn formatting(echo: bool) -> anyhow::Result<Done> {
+    cargo(["fmt", "--all", "--check"], echo)
+}
+
+fn clippy_host(echo: bool) -> anyhow::Result<Done> {
+    cargo(["clippy", "--workspace", "--exclude", "firmware", "--all-targets", "--", "-D", "warnings"], echo)
+}
+
+fn clippy_qemu(echo: bool) -> anyhow::Result<Done> {
+    clippy_firmware("board-qemu,peers", echo)
+}
+
+fn clippy_f405(echo: bool) -> anyhow::Result<Done> {
+    clippy_firmware("board-f405", echo)
+}
+
+fn clippy_firmware(features: &str, echo: bool) -> anyhow::Result<Done> {
+    let arguments = ["--target", TARGET, "--features", features, "--", "-D", "warnings"];
+    child::run(workspace::cargo(["clippy", "--package", "firmware"]).args(arguments), echo)?;
+    Ok(Done::default())
+}
+
+fn documentation_host(echo: bool) -> anyhow::Result<Done> {
+    documentation(&["--workspace", "--exclude", "firmware"], echo)
+}
+
+fn documentation_firmware(echo: bool) -> anyhow::Result<Done> {
+    documentation(&["--package", "firmware", "--target", TARGET, "--features", "board-qemu,peers"], echo)
+}
+
+fn documentation(what: &[&str], echo: bool) -> anyhow::Result<Done> {
+    let mut doc = workspace::cargo(["doc", "--no-deps", "--document-private-items"]);
+    child::run(doc.args(what).env("RUSTDOCFLAGS", "-D warnings"), echo)?;
+    Ok(Done::default())
+}
+
+fn image_qemu(echo: bool) -> anyhow::Result<Done> {
+    image("board-qemu", echo)
+}
+
+fn image_f405(echo: bool) -> anyhow::Result<Done> {
+    image("board-f405", echo)
+}
+
+/// Builds the flight computer's image where the workbench builds it.
+fn image(board: &str, echo: bool) -> anyhow::Result<Done> {
+    let mut build = workspace::firmware_build("flight", board);
+    child::run(&mut build, echo)?;
+    Ok(Done::default())
+}
+
+/// The tests of every crate but the firmware: unit, property, documentation and whole-chain tests, the
+/// flights in the emulator among them.
+fn tests(echo: bool) -> anyhow::Result<Done> {
+    let arguments = ["test", "--workspace", "--exclude", "firmware", "--no-fail-fast", "--", "--show-output"];
+    let report = match child::run_in_order(&mut workspace::cargo(arguments), echo) {
+        Ok(said) => TestReport::read(&said.all),
+        Err(failure) => {
+            let report = match &failure {
+                Failure::Ended { said, .. } => TestReport::read(&said.all),
+                Failure::NotStarted { .. } => TestReport::default(),
+            };
+            let counts = format!("{} tests passed, {} failed", report.passed(), report.failed);
+            return Err(anyhow::Error::from(failure).context(counts));
+        }
+    };
+    Ok(Done { what: report.to_string(), skipped: report.skipped })
+}

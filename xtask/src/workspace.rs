@@ -1,0 +1,56 @@
+//! Where things are in the checkout.
+
+use std::env;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The flight computer's target.
+pub const TARGET: &str = "thumbv7em-none-eabihf";
+
+/// The checkout's folder.
+pub fn root() -> &'static Path {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    here.parent().unwrap_or(here)
+}
+
+/// Cargo's folder of what it builds.
+pub fn target_folder() -> PathBuf {
+    env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), |folder| root().join(folder))
+}
+
+/// The workbench's program, once [`build_workbench`] has run.
+pub fn workbench() -> PathBuf {
+    target_folder().join("release").join(format!("pylon{}", env::consts::EXE_SUFFIX))
+}
+
+/// A path as a reader at the checkout's folder would write it.
+pub fn shown(path: &Path) -> String {
+    path.strip_prefix(root()).unwrap_or(path).display().to_string()
+}
+
+/// A program, to be run in the checkout's folder.
+pub fn program(name: impl Into<OsString>) -> Command {
+    let mut command = Command::new(name.into());
+    command.current_dir(root());
+    command
+}
+
+/// Cargo with these arguments: the one that runs this program.
+pub fn cargo<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Command {
+    let mut command = program(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    command.args(arguments);
+    command
+}
+
+/// Builds the workbench.
+pub fn build_workbench() -> Command {
+    cargo(["build", "--release", "--package", "pylon"])
+}
+
+/// Builds an image of the firmware, in the folder in which the workbench builds it.
+pub fn firmware_build(binary: &str, features: &str) -> Command {
+    let mut build = cargo(["build", "--package", "firmware", "--bin", binary, "--features", features]);
+    build.args(["--profile", "firmware", "--target", TARGET, "--target-dir", "target/flight-computer"]);
+    build
+}
