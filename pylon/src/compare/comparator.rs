@@ -35,6 +35,7 @@ pub struct Comparator {
     last_bias: [Option<(f32, f32)>; SENSORS],
     has_read: [bool; SENSORS],
     launch_us: Option<u64>,
+    has_settled: bool,
     timeline: Timeline,
     traces: Option<Box<Traces>>,
 }
@@ -72,6 +73,7 @@ impl Comparator {
         for (has_read, sensor) in self.has_read.iter_mut().zip(&output.sensors) {
             *has_read |= sensor.error_m.is_some() || sensor.rejection.is_some();
         }
+        self.has_settled |= output.phase != Phase::Settling;
         match output.phase {
             Phase::Settling => {}
             Phase::Calibrating => self.take_captive(output),
@@ -128,7 +130,7 @@ impl Comparator {
             failures,
             ..Comparison::default()
         };
-        comparison.warnings = warnings(end.counters, &comparison);
+        comparison.warnings = warnings(end.counters, self.has_settled, &comparison);
         (comparison, self.traces)
     }
 

@@ -25,7 +25,7 @@ pub(super) fn input_warnings(summary: &ReplaySummary) -> Vec<String> {
 }
 
 /// One line for each kind of input that was refused or is missing, with its number.
-pub(super) fn warnings(counters: &Counters, comparison: &Comparison) -> Vec<String> {
+pub(super) fn warnings(counters: &Counters, has_settled: bool, comparison: &Comparison) -> Vec<String> {
     let mut lines = Vec::new();
     let mut count = |count: u32, one: &str, many: &str| match count {
         0 => {}
@@ -64,6 +64,9 @@ pub(super) fn warnings(counters: &Counters, comparison: &Comparison) -> Vec<Stri
         "change of the launch discrete after launch was ignored: the first launch counts",
         "changes of the launch discrete after launch were ignored: the first launch counts",
     );
+    if !has_settled {
+        lines.push("the flight is shorter than the settling time: nothing was calibrated".to_owned());
+    }
     if comparison.launch_s.is_none() {
         lines.push(
             "no launch: the whole flight is captive, nothing was latched and no sensor was monitored \

@@ -4,10 +4,24 @@ use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::ResidualModel;
 
-/// Steps to either side of an excursion at most.
-const LARGEST_RADIUS: u64 = 384;
-/// Steps in a window, when the window sets the step.
-const STEPS_PER_WINDOW: u64 = 96;
+/// How many paths are drawn, and how finely.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Resolution {
+    /// Paths.
+    pub(super) paths: u64,
+    /// Steps to either side of an excursion at most.
+    pub(super) largest_radius: u64,
+    /// Steps in a window, when the window sets the step.
+    pub(super) steps_per_window: u64,
+}
+
+impl Resolution {
+    /// For a figure that is printed: a rate to some 5 %.
+    pub(super) const FINE: Self = Self { paths: 128, largest_radius: 384, steps_per_window: 96 };
+    /// For a search: a rate to some 20 %, and so a threshold to 1 or 2 %.
+    pub(super) const COARSE: Self = Self { paths: 32, largest_radius: 192, steps_per_window: 48 };
+}
+
 /// Fewest steps in a window, when slow components set the step.
 const FEWEST_STEPS_PER_WINDOW: u64 = 8;
 /// A component with this share of the moving average's variance sets how long excursions last.
@@ -35,12 +49,12 @@ pub(super) struct Excursions {
 }
 
 impl Excursions {
-    /// Draws `count` paths of the moving average over `window` samples.
-    pub(super) fn draw(model: &ResidualModel, window: u64, count: usize) -> Option<Self> {
-        Self::draw_in(model, Steps::choose(model, window), count)
+    /// Draws paths of the moving average over `window` samples.
+    pub(super) fn draw(model: &ResidualModel, window: u64, resolution: Resolution) -> Option<Self> {
+        Self::draw_in(model, Steps::choose(model, window, resolution), resolution.paths)
     }
 
-    fn draw_in(model: &ResidualModel, steps: Steps, count: usize) -> Option<Self> {
+    fn draw_in(model: &ResidualModel, steps: Steps, count: u64) -> Option<Self> {
         let window = steps.in_window * steps.samples;
         let covariance = |lag: u64| model.moving_average_autocovariance(window, lag * steps.samples);
         let variance = covariance(0);
@@ -49,7 +63,7 @@ impl Excursions {
         }
         let sigma_m = variance.sqrt();
         let correlation: Vec<f64> = (0..=steps.radius).map(|lag| covariance(lag) / variance).collect();
-        let paths = (0..count as u64)
+        let paths = (0..count)
             .map(|index| {
                 let blocks = model.simulate(steps.samples, SEED ^ (index << 24));
                 let averages = MovingAverage::new(blocks, steps.in_window);
@@ -97,7 +111,7 @@ struct Steps {
 
 impl Steps {
     /// Fine enough for the window, long enough for an excursion.
-    fn choose(model: &ResidualModel, window: u64) -> Self {
+    fn choose(model: &ResidualModel, window: u64, resolution: Resolution) -> Self {
         let window = window.max(1);
         let slow = model.components.iter().filter(|part| {
             let alone = ResidualModel { white_variance_m2: 0.0, components: vec![**part], ..model.clone() };
@@ -106,9 +120,10 @@ impl Steps {
         let slowest = slow.map(|part| part.time_s / model.sample_interval_s).fold(0.0, f64::max);
         let radius_samples = window.max((2.0 * slowest) as u64);
         let coarsest = (window / FEWEST_STEPS_PER_WINDOW).max(1);
-        let samples =
-            (window / STEPS_PER_WINDOW).max(radius_samples.div_ceil(LARGEST_RADIUS)).clamp(1, coarsest);
-        let radius = radius_samples.div_ceil(samples).clamp(1, LARGEST_RADIUS);
+        let samples = (window / resolution.steps_per_window)
+            .max(radius_samples.div_ceil(resolution.largest_radius))
+            .clamp(1, coarsest);
+        let radius = radius_samples.div_ceil(samples).clamp(1, resolution.largest_radius);
         Self { samples, in_window: (window as f64 / samples as f64).round().max(1.0) as u64, radius }
     }
 
@@ -178,7 +193,7 @@ impl Passages {
         count: usize,
         signal: impl Fn(f64) -> f64,
     ) -> Self {
-        let steps = Steps::choose(model, window);
+        let steps = Steps::choose(model, window, Resolution::FINE);
         let step_s = steps.samples as f64 * model.sample_interval_s;
         let longest = (horizon_s / step_s).ceil() as usize;
         let mut times_s = Vec::new();
@@ -211,6 +226,8 @@ impl Passages {
 mod tests {
     use super::*;
     use crate::statistics::{Component, Moments};
+
+    const MANY: Resolution = Resolution { paths: 512, ..Resolution::FINE };
 
     fn model(white: f64, components: &[(f64, f64)]) -> ResidualModel {
         ResidualModel {
@@ -257,7 +274,7 @@ mod tests {
         ] {
             for sigmas in [2.0, 3.0] {
                 let threshold_m = sigmas * model.variance_of_mean(window).sqrt();
-                let drawn = Excursions::draw(&model, window, 512).unwrap().rate_per_s(threshold_m);
+                let drawn = Excursions::draw(&model, window, MANY).unwrap().rate_per_s(threshold_m);
                 let (watched, error) = watched_rate_per_s(&model, window, threshold_m, 2 * window, 6_000_000);
                 // The two definitions of "one excursion" differ by the few that lie close together:
                 // 5 % at 3 sigmas, more where excursions are not rare.
@@ -286,7 +303,7 @@ mod tests {
         // curvature of its autocovariance at the sample interval.
         let model = model(0.0, &[(2.0, 1.0)]);
         let window = 400;
-        let excursions = Excursions::draw(&model, window, 512).unwrap();
+        let excursions = Excursions::draw(&model, window, MANY).unwrap();
         let variance = model.variance_of_mean(window);
         let slope = 2.0 * (variance - model.moving_average_autocovariance(window, 1)) / (0.02 * 0.02);
         for sigmas in [4.0_f64, 5.0] {
@@ -300,7 +317,7 @@ mod tests {
     #[test]
     fn independent_samples_pass_as_often_as_their_tail_says() {
         let model = model(9.0, &[]);
-        let rate = Excursions::draw(&model, 1, 256).unwrap().rate_per_s(3.0 * 4.0);
+        let rate = Excursions::draw(&model, 1, MANY).unwrap().rate_per_s(3.0 * 4.0);
         let normal = Normal::new(0.0, 1.0).unwrap();
         let expected = 2.0 * normal.sf(4.0) / 0.02;
         assert!((rate / expected - 1.0).abs() < 0.01, "{rate} {expected}");

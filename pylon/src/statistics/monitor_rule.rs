@@ -9,15 +9,13 @@ use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::ResidualModel;
-use super::first_passage::{Excursions, Passages};
+use super::first_passage::{Excursions, Passages, Resolution};
 
-/// Draws for a figure that is printed.
+/// Draws of a fault, and of the first doubt.
 const DRAWS: usize = 256;
-/// Draws while windows are being tried.
-const SEARCH_DRAWS: usize = 64;
 /// Draws of launches, and readings in each at most.
 const FIRST_DRAWS: u64 = 512;
-const FIRST_SAMPLES: u64 = 2_000;
+const FIRST_SAMPLES: u64 = 1_000;
 /// Share of healthy launches that a recommended rule may call untrustworthy in the first window.
 const FIRST_WINDOW_ALARMS: f64 = 0.01;
 /// A delay's quantile that a rule is chosen by.
@@ -124,7 +122,7 @@ pub fn assess_rule(model: &ResidualModel, rule: MonitorRule, faults: &[Fault]) -
     let window = samples_of(model, rule.window_s);
     let normal = Normal::new(0.0, 1.0).ok()?;
     let healthy_share_beyond = 2.0 * normal.sf(rule.threshold_m / model.variance().sqrt());
-    let rate = Excursions::draw(model, window, DRAWS)?.rate_per_s(rule.threshold_m);
+    let rate = Excursions::draw(model, window, Resolution::FINE)?.rate_per_s(rule.threshold_m);
     Some(RuleQuality {
         rule,
         healthy_share_beyond,
@@ -154,7 +152,7 @@ fn first_doubt_s(model: &ResidualModel, threshold_m: f64, share_beyond: f64) -> 
             return Some((median + 1) as f64 * interval);
         }
     }
-    let rate = Excursions::draw(model, 1, DRAWS)?.rate_per_s(threshold_m);
+    let rate = Excursions::draw(model, 1, Resolution::FINE)?.rate_per_s(threshold_m);
     let median = std::f64::consts::LN_2 / rate;
     (median < HORIZON_S).then_some(median)
 }
@@ -223,6 +221,8 @@ pub struct RuleChoice {
     pub smallest_step_m: f64,
     /// Whether it detects the fault that was asked about nine times in ten.
     pub detects_fault: bool,
+    /// The threshold that healthy launches ask for in the first window, metres.
+    pub first_window_threshold_m: f64,
 }
 
 /// The rule that detects the fault soonest (nine times in ten) at the stated false-alarm rate; where
@@ -248,17 +248,19 @@ pub fn recommend_rule(model: &ResidualModel, search: &RuleSearch) -> Option<Rule
     let mut finest: Option<RuleChoice> = None;
     for ((&window_s, &window), mut first) in windows_s.iter().zip(&windows).zip(first_barriers) {
         first.sort_by(f64::total_cmp);
-        let launch_m = first.get(((1.0 - FIRST_WINDOW_ALARMS) * first.len() as f64) as usize).copied();
-        let excursions = Excursions::draw(model, window, SEARCH_DRAWS)?;
+        let launch_m =
+            first.get(((1.0 - FIRST_WINDOW_ALARMS) * first.len() as f64) as usize).copied().unwrap_or(0.0);
+        let excursions = Excursions::draw(model, window, Resolution::COARSE)?;
         let sigma_m = model.variance_of_mean(window).sqrt();
         let steady_m = threshold_of_rate(&excursions, sigma_m, target_per_s);
-        let threshold_m = steady_m.max(launch_m.unwrap_or(0.0));
+        let threshold_m = steady_m.max(launch_m);
         let certain_m = threshold_m + normal.inverse_cdf(CERTAINTY) * sigma_m;
         let delay_s = search.fault.reaches_s(window_s, certain_m);
         let choice = RuleChoice {
             rule: MonitorRule { threshold_m, window_s },
             smallest_step_m: certain_m,
             detects_fault: delay_s.is_some(),
+            first_window_threshold_m: launch_m,
         };
         if let Some(delay_s) = delay_s
             && soonest.is_none_or(|(best_s, _)| delay_s < best_s)
@@ -269,13 +271,29 @@ pub fn recommend_rule(model: &ResidualModel, search: &RuleSearch) -> Option<Rule
             finest = Some(choice);
         }
     }
-    soonest.map(|(_, choice)| choice).or(finest)
+    let choice = soonest.map(|(_, choice)| choice).or(finest)?;
+    refined(model, target_per_s, choice)
+}
+
+/// The choice with its threshold found anew at fine resolution.
+fn refined(model: &ResidualModel, target_per_s: f64, choice: RuleChoice) -> Option<RuleChoice> {
+    let window = samples_of(model, choice.rule.window_s);
+    let sigma_m = model.variance_of_mean(window).sqrt();
+    let fine_m =
+        threshold_of_rate(&Excursions::draw(model, window, Resolution::FINE)?, sigma_m, target_per_s);
+    let threshold_m = fine_m.max(choice.first_window_threshold_m);
+    let grown_m = threshold_m - choice.rule.threshold_m;
+    Some(RuleChoice {
+        rule: MonitorRule { threshold_m, ..choice.rule },
+        smallest_step_m: choice.smallest_step_m + grown_m,
+        ..choice
+    })
 }
 
 /// The threshold at which excursions come at that rate, by bisection between 0 and 12 sigmas.
 fn threshold_of_rate(excursions: &Excursions, sigma_m: f64, rate_per_s: f64) -> f64 {
     let (mut low, mut high) = (0.0, 12.0 * sigma_m);
-    for _ in 0..24 {
+    for _ in 0..18 {
         let middle = 0.5 * (low + high);
         if excursions.rate_per_s(middle) > rate_per_s {
             low = middle;
@@ -326,7 +344,8 @@ mod tests {
         // No neighbour detects the step sooner by more than the draws' error.
         for factor in [0.5, 2.0] {
             let window_s = rule.window_s * factor;
-            let excursions = Excursions::draw(&model, samples_of(&model, window_s), 256).unwrap();
+            let excursions =
+                Excursions::draw(&model, samples_of(&model, window_s), Resolution::FINE).unwrap();
             let sigma = model.variance_of_mean(samples_of(&model, window_s)).sqrt();
             let threshold_m = threshold_of_rate(&excursions, sigma, 0.1 / 3_600.0);
             let other = assess_rule(&model, MonitorRule { threshold_m, window_s }, &[STEP]).unwrap();
