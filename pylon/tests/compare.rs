@@ -215,3 +215,23 @@ fn without_a_launch_everything_after_it_is_null() {
     assert!(comparison.remedies.is_empty() && comparison.failures.worst.is_empty());
     assert!(comparison.warnings.iter().any(|line| line.starts_with("no launch")));
 }
+
+/// The whole text, for a made flight with a dive, a fault and a gap in what it measured.
+#[test]
+fn the_text_stays_as_it_is() {
+    let recipe = Recipe {
+        climb_mps: dive_mps,
+        baro_correlated: (0.4, 0.5),
+        baro_error: |_, climb_mps| if climb_mps < 0.0 { 25.0 } else { 0.0 },
+        slave_error: |after_s| 0.05 * after_s,
+        ..Recipe::default()
+    };
+    let mut comparison = compared(&recipe);
+    comparison.flight.file = "made.csv".to_owned();
+    comparison.model = "made.toml".to_owned();
+    let plain = pylon::compare::text(&comparison, false);
+    insta::assert_snapshot!(plain);
+    assert!(plain.lines().all(|line| line.chars().count() <= 140), "{plain}");
+    let coloured = pylon::compare::text(&comparison, true);
+    assert!(coloured.contains("\u{1b}[") && !plain.contains('\u{1b}'));
+}

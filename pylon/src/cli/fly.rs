@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use pylon::fly::{FlyError, FlyOptions, FlyReport, fly};
+use pylon::fly::{Difference, FlyError, FlyOptions, FlyReport, fly};
 use pylon::replay::{CalibrationWindow, Replay};
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::failure::Failure;
 use super::progress::while_busy;
@@ -35,6 +35,10 @@ pub struct Arguments {
     /// Print JSON
     #[arg(long)]
     json: bool,
+    /// Give the host's mission every barometer reading one unit in the last place off: to see that
+    /// it is found
+    #[arg(long, hide = true)]
+    plant_host_error: bool,
 }
 
 /// Runs the command.
@@ -45,14 +49,19 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let replay = Replay::new(&flight, &model, arguments.calibrate)
         .map_err(|error| Failure::input(format!("{}: {error}", arguments.flight.display())))?;
     let file = arguments.flight.display();
-    let report = while_busy("flying in QEMU", || fly(&replay, &FlyOptions::default())).map_err(|error| {
+    let options = FlyOptions { host_ulp_error: arguments.plant_host_error, ..FlyOptions::default() };
+    let report = while_busy("flying in QEMU", || fly(&replay, &options)).map_err(|error| {
         let line = format!("{file}: {error}");
-        if matches!(error, FlyError::Differs(_)) { Failure::differs(line) } else { Failure::input(line) }
+        let FlyError::Differs(difference) = error else { return Failure::input(line) };
+        if arguments.json
+            && let Err(failure) = put_json(&difference_json(&difference))
+        {
+            return failure;
+        }
+        Failure::differs(line)
     })?;
     if arguments.json {
-        let mut text = serde_json::to_string_pretty(&json(&report))?;
-        text.push('\n');
-        return terminal::put(&text);
+        return put_json(&report_json(&report));
     }
     terminal::put(&text(&file.to_string(), &report))
 }
@@ -90,7 +99,28 @@ fn text(file: &str, report: &FlyReport) -> String {
     text
 }
 
-fn json(report: &FlyReport) -> serde_json::Value {
+fn put_json(value: &Value) -> Result<(), Failure> {
+    let mut text = serde_json::to_string_pretty(value)?;
+    text.push('\n');
+    terminal::put(&text)
+}
+
+fn difference_json(difference: &Difference) -> Value {
+    json!({
+        "bit_for_bit": false,
+        "ticks": difference.ticks,
+        "ticks_that_differ": difference.ticks_that_differ,
+        "first": {
+            "tick": difference.tick,
+            "time_s": difference.time_us as f64 * 1e-6,
+            "field": difference.field,
+            "host": difference.host,
+            "target": difference.target,
+        },
+    })
+}
+
+fn report_json(report: &FlyReport) -> Value {
     json!({
         "bit_for_bit": true,
         "ticks": report.ticks,

@@ -1,6 +1,8 @@
 //! A made flight whose every error is known: not a measured one, and said so in its header.
 #![allow(dead_code, clippy::unwrap_used)]
 
+pub mod program;
+
 use std::path::{Path, PathBuf};
 
 use pylon::flight::{self, Channel, Column, Flight};

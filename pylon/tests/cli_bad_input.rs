@@ -1,0 +1,304 @@
+//! Every kind of bad input, on the command line: a clear one-line refusal, or a named degraded state.
+#![allow(clippy::unwrap_used, clippy::panic, clippy::expect_used)]
+
+mod common;
+
+use std::fs;
+use std::path::Path;
+
+use common::Recipe;
+use common::program::{compared, files, refusal, stdout};
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+/// A made flight of 40 s captive and 10 s free, its cells changed.
+fn flight_with(change: impl Fn(&mut Vec<Vec<String>>)) -> TempDir {
+    made(&Recipe { captive_s: 60.0, free_s: 10.0, ..Recipe::default() }, change)
+}
+
+fn made(recipe: &Recipe, change: impl Fn(&mut Vec<Vec<String>>)) -> TempDir {
+    let directory = tempfile::tempdir().unwrap();
+    let file = recipe.write(directory.path());
+    let text = fs::read_to_string(&file).unwrap();
+    let (head, rows): (Vec<&str>, Vec<&str>) = text.lines().partition(|line| line.starts_with('#'));
+    let mut rows: Vec<Vec<String>> =
+        rows.iter().map(|row| row.split(',').map(str::to_owned).collect()).collect();
+    change(&mut rows);
+    let mut changed = head.join("\n") + "\n";
+    for row in rows {
+        changed += &(row.join(",") + "\n");
+    }
+    fs::write(file, changed).unwrap();
+    directory
+}
+
+/// Position of a column.
+fn column(rows: &[Vec<String>], name: &str) -> usize {
+    rows[0].iter().position(|column| column == name).unwrap()
+}
+
+/// Rows (with the names in row 0) from one time to another.
+fn between(from_s: f64, to_s: f64) -> std::ops::Range<usize> {
+    1 + (from_s * common::ROWS_PER_S) as usize..1 + (to_s * common::ROWS_PER_S) as usize
+}
+
+fn failed(comparison: &Value, check: &str) -> bool {
+    comparison["calibration"]["failed_checks"].as_array().unwrap().contains(&json!(check))
+}
+
+fn warned(comparison: &Value, text: &str) -> bool {
+    comparison["warnings"].as_array().unwrap().iter().any(|line| line.as_str().unwrap().contains(text))
+}
+
+fn comparison(directory: &TempDir) -> Value {
+    compared(directory.path(), "made.csv")
+}
+
+#[test]
+fn the_unchanged_flight_is_good_and_has_no_warning() {
+    let comparison = comparison(&flight_with(|_| {}));
+    assert_eq!(
+        comparison["calibration"],
+        json!({
+            "quality": "good",
+            "failed_checks": [],
+            "duration_s": 50.0,
+            "source": "captive flight until the launch column says 1",
+        })
+    );
+    assert_eq!(comparison["warnings"], json!([]));
+}
+
+#[test]
+fn nan_and_infinite_cells_are_refused_counted_and_said() {
+    for bad in ["nan", "inf", "-inf"] {
+        let comparison = comparison(&flight_with(|rows| {
+            let baro = column(rows, "baro_alt_m");
+            for row in between(30.0, 30.2) {
+                rows[row][baro] = bad.to_owned();
+            }
+            let gps = column(rows, "gps_alt_m");
+            rows[between(40.0, 41.0).start][gps] = bad.to_owned();
+        }));
+        assert_eq!(comparison["sensors"]["baro"]["readings"]["not_finite"], 10);
+        assert_eq!(comparison["reference"]["fixes"]["not_finite"], 1);
+        assert!(failed(&comparison, "inputs_valid"));
+        assert!(
+            warned(&comparison, "10 baro readings refused") && warned(&comparison, "1 gps reading refused")
+        );
+        let bias = comparison["sensors"]["baro"]["bias_m"].as_f64().unwrap();
+        assert!((bias - 20.0).abs() < 1.0, "{bias}");
+    }
+}
+
+#[test]
+fn repeated_and_backward_times_are_ignored_and_counted() {
+    let comparison = comparison(&flight_with(|rows| {
+        let repeated = rows[501].clone();
+        rows.insert(501, repeated);
+        for row in &mut rows[1_000..1_005] {
+            "3.5".clone_into(&mut row[0]);
+        }
+    }));
+    assert!(warned(&comparison, "6 rows were ignored"), "{}", comparison["warnings"]);
+    assert!(failed(&comparison, "inputs_valid"));
+    assert_eq!(comparison["launch_s"], 60.0);
+}
+
+#[test]
+fn a_sensor_that_sticks_is_said_so() {
+    let comparison = comparison(&flight_with(|rows| {
+        let baro = column(rows, "baro_alt_m");
+        for row in between(35.0, 70.0) {
+            rows[row][baro] = "2020.25".to_owned();
+        }
+    }));
+    let stuck = comparison["sensors"]["baro"]["readings"]["stuck"].as_u64().unwrap();
+    // All but the two seconds that it takes to tell.
+    assert!((1_600..1_750).contains(&stuck), "{stuck}");
+    assert!(failed(&comparison, "sensors_alive") && warned(&comparison, "repeats itself"));
+    assert!(warned(&comparison, "baro was not monitored"), "{}", comparison["warnings"]);
+}
+
+#[test]
+fn a_gps_that_freezes_is_no_reference() {
+    let freeze = |from_s: f64, to_s: f64| {
+        comparison(&flight_with(|rows| {
+            let columns: Vec<usize> = ["gps_alt_m", "gps_vn_mps", "gps_ve_mps", "gps_vd_mps"]
+                .into_iter()
+                .map(|name| column(rows, name))
+                .collect();
+            let range = between(from_s, to_s);
+            let held = rows[range.start].clone();
+            for row in range.step_by(common::ROWS_PER_FIX) {
+                for &column in &columns {
+                    rows[row][column].clone_from(&held[column]);
+                }
+            }
+        }))
+    };
+    let captive = freeze(30.0, 45.0);
+    assert_eq!(captive["reference"]["fixes"]["held"], 74);
+    assert!(failed(&captive, "reference_fresh") && warned(&captive, "74 gps readings ignored"));
+    let free = freeze(61.0, 70.0);
+    assert!(warned(&free, "not monitored"), "{}", free["warnings"]);
+    assert_eq!(free["sensors"]["baro"]["trust"], "unmonitored");
+    assert!(free["sensors"]["baro"]["unmonitored_s"].as_f64().unwrap() > 3.0);
+}
+
+#[test]
+fn missing_columns_are_named() {
+    let without = |names: &[&str]| {
+        let directory = flight_with(|rows| {
+            for name in names {
+                let gone = column(rows, name);
+                rows.iter_mut().for_each(|row| {
+                    row.remove(gone);
+                });
+            }
+        });
+        refusal(directory.path(), &["compare", "made.csv"])
+    };
+    assert!(without(&["gps_alt_m"]).contains("made.csv: row 5: no column gps_alt_m; expected it"));
+    let none = without(&["baro_alt_m", "imu_master_alt_m", "imu_slave_alt_m"]);
+    assert!(none.contains("made.csv: no altitude besides gps_alt_m; expected"), "{none}");
+    assert!(without(&["time_s"]).contains("no column time_s"));
+}
+
+#[test]
+fn a_row_cut_in_its_middle_is_refused_with_its_place() {
+    let directory = flight_with(|rows| rows[777].truncate(4));
+    let line = refusal(directory.path(), &["compare", "made.csv"]);
+    assert!(line.contains("made.csv: row 782: 4 cells, expected 10; the row is cut after column"), "{line}");
+    let directory = flight_with(|rows| rows[300][2] = "20x1".to_owned());
+    let line = refusal(directory.path(), &["compare", "made.csv"]);
+    assert!(line.contains("row 305, column gps_alt_m: '20x1', expected a number"), "{line}");
+}
+
+#[test]
+fn files_that_are_no_flight_are_refused() {
+    let directory = tempfile::tempdir().unwrap();
+    let refused = |name: &str, content: &[u8]| {
+        fs::write(directory.path().join(name), content).unwrap();
+        refusal(directory.path(), &["compare", name])
+    };
+    assert!(refused("empty.csv", b"").contains("empty.csv: the file is empty; expected a flight"));
+    assert!(refused("text.csv", b"time_s,gps_alt_m\n0,1\n").contains("no '# pylon-flight: 1' line"));
+    assert!(refused("noise.bin", &[0xff, 0, 0x9c, 10, 0x80]).contains("noise.bin: "));
+    assert!(
+        refused("units.csv", b"# pylon-flight: 1\ntime_s,gps_alt_m,baro_hpa\n0,1,2\n")
+            .contains("row 2, column baro_hpa: looks like baro_pa, but its unit is not that column's")
+    );
+    assert!(
+        refused("version.csv", b"# pylon-flight: 2\n").contains("version '2'; this program reads version 1")
+    );
+    assert!(refusal(directory.path(), &["compare", "absent.csv"]).contains("absent.csv: can not be read"));
+    assert!(refusal(directory.path(), &["compare", "."]).contains("can not be read"));
+}
+
+#[test]
+fn a_launch_before_the_calibration_ended_latches_degraded() {
+    let launched_at =
+        |captive_s: f64| comparison(&made(&Recipe { captive_s, free_s: 20.0, ..Recipe::default() }, |_| {}));
+    let unsettled = launched_at(5.0);
+    assert_eq!(unsettled["calibration"]["quality"], "degraded");
+    assert!(failed(&unsettled, "settled"));
+    let short = launched_at(15.0);
+    assert!(!failed(&short, "settled") && failed(&short, "long_enough"));
+    assert_eq!(short["launch_s"], 15.0);
+}
+
+#[test]
+fn of_two_launches_the_first_counts() {
+    let comparison = comparison(&flight_with(|rows| {
+        let launch = column(rows, "launch");
+        for row in between(63.0, 65.0) {
+            rows[row][launch] = "0".to_owned();
+        }
+    }));
+    assert_eq!(comparison["launch_s"], 60.0);
+    assert!(warned(&comparison, "2 changes of the launch discrete after launch were ignored"));
+}
+
+#[test]
+fn without_a_launch_nothing_is_latched_and_that_is_said() {
+    let comparison = comparison(&made(&Recipe { free_s: 0.0, ..Recipe::default() }, |_| {}));
+    assert_eq!(comparison["launch_s"], Value::Null);
+    assert_eq!(comparison["calibration"]["quality"], Value::Null);
+    assert!(warned(&comparison, "no launch: the whole flight is captive"));
+}
+
+#[test]
+fn a_flight_shorter_than_settling_has_no_bias_and_that_is_said() {
+    let directory = made(&Recipe { captive_s: 4.0, free_s: 0.0, ..Recipe::default() }, |_| {});
+    let comparison = comparison(&directory);
+    assert_eq!(comparison["sensors"]["baro"]["bias_m"], Value::Null);
+    assert_eq!(comparison["calibration"]["quality"], Value::Null);
+    assert!(warned(&comparison, "shorter than the settling time"), "{}", comparison["warnings"]);
+    let text = stdout(directory.path(), &["compare", "made.csv"]);
+    assert!(!text.contains("NaN"), "{text}");
+}
+
+#[test]
+fn a_flight_of_one_row_is_compared_without_a_number() {
+    let directory = tempfile::tempdir().unwrap();
+    let text = "# pylon-flight: 1\ntime_s,launch,gps_alt_m,baro_pa\n0,0,100,100000\n";
+    fs::write(directory.path().join("made.csv"), text).unwrap();
+    assert_eq!(comparison(&directory)["sensors"]["baro"]["bias_m"], Value::Null);
+}
+
+#[test]
+fn calibration_windows_must_fit() {
+    let directory = flight_with(|_| {});
+    let refused = |window: &str| refusal(directory.path(), &["compare", "made.csv", "--calibrate", window]);
+    assert!(refused("20").contains("expected START..END in seconds"));
+    assert!(refused("30..20").contains("expected START below END"));
+    assert!(
+        refused("100..200")
+            .contains("made.csv: calibration window 100..200 s does not lie within the flight")
+    );
+    let window = stdout(directory.path(), &["compare", "made.csv", "--json", "--calibrate", "5..50"]);
+    let comparison: Value = serde_json::from_str(&window).unwrap();
+    assert_eq!(comparison["launch_s"], 50.0);
+    assert!(warned(&comparison, "250 rows before the calibration window were not used"));
+}
+
+#[test]
+fn models_and_scenarios_that_make_no_sense_are_refused() {
+    let directory = flight_with(|_| {});
+    let path = directory.path();
+    fs::write(path.join("typo.toml"), "[monitor]\nmultiplyer = 3\n").unwrap();
+    fs::write(path.join("wrong.toml"), "[sensor.baro]\nsigma_m = -1\n").unwrap();
+    let model = |name: &str| refusal(path, &["compare", "made.csv", "--model", name]);
+    assert!(model("typo.toml").contains("typo.toml") && model("typo.toml").contains("multiplyer"));
+    assert!(model("wrong.toml").contains("wrong.toml") && model("wrong.toml").contains("sigma_m"));
+    assert!(model("absent.toml").contains("absent.toml"));
+    fs::write(path.join("scenario.toml"), "name = 3\n").unwrap();
+    let line = refusal(path, &["simulate", "scenario.toml", "-o", "out.csv"]);
+    assert!(line.contains("scenario.toml"), "{line}");
+    assert!(!files(path).iter().any(|name| name.starts_with("out")));
+}
+
+/// Runs that fail leave the directory, and the file that was to be replaced, as they were.
+#[test]
+fn no_refused_command_leaves_anything_behind() {
+    let directory = flight_with(|rows| rows[777].truncate(4));
+    let path: &Path = directory.path();
+    fs::write(path.join("old.csv"), "old").unwrap();
+    fs::write(path.join("broken.igc"), "AXXX\nHFDTE010199\nB12").unwrap();
+    let before = files(path);
+    for arguments in [
+        &["compare", "made.csv", "--plots", "pictures"][..],
+        &["export", "made.csv", "--format", "csv", "-o", "old.csv"],
+        &["export", "made.csv", "--format", "mcap", "-o", "new.mcap"],
+        &["export", "made.csv", "--format", "csv", "-o", "no/such/new.csv"],
+        &["import", "broken.igc", "-o", "new.csv"],
+        &["import", "made.csv", "-o", "new.csv"],
+        &["simulate", "absent.toml", "-o", "new.csv"],
+        &["fly", "made.csv"],
+    ] {
+        refusal(path, arguments);
+        assert_eq!(files(path), before, "{arguments:?}");
+        assert_eq!(fs::read_to_string(path.join("old.csv")).unwrap(), "old", "{arguments:?}");
+    }
+}
