@@ -178,6 +178,29 @@ fn the_rule_that_is_recommended_holds_on_other_flights() {
 }
 
 #[test]
+fn effects_are_said_with_their_coefficients() {
+    let flight = Recipe { baro_error: |_, _| 0.1 * 60.0 * 60.0 / 19.613_3, ..Recipe::default() }.make();
+    let with = |effect: &str| {
+        let model =
+            Model::parse(&format!("{MODEL}\n[[effect]]\nid = \"baro.dynamic_pressure\"\n{effect}")).unwrap();
+        compared_by(&flight, &model)
+    };
+    // The airspeed never changes, so that captive flight says nothing about the coefficient: the
+    // prior's value and sigma stay, and the bias takes the error.
+    let estimated = with("estimate = true\nsigma = 0.05\n");
+    let fact = &estimated.effects[0];
+    assert!(fact.estimated && fact.effect == "baro.dynamic_pressure" && fact.unit == "1");
+    assert!(fact.coefficient.abs() < 0.05 && (fact.sigma - 0.05).abs() < 0.01, "{fact:?}");
+    let constant = with("coefficient = 0.07\nsigma = 0.01\n");
+    let fact = &constant.effects[0];
+    assert!(!fact.estimated && (fact.coefficient - 0.07).abs() < 1e-6 && (fact.sigma - 0.01).abs() < 1e-6);
+    assert!(
+        pylon::compare::text(&constant, false)
+            .contains("Effect baro.dynamic_pressure: 0.070 ± 0.010, as the model says.")
+    );
+}
+
+#[test]
 fn json_has_the_agreed_keys_and_no_number_that_is_none() {
     let comparison = compared(&Recipe::default());
     let json = serde_json::to_value(&comparison).unwrap();

@@ -2,16 +2,18 @@
 
 use std::collections::BTreeMap;
 
-use kf_core::config::{MonitorConfig, SigmaSource};
+use kf_core::config::{MAX_ESTIMATED_EFFECTS, MonitorConfig, SigmaSource};
 use kf_core::input::TickInput;
 use kf_core::latch::LatchRecord;
 use kf_core::mission::{Counters, SourceCounters};
-use kf_core::output::{Phase, TickOutput, Trust};
+use kf_core::output::{CoefficientOutput, Phase, TickOutput, Trust};
 use kf_core::quality::FailedChecks;
 use kf_core::sensor::{SENSORS, Sensor};
+use model::{Effect, Model};
 
 use super::comparison::{
-    CalibrationFacts, Comparison, MonitorFacts, ReadingCounts, ReferenceComparison, SensorComparison,
+    CalibrationFacts, Comparison, EffectFacts, MonitorFacts, ReadingCounts, ReferenceComparison,
+    SensorComparison,
 };
 use super::flags::Flags;
 use super::phase_statistics::PhaseStatistics;
@@ -33,6 +35,7 @@ pub struct Comparator {
     flags: [Flags; SENSORS],
     moving_average_m: [Option<f32>; SENSORS],
     last_bias: [Option<(f32, f32)>; SENSORS],
+    coefficients: heapless::Vec<CoefficientOutput, MAX_ESTIMATED_EFFECTS>,
     has_read: [bool; SENSORS],
     launch_us: Option<u64>,
     has_settled: bool,
@@ -47,8 +50,8 @@ pub struct MissionEnd<'a> {
     pub latch: Option<&'a LatchRecord>,
     /// What was counted.
     pub counters: &'a Counters,
-    /// The monitor as configured.
-    pub monitor: &'a MonitorConfig,
+    /// The model that flew.
+    pub model: &'a Model,
 }
 
 impl Comparator {
@@ -88,6 +91,9 @@ impl Comparator {
         if let Some(signed_nis) = output.gps_signed_nis {
             self.reference.take_nis(signed_nis);
         }
+        if !output.coefficients.is_empty() {
+            self.coefficients.clone_from(&output.coefficients);
+        }
         for (index, sensor) in output.sensors.iter().enumerate() {
             self.captive[index].take_captive(output.time_us, sensor);
             if sensor.error_m.is_some() {
@@ -125,7 +131,8 @@ impl Comparator {
                 fixes: counts(&end.counters.gps),
             },
             calibration: calibration(end.latch),
-            monitor: monitor(end.monitor),
+            effects: self.effects(end.model),
+            monitor: monitor(&end.model.monitor),
             rules: self.rules(end, wishes),
             failures,
             ..Comparison::default()
@@ -169,10 +176,30 @@ impl Comparator {
         }
     }
 
+    fn effects(&self, model: &Model) -> Vec<EffectFacts> {
+        let mut estimates = self.coefficients.iter();
+        let fact = |effect: &Effect| {
+            let estimate = if effect.estimate { estimates.next() } else { None };
+            let (coefficient, sigma) = match estimate {
+                Some(estimate) => (f64::from(estimate.coefficient), f64::from(estimate.variance).sqrt()),
+                None => (f64::from(effect.term.coefficient), f64::from(effect.term.sigma)),
+            };
+            EffectFacts {
+                effect: effect.term.id.name(),
+                coefficient,
+                sigma,
+                unit: effect.term.id.unit(),
+                estimated: effect.estimate,
+            }
+        };
+        model.effects.iter().map(fact).collect()
+    }
+
     /// The rules of the sensors that fly free, one thread a sensor: they are the one part whose time
     /// does not shrink with the flight.
     fn rules(&self, end: &MissionEnd<'_>, wishes: &RuleWishes) -> BTreeMap<&'static str, SensorRules> {
-        let (multiplier, window_s) = (f64::from(end.monitor.multiplier), f64::from(end.monitor.window_s));
+        let (multiplier, window_s) =
+            (f64::from(end.model.monitor.multiplier), f64::from(end.model.monitor.window_s));
         std::thread::scope(|scope| {
             let threads: Vec<_> = Sensor::ALL
                 .into_iter()

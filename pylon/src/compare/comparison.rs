@@ -25,6 +25,8 @@ pub struct Comparison {
     pub reference: ReferenceComparison,
     /// The calibration.
     pub calibration: CalibrationFacts,
+    /// The effects that the model accounts for, in its order.
+    pub effects: Vec<EffectFacts>,
     /// The monitor as configured.
     pub monitor: MonitorFacts,
     /// What the monitor's rule costs and catches, and a better one, by sensor.
@@ -122,6 +124,21 @@ pub struct CalibrationFacts {
     pub duration_s: Option<f64>,
     /// What decided when the captive flight ends.
     pub source: String,
+}
+
+/// An effect that the model accounts for.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EffectFacts {
+    /// Its id in the catalogue.
+    pub effect: &'static str,
+    /// Its coefficient: as estimated by the end of captive flight, or the model's constant.
+    pub coefficient: f64,
+    /// Standard deviation of the coefficient.
+    pub sigma: f64,
+    /// Unit of both.
+    pub unit: &'static str,
+    /// Whether it was estimated.
+    pub estimated: bool,
 }
 
 /// The monitor as configured.

@@ -21,7 +21,7 @@ mod warnings;
 
 pub use comparator::{Comparator, MissionEnd};
 pub use comparison::{
-    CalibrationFacts, Comparison, FlightFacts, MonitorFacts, ReadingCounts, ReferenceComparison,
+    CalibrationFacts, Comparison, EffectFacts, FlightFacts, MonitorFacts, ReadingCounts, ReferenceComparison,
     SensorComparison,
 };
 pub use envelope::{Envelope, Slot};

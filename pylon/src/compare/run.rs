@@ -66,11 +66,8 @@ fn fly(
             progress(rows);
         }
     })?;
-    let end = MissionEnd {
-        latch: summary.latch.as_ref(),
-        counters: &summary.counters,
-        monitor: &replay.model().monitor,
-    };
+    let end =
+        MissionEnd { latch: summary.latch.as_ref(), counters: &summary.counters, model: replay.model() };
     let (mut comparison, traces) = comparator.finish(&end, &options.wishes);
     comparison.flight = facts(replay);
     comparison.calibration.source = replay.source().to_string();

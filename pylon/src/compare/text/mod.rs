@@ -11,7 +11,7 @@ use std::fmt::Write as _;
 
 use kf_core::sensor::Sensor;
 
-use self::number::{grouped, metres, seconds, signed_m};
+use self::number::{grouped, metres, plain, seconds, signed_m};
 use self::table::{Mood, Sheet};
 use super::comparison::{Comparison, SensorComparison};
 
@@ -72,6 +72,17 @@ fn heading(out: &mut String, comparison: &Comparison) {
                 put!(out, "  failed: {check} - {}", meaning(check));
             }
         }
+    }
+    for effect in &comparison.effects {
+        let unit = if effect.unit == "1" { String::new() } else { format!(" {}", effect.unit) };
+        let how = if effect.estimated { "estimated in captive flight" } else { "as the model says" };
+        put!(
+            out,
+            "Effect {}: {} ± {}{unit}, {how}.",
+            effect.effect,
+            plain(Some(effect.coefficient)),
+            plain(Some(effect.sigma))
+        );
     }
     if comparison.launch_s.is_some() {
         for (name, sensor) in in_order(&comparison.sensors) {
