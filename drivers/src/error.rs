@@ -8,8 +8,25 @@ pub enum SensorError {
     NoDevice,
     /// The bus reported an error (no acknowledge, arbitration lost, overrun, framing).
     Bus,
-    /// What arrived fails its check.
+    /// What arrived fails its check (CRC, checksum, length).
     Check,
     /// The device has not answered in the time that its datasheet gives it.
     Timeout,
+    /// The data line never moved: every bit that was read is 0, or every bit is 1.
+    StuckBus,
+    /// Something answers, but its identity is not that of the chip that this driver is for.
+    WrongDevice,
+    /// A conversion has no result: it was not started, was interrupted or took longer than the datasheet
+    /// allows.
+    NoConversion,
+    /// What was configured is not what the chip holds: it was reset in flight, or a register changed.
+    ConfigurationLost,
+    /// The chip answers, but has made no new sample for longer than its rate allows.
+    Stale,
+    /// At least one axis is at the end of its range: the true value may be anything beyond.
+    Saturated,
+    /// The value lies outside what the datasheet lets the chip measure.
+    OutOfRange,
+    /// The device refused its configuration, or did not acknowledge it after all retries.
+    NotAcknowledged,
 }

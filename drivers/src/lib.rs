@@ -1,8 +1,8 @@
 //! What a sensor driver is to the flight computer: one trait for each kind of sensor, and the suite
 //! that turns one poll of every sensor into the estimator's input.
 //!
-//! The drivers of the chips (MS5611 barometer, ICM-42688-P inertial unit, u-blox receiver) will
-//! implement these traits; the emulated board has the ones of [`Replay`], fed from a flight record.
+//! The drivers of the chips implement these traits ([`ms5611`]); another chip is one more file. The
+//! emulated board has the ones of [`Replay`], fed from a flight record.
 //!
 //! A driver is split-phase: `poll` never waits. It starts the next transfer or conversion when one is
 //! due, takes what has arrived since the last call, and returns a sample at most once. Time comes in
@@ -11,11 +11,14 @@
 #![forbid(unsafe_code)]
 
 mod error;
+mod health;
+pub mod ms5611;
 mod replay;
 mod sensor;
 mod suite;
 
 pub use error::SensorError;
+pub use health::Health;
 pub use replay::{Replay, ReplayUmbilical, ReplayedSuite};
 pub use sensor::{
     AltitudeLink, Barometer, BarometerSample, InertialUnit, LaunchDiscrete, SatelliteReceiver, VehicleLink,

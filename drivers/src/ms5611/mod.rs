@@ -1,0 +1,249 @@
+//! MS5611-01BA03 barometer on SPI (TE Connectivity, datasheet of 2017, "Commands" and "Calculating
+//! pressure and temperature"; CRC: application note AN520).
+//!
+//! # Timing
+//! A poll does one step and returns: it sends a command, reads one word of the calibration, or reads one
+//! result and starts the next conversion; 5 bytes at most ([`MAX_POLL_BYTES`]). A conversion at the
+//! highest resolution takes up to 9.04 ms, so polled every 5 ms the chip gives a conversion every second
+//! poll: 7 pressures to each temperature, about 87 pressures a second.
+//!
+//! # Errors
+//! After any error the driver waits [`BACK_OFF_US`], resets the chip and reads its calibration anew. The
+//! chip protects nothing but its calibration: a bit that flips on the way in a result is found only when
+//! the value leaves the chip's range. That is for the estimator's plausibility check.
+
+mod compensation;
+mod prom;
+
+pub use compensation::Compensated;
+pub use prom::Prom;
+
+use embedded_hal::spi::{Operation, SpiDevice};
+use kf_core::input::BaroReading;
+
+use crate::error::SensorError;
+use crate::health::Health;
+use crate::sensor::{Barometer, BarometerSample};
+
+/// Bytes that one poll moves at most.
+pub const MAX_POLL_BYTES: usize = 5;
+/// Wait after an error before the chip is reset, microseconds.
+pub const BACK_OFF_US: u64 = 20_000;
+
+/// Time that the chip takes to reload its calibration after a reset, microseconds (datasheet, "Reset sequence").
+const RELOAD_US: u64 = 2_800;
+/// Longest conversion at oversampling 4096, microseconds (datasheet, "Performance specifications").
+const CONVERSION_US: u64 = 9_040;
+/// Pressures to each temperature: the chip's temperature moves slowly.
+const PRESSURES_PER_TEMPERATURE: u8 = 7;
+
+const RESET: u8 = 0x1E;
+const READ_ADC: u8 = 0x00;
+const READ_PROM: u8 = 0xA0;
+/// D1, oversampling 4096.
+const CONVERT_PRESSURE: u8 = 0x48;
+/// D2, oversampling 4096.
+const CONVERT_TEMPERATURE: u8 = 0x58;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Quantity {
+    Pressure,
+    Temperature,
+}
+
+impl Quantity {
+    const fn command(self) -> u8 {
+        match self {
+            Self::Pressure => CONVERT_PRESSURE,
+            Self::Temperature => CONVERT_TEMPERATURE,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Phase {
+    BackOff { until_us: u64 },
+    Reset,
+    Reloading { until_us: u64 },
+    ReadProm { words: [u16; 8], next: u8 },
+    Start { prom: Prom },
+    Converting { prom: Prom, temperature: Option<u32>, pressures_left: u8, quantity: Quantity, done_us: u64 },
+}
+
+/// The driver.
+#[derive(Clone, Debug)]
+pub struct Ms5611<Spi> {
+    spi: Spi,
+    phase: Phase,
+    health: Health,
+}
+
+impl<Spi: SpiDevice> Ms5611<Spi> {
+    /// A driver that has not yet spoken to its chip. SPI mode 0 or 3, 20 MHz at most.
+    pub const fn new(spi: Spi) -> Self {
+        Self { spi, phase: Phase::Reset, health: Health::new() }
+    }
+
+    /// Its counts.
+    pub const fn health(&self) -> Health {
+        self.health
+    }
+
+    /// The bus, for a test or a board that has to speak to the chip's model.
+    pub const fn bus_mut(&mut self) -> &mut Spi {
+        &mut self.spi
+    }
+
+    fn command(&mut self, command: u8) -> Result<(), SensorError> {
+        self.spi.write(&[command]).map_err(|_| SensorError::Bus)
+    }
+
+    fn step(&mut self, now_us: u64) -> Result<Option<BarometerSample>, SensorError> {
+        match self.phase {
+            Phase::BackOff { until_us } if now_us < until_us => {}
+            Phase::BackOff { .. } | Phase::Reset => {
+                self.health.initialised();
+                self.command(RESET)?;
+                self.phase = Phase::Reloading { until_us: now_us.saturating_add(RELOAD_US) };
+            }
+            Phase::Reloading { until_us } if now_us < until_us => {}
+            Phase::Reloading { .. } => self.read_prom([0; 8], 0)?,
+            Phase::ReadProm { words, next } => self.read_prom(words, next)?,
+            Phase::Start { prom } => {
+                self.command(CONVERT_TEMPERATURE)?;
+                self.converting(prom, None, 0, Quantity::Temperature, now_us);
+            }
+            Phase::Converting { done_us, .. } if now_us < done_us => {}
+            Phase::Converting { prom, temperature, pressures_left, quantity, .. } => {
+                return self.collect(prom, temperature, pressures_left, quantity, now_us);
+            }
+        }
+        Ok(None)
+    }
+
+    fn read_prom(&mut self, mut words: [u16; 8], index: u8) -> Result<(), SensorError> {
+        let mut word = [0; 2];
+        self.spi
+            .transaction(&mut [Operation::Write(&[READ_PROM | (index << 1)]), Operation::Read(&mut word)])
+            .map_err(|_| SensorError::Bus)?;
+        if let Some(slot) = words.get_mut(usize::from(index)) {
+            *slot = u16::from_be_bytes(word);
+        }
+        self.phase = if index < 7 {
+            Phase::ReadProm { words, next: index + 1 }
+        } else {
+            Phase::Start { prom: Prom::new(words)? }
+        };
+        Ok(())
+    }
+
+    fn converting(
+        &mut self,
+        prom: Prom,
+        temperature: Option<u32>,
+        pressures_left: u8,
+        quantity: Quantity,
+        now_us: u64,
+    ) {
+        let done_us = now_us.saturating_add(CONVERSION_US);
+        self.phase = Phase::Converting { prom, temperature, pressures_left, quantity, done_us };
+    }
+
+    fn collect(
+        &mut self,
+        prom: Prom,
+        temperature: Option<u32>,
+        pressures_left: u8,
+        quantity: Quantity,
+        now_us: u64,
+    ) -> Result<Option<BarometerSample>, SensorError> {
+        let mut result = [0; 3];
+        self.spi
+            .transaction(&mut [Operation::Write(&[READ_ADC]), Operation::Read(&mut result)])
+            .map_err(|_| SensorError::Bus)?;
+        let raw = u32::from_be_bytes([0, result[0], result[1], result[2]]);
+        match raw {
+            // Datasheet, "ADC read sequence": 0 is no result.
+            0 => return Err(SensorError::NoConversion),
+            0xFF_FFFF => return Err(SensorError::StuckBus),
+            _ => {}
+        }
+        let (temperature, pressures_left) = match quantity {
+            Quantity::Temperature => (Some(raw), PRESSURES_PER_TEMPERATURE),
+            Quantity::Pressure => (temperature, pressures_left.saturating_sub(1)),
+        };
+        let sample = match (quantity, temperature) {
+            (Quantity::Pressure, Some(d2)) => {
+                let compensated = prom.compensate(raw, d2)?;
+                Some(BarometerSample {
+                    reading: Some(BaroReading::PressurePa(compensated.pressure_pa)),
+                    temperature_c: Some(compensated.temperature_c),
+                })
+            }
+            _ => None,
+        };
+        let next = if pressures_left == 0 { Quantity::Temperature } else { Quantity::Pressure };
+        self.command(next.command())?;
+        self.converting(prom, temperature, pressures_left, next, now_us);
+        Ok(sample)
+    }
+}
+
+impl<Spi: SpiDevice> Barometer for Ms5611<Spi> {
+    fn poll(&mut self, now_us: u64) -> Result<Option<BarometerSample>, SensorError> {
+        let outcome = self.step(now_us);
+        if outcome.is_err() {
+            self.phase = Phase::BackOff { until_us: now_us.saturating_add(BACK_OFF_US) };
+        }
+        self.health.note(outcome)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use embedded_hal_mock::eh1::spi::{Mock, Transaction};
+
+    use super::*;
+
+    /// C1 to C6 of the datasheet's example, as a chip's memory; the last word's low nibble is the CRC.
+    const WORDS: [u16; 8] = prom::EXAMPLE;
+
+    fn written(bytes: &[u8]) -> Vec<Transaction<u8>> {
+        vec![
+            Transaction::transaction_start(),
+            Transaction::write_vec(bytes.to_vec()),
+            Transaction::transaction_end(),
+        ]
+    }
+
+    fn read(command: u8, answer: &[u8]) -> Vec<Transaction<u8>> {
+        vec![
+            Transaction::transaction_start(),
+            Transaction::write_vec(vec![command]),
+            Transaction::read_vec(answer.to_vec()),
+            Transaction::transaction_end(),
+        ]
+    }
+
+    #[test]
+    fn the_bytes_on_the_bus_are_the_datasheets() {
+        let mut expected = written(&[0x1E]);
+        for (index, word) in WORDS.iter().enumerate() {
+            expected.extend(read(0xA0 + 2 * u8::try_from(index).unwrap(), &word.to_be_bytes()));
+        }
+        expected.extend(written(&[0x58]));
+        expected.extend(read(0x00, &8_569_150u32.to_be_bytes()[1..]));
+        expected.extend(written(&[0x48]));
+        expected.extend(read(0x00, &9_085_466u32.to_be_bytes()[1..]));
+        expected.extend(written(&[0x48]));
+        let mut driver = Ms5611::new(Mock::new(&expected));
+        let samples: Vec<_> = (0..15u64)
+            .filter_map(|tick| driver.poll(tick * 5_000).unwrap().map(|sample| (tick, sample)))
+            .collect();
+        let [(13, sample)] = samples[..] else { panic!("one sample, at the 14th poll: {samples:?}") };
+        assert_eq!(sample.temperature_c.map(|t| (t * 100.0).trunc()), Some(2007.0));
+        let Some(BaroReading::PressurePa(pressure)) = sample.reading else { panic!("{sample:?}") };
+        assert_eq!(pressure.trunc(), 100_009.0);
+        driver.bus_mut().done();
+    }
+}
