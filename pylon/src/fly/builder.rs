@@ -4,10 +4,12 @@ use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::time::SystemTime;
 
 use model::{Model, codegen};
 
 use super::error::FlyError;
+use super::old_images::prune;
 
 /// The flight computer's target.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
@@ -144,6 +146,7 @@ pub fn build(program: Program, model: &Model, planted: Option<PlantedError>) -> 
     let copy = image.with_extension("new");
     fs::copy(&built, &copy).map_err(FlyError::io(built.display().to_string()))?;
     fs::rename(&copy, &image).map_err(FlyError::io(image.display().to_string()))?;
+    prune(&images, SystemTime::now()).map_err(FlyError::io(images.display().to_string()))?;
     Ok(image)
 }
 

@@ -6,6 +6,7 @@ mod emulator;
 mod error;
 mod image;
 mod log;
+mod old_images;
 mod record;
 
 use std::fs;

@@ -1,0 +1,65 @@
+//! Images of models that nobody flies any more.
+
+use std::fs;
+use std::io;
+use std::path::Path;
+use std::time::{Duration, SystemTime};
+
+/// So many of the newest files are kept: an image and its model's source each.
+const KEPT: usize = 48;
+/// A file younger than this is kept however many there are: its image may be about to fly.
+const YOUNG: Duration = Duration::from_secs(3_600);
+
+/// Removes all but the newest files of a folder.
+///
+/// # Errors
+/// The folder can not be read. A file that can not be removed stays.
+pub fn prune(folder: &Path, now: SystemTime) -> io::Result<()> {
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        let metadata = entry.metadata()?;
+        if metadata.is_file() {
+            files.push((metadata.modified()?, entry.path()));
+        }
+    }
+    files.sort();
+    let older = files.len().saturating_sub(KEPT);
+    for (modified, file) in files.into_iter().take(older) {
+        if now.duration_since(modified).is_ok_and(|age| age > YOUNG) {
+            // Whoever holds the file open, or may not remove it, keeps it until the next build.
+            let _ = fs::remove_file(file);
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs::File;
+
+    #[test]
+    fn keeps_the_newest_and_the_young() {
+        let folder = tempfile::tempdir().unwrap();
+        let now = SystemTime::UNIX_EPOCH + Duration::from_secs(1_000_000_000);
+        let make = |name: &str, age_s: u64| {
+            let file = File::create(folder.path().join(name)).unwrap();
+            file.set_modified(now - Duration::from_secs(age_s)).unwrap();
+        };
+        let names = || fs::read_dir(folder.path()).unwrap().count();
+        for index in 0..60 {
+            make(&format!("old-{index:02}"), 100_000 + index);
+        }
+        prune(folder.path(), now).unwrap();
+        assert_eq!(names(), KEPT);
+        assert!(folder.path().join("old-00").exists() && !folder.path().join("old-59").exists());
+
+        for index in 0..60 {
+            make(&format!("young-{index:02}"), index);
+        }
+        prune(folder.path(), now).unwrap();
+        assert_eq!(names(), 60);
+        assert!(folder.path().join("young-59").exists() && !folder.path().join("old-00").exists());
+    }
+}
