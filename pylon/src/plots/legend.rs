@@ -48,7 +48,7 @@ fn sample(area: &Area<'_>, layer: &Layer<'_>, x: i32, y: i32) -> Result<(), Box<
         Layer::Level { colour, .. } => {
             for from in [x, x + DASH + GAP] {
                 let to = (from + DASH).min(x + SAMPLE);
-                area.draw(&PathElement::new([(from, y), (to, y)], colour.stroke_width(SCALE as u32)))?;
+                area.draw(&PathElement::new([(from, y), (to, y)], colour.stroke_width(2 * SCALE as u32)))?;
             }
         }
         Layer::Moment { colour, .. } => {

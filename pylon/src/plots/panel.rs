@@ -11,12 +11,12 @@ use super::legend;
 use crate::compare::{Envelope, Slot};
 
 pub(super) const BLUE: RGBColor = RGBColor(0, 90, 160);
-pub(super) const MID_BLUE: RGBColor = RGBColor(60, 125, 190);
 pub(super) const LIGHT_BLUE: RGBColor = RGBColor(95, 155, 210);
 pub(super) const PALE_BLUE: RGBColor = RGBColor(205, 224, 241);
 pub(super) const GREEN: RGBColor = RGBColor(0, 150, 60);
 pub(super) const GREY: RGBColor = RGBColor(120, 120, 120);
-pub(super) const ORANGE: RGBColor = RGBColor(213, 94, 0);
+/// Dark enough to be seen over a dense blue series.
+pub(super) const ORANGE: RGBColor = RGBColor(150, 45, 0);
 pub(super) const PALE_GREY: RGBColor = RGBColor(238, 238, 238);
 pub(super) const MAGENTA: RGBColor = RGBColor(214, 0, 170);
 
@@ -115,7 +115,7 @@ impl Panel<'_> {
             }
             Layer::Level { value, colour, .. } => {
                 let line = [(self.x_range.start, *value), (self.x_range.end, *value)];
-                let style = colour.stroke_width(SCALE as u32);
+                let style = colour.stroke_width(2 * SCALE as u32);
                 chart.draw_series(DashedLineSeries::new(line, DASH, GAP, style))?;
             }
             Layer::Moment { at, colour, .. } => {

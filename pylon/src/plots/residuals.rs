@@ -3,7 +3,7 @@
 use kf_core::sensor::Sensor;
 
 use super::canvas::figure;
-use super::panel::{Layer, MID_BLUE, ORANGE, Panel, range, series, span};
+use super::panel::{LIGHT_BLUE, Layer, ORANGE, Panel, range, series, span};
 use crate::compare::{Comparison, Envelope, Traces};
 
 pub(super) fn draw(comparison: &Comparison, traces: &Traces) -> Option<Result<String, String>> {
@@ -17,7 +17,7 @@ pub(super) fn draw(comparison: &Comparison, traces: &Traces) -> Option<Result<St
         }
         let bounds = sigma_m.map_or([0.0; 2], |sigma| [-sigma, sigma]);
         let extremes = envelope.slots().iter().flat_map(|slot| [slot.least, slot.greatest]).map(f64::from);
-        let mut layers = Vec::from(series(envelope, seconds, MID_BLUE, "residual"));
+        let mut layers = Vec::from(series(envelope, seconds, LIGHT_BLUE, "residual"));
         if let Some(sigma) = sigma_m {
             layers.push(Layer::Level { value: sigma, colour: ORANGE, name: "± 1 sigma of the residual" });
             layers.push(Layer::Level { value: -sigma, colour: ORANGE, name: "" });
@@ -31,10 +31,10 @@ pub(super) fn draw(comparison: &Comparison, traces: &Traces) -> Option<Result<St
             has_legend: false,
         });
     };
-    add(&traces.reference_residual_m, "gps, m".to_owned(), comparison.reference.captive.spread_m);
+    add(&traces.reference_residual_m, "residual of gps, m".to_owned(), comparison.reference.captive.spread_m);
     for sensor in Sensor::ALL {
         let sigma_m = comparison.sensors.get(sensor.name()).and_then(|found| found.residual_sigma_m);
-        add(&traces.captive_error_m[sensor.index()], format!("{}, m", sensor.name()), sigma_m);
+        add(&traces.captive_error_m[sensor.index()], format!("residual of {}, m", sensor.name()), sigma_m);
     }
     if let Some(first) = panels.first_mut() {
         first.has_legend = true;
