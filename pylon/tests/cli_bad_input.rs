@@ -11,7 +11,7 @@ use common::program::{compared, files, refusal, stdout};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-/// A made flight of 40 s captive and 10 s free, its cells changed.
+/// A made flight of 60 s captive and 10 s free, its cells changed.
 fn flight_with(change: impl Fn(&mut Vec<Vec<String>>)) -> TempDir {
     made(&Recipe { captive_s: 60.0, free_s: 10.0, ..Recipe::default() }, change)
 }
@@ -170,6 +170,13 @@ fn a_row_cut_in_its_middle_is_refused_with_its_place() {
     let directory = flight_with(|rows| rows[777].truncate(4));
     let line = refusal(directory.path(), &["compare", "made.csv"]);
     assert!(line.contains("made.csv: row 782: 4 cells, expected 10; the row is cut after column"), "{line}");
+    // A file whose end is missing: its last row is not a whole one.
+    let file = directory.path().join("made.csv");
+    let directory_of_whole = flight_with(|_| {});
+    let whole = fs::read_to_string(directory_of_whole.path().join("made.csv")).unwrap();
+    fs::write(&file, &whole[..whole.trim_end().rfind(',').unwrap() - 2]).unwrap();
+    let line = refusal(directory.path(), &["compare", "made.csv"]);
+    assert!(line.contains("the row is cut after column"), "{line}");
     let directory = flight_with(|rows| rows[300][2] = "20x1".to_owned());
     let line = refusal(directory.path(), &["compare", "made.csv"]);
     assert!(line.contains("row 305, column gps_alt_m: '20x1', expected a number"), "{line}");
@@ -189,6 +196,8 @@ fn files_that_are_no_flight_are_refused() {
         refused("units.csv", b"# pylon-flight: 1\ntime_s,gps_alt_m,baro_hpa\n0,1,2\n")
             .contains("row 2, column baro_hpa: looks like baro_pa, but its unit is not that column's")
     );
+    let feet = refused("feet.csv", b"# pylon-flight: 1\ntime_s,gps_alt_ft,baro_pa\n0,1,2\n");
+    assert!(feet.contains("gps_alt_ft") && feet.contains("gps_alt_m"), "{feet}");
     assert!(
         refused("version.csv", b"# pylon-flight: 2\n").contains("version '2'; this program reads version 1")
     );
@@ -225,6 +234,8 @@ fn without_a_launch_nothing_is_latched_and_that_is_said() {
     let comparison = comparison(&made(&Recipe { free_s: 0.0, ..Recipe::default() }, |_| {}));
     assert_eq!(comparison["launch_s"], Value::Null);
     assert_eq!(comparison["calibration"]["quality"], Value::Null);
+    assert_eq!(comparison["sensors"]["baro"]["free_flight_rms_m"], Value::Null);
+    assert_eq!(comparison["remedies"], json!([]));
     assert!(warned(&comparison, "no launch: the whole flight is captive"));
 }
 
@@ -296,6 +307,9 @@ fn no_refused_command_leaves_anything_behind() {
         &["import", "made.csv", "-o", "new.csv"],
         &["simulate", "absent.toml", "-o", "new.csv"],
         &["fly", "made.csv"],
+        &["compare"],
+        &["compare", "absent.csv", "--plots", "pictures"],
+        &["compare", "made.csv", "--calibrate", "9..3", "--plots", "pictures"],
     ] {
         refusal(path, arguments);
         assert_eq!(files(path), before, "{arguments:?}");
