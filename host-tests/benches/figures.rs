@@ -57,12 +57,12 @@ fn iterate(file: &Path) -> Result<(), Box<dyn Error>> {
 /// The same, every cell made a number by the standard library.
 fn parse(file: &Path) -> Result<(), Box<dyn Error>> {
     let mut reader = reader(file)?;
-    let mut record = csv::StringRecord::new();
+    let mut record = csv::ByteRecord::new();
     let (mut rows, mut sum) = (0_u64, 0.0_f64);
-    while reader.read_record(&mut record)? {
+    while reader.read_byte_record(&mut record)? {
         rows += 1;
         for cell in record.iter().filter(|cell| !cell.is_empty()) {
-            sum += cell.parse::<f64>()?;
+            sum += str::from_utf8(cell)?.parse::<f64>()?;
         }
     }
     println!("{rows} rows, sum {sum}");

@@ -10,3 +10,4 @@ pub mod plots;
 pub mod replay;
 pub mod simulate;
 pub mod statistics;
+mod whole_file;

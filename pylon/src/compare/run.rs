@@ -10,7 +10,8 @@ use super::remedies::{Remedy, RemedyTally};
 use super::rules::RuleWishes;
 use super::traces::Traces;
 use super::warnings::input_warnings;
-use crate::replay::{AnyMission, Replay, ReplayError, mission};
+use crate::flight::Channel;
+use crate::replay::{AnyMission, CalibrationSource, Replay, ReplayError, mission};
 
 /// Progress is reported once in this many rows.
 const ROWS_PER_REPORT: u64 = 1 << 14;
@@ -103,6 +104,9 @@ const fn name(correction: &SecondCorrection) -> &'static str {
 
 /// Section 4's second corrections other than the one that flies, side by side over the same ticks.
 fn remedies(replay: &Replay<'_>) -> Result<Vec<Remedy>, ReplayError> {
+    if !has_launch(replay) {
+        return Ok(Vec::new());
+    }
     let flown = name(&replay.model().second_correction);
     let kalman = SecondCorrection::Kalman { wander_m_per_sqrt_s: SECOND_CORRECTION_WANDER_M_PER_SQRT_S };
     let mut runs = Vec::new();
@@ -119,4 +123,15 @@ fn remedies(replay: &Replay<'_>) -> Result<Vec<Remedy>, ReplayError> {
         }
     }
     Ok(runs.iter().map(|(name, _, tally)| tally.figures(name)).collect())
+}
+
+/// Whether anything is flown free: before launch every second correction does the same, which is nothing.
+fn has_launch(replay: &Replay<'_>) -> bool {
+    match replay.source() {
+        CalibrationSource::LaunchColumn => {
+            let launch = replay.flight().channel(Channel::Launch);
+            launch.is_some_and(|column| column.samples().any(|(_, value)| value != 0.0))
+        }
+        CalibrationSource::Given(_) | CalibrationSource::Quiet(_) => true,
+    }
 }

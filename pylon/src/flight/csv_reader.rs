@@ -2,7 +2,6 @@
 
 mod rows;
 
-use std::fs;
 use std::io::Cursor;
 use std::path::Path;
 
@@ -13,13 +12,15 @@ use super::error::{Problem, ReadError};
 use super::names::{self, Meaning};
 use super::note::Note;
 use super::{AltitudeDatum, Flight, Header};
+use crate::whole_file;
 
 /// Reads a flight from a CSV file, with notes on what was odd but readable.
 ///
 /// # Errors
 /// The first thing in the file that is not as [`crate::flight`] says, with file, row and column.
 pub fn read(path: &Path) -> Result<(Flight, Vec<Note>), ReadError> {
-    let text = fs::read(path).map_err(|error| ReadError::new(path, Problem::Io(error.to_string())))?;
+    let text =
+        whole_file::read(path).map_err(|error| ReadError::new(path, Problem::Io(error.to_string())))?;
     parse(&text).map_err(|problem| ReadError::new(path, problem))
 }
 

@@ -6,10 +6,10 @@
 mod error;
 pub mod igc;
 
-use std::fs;
 use std::path::Path;
 
 use crate::flight::{self, Flight, Note, Problem, ReadError};
+use crate::whole_file;
 
 pub use error::ImportError;
 
@@ -69,7 +69,7 @@ pub fn open(path: &Path) -> Result<(Flight, Vec<Note>), ReadError> {
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, ReadError> {
-    fs::read(path).map_err(|error| ReadError::new(path, Problem::Io(error.to_string())))
+    whole_file::read(path).map_err(|error| ReadError::new(path, Problem::Io(error.to_string())))
 }
 
 /// A flight's CSV begins with header lines; no log does.

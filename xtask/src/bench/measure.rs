@@ -6,6 +6,7 @@ use std::{env, io};
 
 use anyhow::{Context, bail};
 use nix::sys::resource::{UsageWho, getrusage};
+use nix::sys::time::TimeValLike as _;
 use serde::{Deserialize, Serialize};
 
 use crate::{child, workspace};
@@ -15,6 +16,8 @@ use crate::{child, workspace};
 pub struct Cost {
     /// Wall time from start to end, seconds.
     pub seconds: f64,
+    /// Time of all its threads on a core, seconds.
+    pub cpu_seconds: f64,
     /// Peak resident memory, bytes.
     pub peak_bytes: u64,
 }
@@ -41,10 +44,13 @@ pub fn print(command: &[String]) -> anyhow::Result<()> {
     if !status.success() {
         bail!("`{}` ended with {status}", command.join(" "));
     }
-    let peak = getrusage(UsageWho::RUSAGE_CHILDREN).map_err(io::Error::from)?.max_rss();
+    let usage = getrusage(UsageWho::RUSAGE_CHILDREN).map_err(io::Error::from)?;
+    let peak = usage.max_rss();
+    let busy = usage.user_time() + usage.system_time();
+    let cpu_seconds = busy.num_microseconds() as f64 * 1e-6;
     // Linux counts in KiB, macOS in bytes.
     let unit = if cfg!(target_os = "macos") { 1 } else { 1024 };
-    let cost = Cost { seconds, peak_bytes: u64::try_from(peak)? * unit };
+    let cost = Cost { seconds, cpu_seconds, peak_bytes: u64::try_from(peak)? * unit };
     println!("{}", serde_json::to_string(&cost)?);
     Ok(())
 }
