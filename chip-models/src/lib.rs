@@ -12,5 +12,6 @@
 #![forbid(unsafe_code)]
 
 pub mod bus;
+pub mod icm42688p;
 pub mod ms5611;
 pub mod source;

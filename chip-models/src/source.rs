@@ -30,3 +30,14 @@ pub struct Air {
     /// Temperature of the chip, degrees Celsius.
     pub temperature_c: f32,
 }
+
+/// What an inertial unit is subject to, in the chip's own axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// Specific force, m/s^2.
+    pub accel_mps2: [f32; 3],
+    /// Angular rate, rad/s.
+    pub gyro_radps: [f32; 3],
+    /// Temperature of the chip, degrees Celsius.
+    pub temperature_c: f32,
+}
