@@ -2,7 +2,7 @@
 //! byte, and what can go wrong with it.
 //!
 //! A model is fed with physical quantities by time ([`source::Source`]) and sits behind the same trait as
-//! the real chip: `embedded_hal::spi::SpiDevice` ([`bus::ChipOnBus`]). It shares no arithmetic with the drivers:
+//! the real chip: `embedded_hal::spi::SpiDevice` ([`bus::ChipOnBus`]), or a UART of `embedded_io` ([`ublox::ReceiverModel`]). It shares no arithmetic with the drivers:
 //! what they compute from the datasheet's formulas, the models invert from those formulas anew. Only
 //! integers and `f32`, no clock and no heap: the same bytes on the host and on the target.
 //!
@@ -15,3 +15,4 @@ pub mod bus;
 pub mod icm42688p;
 pub mod ms5611;
 pub mod source;
+pub mod ublox;

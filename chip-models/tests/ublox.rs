@@ -1,0 +1,279 @@
+//! The u-blox driver against the receiver's model.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use chip_models::source::Held;
+use chip_models::ublox::{ReceiverModel, Solution};
+use drivers::ublox::{ATTEMPTS, Config, Datum, MAX_POLL_BYTES, Ublox};
+use drivers::{SatelliteReceiver, SensorError};
+use kf_core::input::GpsFix;
+use proptest::prelude::*;
+
+const TICK_US: u64 = 5_000;
+const PERIOD_MS: u16 = 100;
+/// Ticks from one solution to the next.
+const PERIOD_TICKS: u32 = 20;
+const CONFIG: Config = Config { datum: Datum::MeanSeaLevel, period_ms: PERIOD_MS };
+const CRUISE: Solution = Solution {
+    ellipsoid_m: 3_047.123,
+    mean_sea_level_m: 3_000.456,
+    velocity_ned_mps: [61.5, -12.25, 0.125],
+    vertical_accuracy_m: 2.5,
+    satellites: 17,
+    fix_type: 3,
+};
+
+struct Bench {
+    driver: Ublox<ReceiverModel<Held<Solution>>>,
+    now_us: u64,
+}
+
+impl Bench {
+    fn new(generation: u8, config: Config, solution: Solution) -> Self {
+        Self {
+            driver: Ublox::new(ReceiverModel::new(generation, 115_200, Held(solution)), config),
+            now_us: 0,
+        }
+    }
+
+    /// Configured and delivering.
+    fn running(generation: u8) -> Self {
+        let mut bench = Self::new(generation, CONFIG, CRUISE);
+        for _ in 0..1_000 {
+            bench.poll().unwrap();
+        }
+        assert!(bench.driver.is_configured());
+        bench
+    }
+
+    fn model(&mut self) -> &mut ReceiverModel<Held<Solution>> {
+        self.driver.port_mut()
+    }
+
+    /// One tick: every poll keeps to its bytes, and the flight computer keeps up.
+    fn poll(&mut self) -> Result<Option<GpsFix>, SensorError> {
+        self.now_us += TICK_US;
+        let now_us = self.now_us;
+        self.model().set_time(now_us);
+        let before = self.driver.link_counts().bytes;
+        let outcome = self.driver.poll(now_us);
+        let taken = self.driver.link_counts().bytes - before;
+        assert!(taken as usize <= MAX_POLL_BYTES, "{taken} bytes in one poll");
+        assert_eq!(self.model().overrun_bytes, 0);
+        outcome
+    }
+
+    fn next(&mut self, ticks: u32) -> Result<GpsFix, SensorError> {
+        for _ in 0..ticks {
+            if let Some(fix) = self.poll()? {
+                return Ok(fix);
+            }
+        }
+        panic!("neither a fix nor an error in {ticks} ticks: {:?}", self.driver.link_counts())
+    }
+
+    fn next_error(&mut self, ticks: u32) -> SensorError {
+        (0..ticks).find_map(|_| self.poll().err()).unwrap()
+    }
+
+    /// Right fixes at the full rate again, after so many ticks.
+    fn assert_recovers(&mut self, ticks: u32) {
+        for _ in 0..ticks {
+            let _ = self.poll();
+        }
+        let fixes: Vec<_> = (0..10 * PERIOD_TICKS).filter_map(|_| self.poll().unwrap()).collect();
+        assert_eq!(fixes.len(), 10);
+        for pair in fixes.windows(2) {
+            assert_eq!(pair[1].fix_time_us.unwrap() - pair[0].fix_time_us.unwrap(), 100_000);
+            assert!((pair[1].altitude_m - CRUISE.mean_sea_level_m).abs() < 0.001);
+        }
+    }
+}
+
+#[test]
+fn a_solution_becomes_a_fix() {
+    for (datum, altitude_m) in [(Datum::MeanSeaLevel, 3_000.456), (Datum::Ellipsoid, 3_047.123)] {
+        let mut bench = Bench::new(9, Config { datum, ..CONFIG }, CRUISE);
+        let fix = bench.next(1_000).unwrap();
+        assert_eq!(
+            fix,
+            GpsFix {
+                altitude_m,
+                velocity_north_mps: Some(61.5),
+                velocity_east_mps: Some(-12.25),
+                velocity_down_mps: Some(0.125),
+                vertical_accuracy_m: Some(2.5),
+                satellites: Some(17),
+                fix_time_us: fix.fix_time_us,
+            }
+        );
+        // Time of week of the epoch, the latency before this tick and a line's delay.
+        let age_us = 200_000_000_000 + bench.now_us - fix.fix_time_us.unwrap();
+        assert!((50_000..=50_000 + 9_000 + TICK_US).contains(&age_us), "{age_us}");
+    }
+}
+
+proptest! {
+    /// What goes in comes out to the millimetre over any flight's range.
+    #[test]
+    fn what_goes_in_comes_out(
+        ellipsoid_m in -500f32..16_000.0,
+        velocity_ned_mps in prop::array::uniform3(-300f32..300.0),
+        vertical_accuracy_m in 0f32..1_000.0,
+    ) {
+        let solution = Solution { ellipsoid_m, velocity_ned_mps, vertical_accuracy_m, ..CRUISE };
+        let mut bench = Bench::new(9, Config { datum: Datum::Ellipsoid, ..CONFIG }, solution);
+        let fix = bench.next(1_000).unwrap();
+        // Half a millimetre, and f32's rounding on the way in and out.
+        let close = |found: f32, set: f32| (found - set).abs() <= 0.000_5 + set.abs() * 2.0 * f32::EPSILON;
+        prop_assert!(close(fix.altitude_m, ellipsoid_m), "{} {ellipsoid_m}", fix.altitude_m);
+        prop_assert!(close(fix.velocity_north_mps.unwrap(), velocity_ned_mps[0]));
+        prop_assert!(close(fix.velocity_east_mps.unwrap(), velocity_ned_mps[1]));
+        prop_assert!(close(fix.velocity_down_mps.unwrap(), velocity_ned_mps[2]));
+        prop_assert!(close(fix.vertical_accuracy_m.unwrap(), vertical_accuracy_m));
+    }
+
+    /// Any bytes, anywhere: no panic, and right fixes at the full rate when they end.
+    #[test]
+    fn garbage_is_left_behind(
+        garbage in prop::collection::vec(prop_oneof![any::<u8>(), Just(0xB5), Just(0x62)], 0..300),
+        after_ticks in 0u32..40,
+    ) {
+        let mut bench = Bench::running(9);
+        for _ in 0..after_ticks {
+            bench.poll().unwrap();
+        }
+        bench.model().inject(&garbage);
+        // What pretends to be a frame can hold back 256 bytes: not three solutions.
+        bench.assert_recovers(5 * PERIOD_TICKS);
+    }
+}
+
+#[test]
+fn both_generations_are_configured() {
+    for (generation, sent, refused) in [(9, 1, 0), (8, 4, 1)] {
+        let mut bench = Bench::running(generation);
+        let counts = bench.driver.link_counts();
+        // One or more went out before the receiver had booted.
+        assert_eq!((counts.refused, counts.sent - counts.timeouts), (refused, sent), "{generation}");
+        bench.assert_recovers(0);
+    }
+}
+
+#[test]
+fn a_lost_byte_costs_its_fix_and_no_more() {
+    for lost in [1, 3, 50, 99] {
+        let mut bench = Bench::running(9);
+        while bench.poll().unwrap().is_none() {}
+        bench.model().faults.lose_bytes = lost;
+        // Of a frame without its beginning nothing is left to find wrong.
+        let mut errors = (0..3 * PERIOD_TICKS).filter_map(|_| bench.poll().err());
+        assert!(errors.all(|error| error == SensorError::Check), "{lost}");
+        bench.assert_recovers(0);
+        let counts = bench.driver.link_counts();
+        assert_eq!(counts.frames, 1 + (bench.driver.health().samples), "{counts:?}");
+    }
+}
+
+#[test]
+fn a_frame_cut_short_is_counted_and_the_next_one_is_whole() {
+    let mut bench = Bench::running(9);
+    while bench.poll().unwrap().is_none() {}
+    // The head of a frame that announces 92 bytes, and nothing after it: the next frame is taken for its content.
+    bench.model().inject(&[0xB5, 0x62, 0x01, 0x07, 92, 0]);
+    bench.assert_recovers(0);
+    assert_eq!(bench.driver.link_counts().bad_frames, 1);
+}
+
+#[test]
+fn a_flipped_bit_is_an_error() {
+    for after in [6, 40, 91, 99] {
+        let mut bench = Bench::running(9);
+        while bench.poll().unwrap().is_none() {}
+        bench.model().faults.flip_bits = Some((after, 0x10));
+        assert_eq!(bench.next_error(3 * PERIOD_TICKS), SensorError::Check, "{after}");
+        bench.assert_recovers(2 * PERIOD_TICKS);
+    }
+}
+
+#[test]
+fn silence_is_stale_and_ends() {
+    let mut bench = Bench::running(9);
+    while bench.poll().unwrap().is_none() {}
+    bench.model().faults.unplugged = true;
+    let ticks = (1..).find(|_| bench.poll().is_err()).unwrap();
+    assert_eq!(bench.driver.health().last_error, Some(SensorError::Stale));
+    // Five periods, and at least a second.
+    assert_eq!(ticks, 201);
+    for _ in 0..2_000 {
+        let _ = bench.poll();
+    }
+    bench.model().faults.unplugged = false;
+    bench.assert_recovers(400);
+}
+
+#[test]
+fn a_reset_of_the_receiver_heals() {
+    let mut bench = Bench::running(8);
+    bench.model().power_dip();
+    assert_eq!(bench.next_error(300), SensorError::Stale);
+    bench.assert_recovers(400);
+    assert_eq!(bench.driver.health().initialisations, 2);
+}
+
+#[test]
+fn a_refusal_is_an_error() {
+    let mut bench = Bench::new(9, CONFIG, CRUISE);
+    bench.model().faults.refuses = true;
+    let errors: Vec<_> = (0..2_000).filter_map(|_| bench.poll().err()).collect();
+    assert!(errors.contains(&SensorError::NotAcknowledged), "{errors:?}");
+    bench.model().faults.refuses = false;
+    bench.assert_recovers(1_000);
+}
+
+#[test]
+fn a_missing_acknowledgement_is_an_error_after_three_attempts() {
+    let mut bench = Bench::new(9, CONFIG, CRUISE);
+    bench.model().faults.silent = true;
+    let mut errors = Vec::new();
+    let mut fixes = 0;
+    // Two rounds of three attempts of a second each.
+    for _ in 0..1_300 {
+        match bench.poll() {
+            Ok(fix) => fixes += u32::from(fix.is_some()),
+            Err(error) => errors.push(error),
+        }
+    }
+    assert_eq!(errors, [SensorError::Timeout; 2]);
+    assert_eq!(bench.driver.link_counts().timeouts, 2 * u32::from(ATTEMPTS));
+    // It obeyed all the same: its fixes are taken.
+    assert!(fixes > 40, "{fixes}");
+    bench.model().faults.silent = false;
+    bench.assert_recovers(400);
+    assert!(bench.driver.is_configured());
+}
+
+#[test]
+fn a_solution_that_is_no_fix_is_counted() {
+    let mut bench = Bench::running(9);
+    for fix_type in [0, 1, 2, 5] {
+        while bench.poll().unwrap().is_none() {}
+        bench.model().solutions.0.fix_type = fix_type;
+        let before = bench.driver.link_counts().no_fix;
+        for _ in 0..10 * PERIOD_TICKS {
+            assert_eq!(bench.poll(), Ok(None), "{fix_type}");
+        }
+        assert_eq!(bench.driver.link_counts().no_fix - before, 10);
+        bench.model().solutions.0.fix_type = 3;
+    }
+    bench.assert_recovers(0);
+}
+
+#[test]
+fn the_week_ends_and_time_goes_on() {
+    let mut bench = Bench::new(9, CONFIG, CRUISE);
+    bench.model().time_of_week_ms = 604_800_000 - 3_000;
+    bench.next(1_000).unwrap();
+    bench.assert_recovers(0);
+    bench.assert_recovers(600);
+    assert!(bench.next(PERIOD_TICKS).unwrap().fix_time_us.unwrap() > 604_800_000_000);
+}

@@ -1,0 +1,171 @@
+//! The messages that configure the receiver (u-blox F9 HPG interface description UBX-22008968, section 3.10; for
+//! generation 8: receiver description UBX-13003221, section 32.10).
+//!
+//! They are written out here, and the tests hold them against the `ublox` crate's builders: those carry every
+//! key of every receiver, and scale in double precision, which the flight computer does not have.
+
+use heapless::Vec;
+
+/// Longest frame that is sent.
+pub(super) const FRAME_BYTES: usize = 44;
+/// A frame to send.
+pub(super) type Frame = Vec<u8, FRAME_BYTES>;
+
+/// NAVSPG-DYNMODEL, CFG-NAV5: airborne, below 4 g.
+const AIRBORNE_4G: u8 = 8;
+
+/// A generation of receivers, by the way that it is configured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Generation {
+    /// Generation 9 and later: CFG-VALSET.
+    Keys,
+    /// Generation 8 and earlier: one message a subject.
+    Messages,
+}
+
+impl Generation {
+    pub(super) const fn other(self) -> Self {
+        match self {
+            Self::Keys => Self::Messages,
+            Self::Messages => Self::Keys,
+        }
+    }
+}
+
+/// Class and identity of the message at a place in a generation's sequence, and its frame; `None` after the last.
+pub(super) fn message(generation: Generation, place: u8, period_ms: u16) -> Option<(u8, u8, Frame)> {
+    let [low, high] = period_ms.to_le_bytes();
+    let (id, payload): (u8, &[u8]) = match (generation, place) {
+        (Generation::Keys, 0) => (
+            0x8A,
+            // Version 0, layer RAM: what the aircraft sets does not outlive its power.
+            &[
+                0,
+                0x01,
+                0,
+                0, //
+                0x01,
+                0x00,
+                0x74,
+                0x10,
+                1, // CFG-UART1OUTPROT-UBX
+                0x02,
+                0x00,
+                0x74,
+                0x10,
+                0, // CFG-UART1OUTPROT-NMEA
+                0x01,
+                0x00,
+                0x21,
+                0x30,
+                low,
+                high, // CFG-RATE-MEAS, ms
+                0x02,
+                0x00,
+                0x21,
+                0x30,
+                1,
+                0, // CFG-RATE-NAV, a solution each measurement
+                0x21,
+                0x00,
+                0x11,
+                0x20,
+                AIRBORNE_4G, // CFG-NAVSPG-DYNMODEL
+                0x07,
+                0x00,
+                0x91,
+                0x20,
+                1, // CFG-MSGOUT-UBX_NAV_PVT_UART1
+            ],
+        ),
+        // CFG-RATE: period, a solution each measurement, aligned to GPS time.
+        (Generation::Messages, 0) => (0x08, &[low, high, 1, 0, 1, 0]),
+        (Generation::Messages, 1) => {
+            // CFG-NAV5: mask "dynamic model", and the model; the rest is not looked at.
+            const NAV5: [u8; 36] = {
+                let mut payload = [0; 36];
+                payload[0] = 1;
+                payload[2] = AIRBORNE_4G;
+                payload
+            };
+            (0x24, &NAV5)
+        }
+        // CFG-MSG: NAV-PVT with every solution, on the port that asks.
+        (Generation::Messages, 2) => (0x01, &[0x01, 0x07, 1]),
+        _ => return None,
+    };
+    frame(0x06, id, payload).map(|frame| (0x06, id, frame))
+}
+
+/// A UBX frame (section 3.2); `None` if it is longer than any that is sent.
+fn frame(class: u8, id: u8, payload: &[u8]) -> Option<Frame> {
+    let mut frame = Frame::new();
+    let length = u16::try_from(payload.len()).ok()?.to_le_bytes();
+    frame.extend_from_slice(&[0xB5, 0x62, class, id, length[0], length[1]]).ok()?;
+    frame.extend_from_slice(payload).ok()?;
+    let (mut a, mut b) = (0u8, 0u8);
+    for &byte in frame.iter().skip(2) {
+        a = a.wrapping_add(byte);
+        b = b.wrapping_add(a);
+    }
+    frame.extend_from_slice(&[a, b]).ok()?;
+    Some(frame)
+}
+
+#[cfg(test)]
+mod tests {
+    use ublox::cfg_msg::CfgMsgSinglePortBuilder;
+    use ublox::cfg_nav5::{CfgNav5Builder, CfgNav5Params, NavDynamicModel};
+    use ublox::cfg_rate::{AlignmentToReferenceTime, CfgRateBuilder};
+    use ublox::cfg_val::CfgVal;
+    use ublox::nav_pvt::proto27::NavPvt;
+
+    use super::*;
+
+    fn ours(generation: Generation, place: u8) -> Frame {
+        message(generation, place, 100).unwrap().2
+    }
+
+    #[test]
+    fn frames_are_those_of_the_crate() {
+        let mut keys = Vec::<u8, 64>::new();
+        ublox::packets::cfg_val::CfgValSetBuilder {
+            version: 0,
+            layers: ublox::packets::cfg_val::CfgLayerSet::RAM,
+            reserved1: 0,
+            cfg_data: &[
+                CfgVal::Uart1OutProtUbx(true),
+                CfgVal::Uart1OutProtNmea(false),
+                CfgVal::RateMeas(100),
+                CfgVal::RateNav(1),
+                CfgVal::NavSpgDynModel(NavDynamicModel::AirborneWithLess4gAcceleration),
+                CfgVal::MsgOutUbxNavPvtUart1(1),
+            ],
+        }
+        .extend_to(&mut keys);
+        assert_eq!(ours(Generation::Keys, 0), keys);
+        let rate =
+            CfgRateBuilder { measure_rate_ms: 100, nav_rate: 1, time_ref: AlignmentToReferenceTime::Gps };
+        assert_eq!(ours(Generation::Messages, 0), rate.into_packet_bytes());
+        let model = CfgNav5Builder {
+            mask: CfgNav5Params::DYN,
+            dyn_model: NavDynamicModel::AirborneWithLess4gAcceleration,
+            ..CfgNav5Builder::default()
+        }
+        .into_packet_bytes();
+        // The crate's default fix mode is not zero; the mask says that nobody looks at it.
+        let masked = ours(Generation::Messages, 1);
+        assert_eq!(masked[..9], model[..9]);
+        assert_eq!(masked.len(), model.len());
+        let message = CfgMsgSinglePortBuilder::set_rate_for::<NavPvt>(1);
+        assert_eq!(ours(Generation::Messages, 2), message.into_packet_bytes());
+    }
+
+    #[test]
+    fn every_message_fits_its_frame() {
+        for (generation, messages) in [(Generation::Keys, 1), (Generation::Messages, 3)] {
+            let found = (0..9).take_while(|&place| message(generation, place, 200).is_some()).count();
+            assert_eq!(found, messages, "{generation:?}");
+        }
+    }
+}
