@@ -9,7 +9,7 @@ use serde::de::DeserializeOwned;
 /// First bytes of a header's payload.
 pub const MAGIC: [u8; 4] = *b"PYFR";
 /// Version of this format; a reader refuses any other.
-pub const FORMAT_VERSION: u16 = 1;
+pub const FORMAT_VERSION: u16 = 2;
 
 /// Kind of a payload: the first byte of its frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -68,6 +68,7 @@ fn longest_tick() -> TickRecord {
         gps_signed_nis: Some(f32::MAX),
         gps_rejection: Some(Rejection::Variance),
         sensors: [sensor; 3],
+        extrapolated: u16::MAX,
         coefficients: HeaplessVec::from_slice(&[coefficient; MAX_ESTIMATED_EFFECTS]).unwrap(),
     };
     TickRecord { cost: u32::MAX, output }

@@ -45,11 +45,16 @@ fn bits<const E: usize>(config: &MissionConfig<E>) -> (Vec<u32>, String) {
         floats.extend([sensor.prior_sigma_m, sensor.wander_m_per_sqrt_s]);
     }
     let effects: Vec<&EffectTerm> = config.estimated_effects.iter().chain(&config.constant_effects).collect();
-    floats.extend(effects.iter().flat_map(|effect| [effect.coefficient, effect.sigma]));
+    floats.push(config.latitude_deg);
+    floats.extend(effects.iter().flat_map(|effect| {
+        let [least, largest] = effect.envelope_m.unwrap_or([f32::NAN; 2]);
+        [effect.coefficient, effect.sigma, effect.regressor.time_constant_s, least, largest]
+    }));
     if let SecondCorrection::Kalman { wander_m_per_sqrt_s } = config.second_correction {
         floats.push(wander_m_per_sqrt_s);
     }
-    let names: Vec<_> = effects.iter().map(|effect| effect.id.name()).collect();
+    let names: Vec<_> =
+        effects.iter().map(|effect| (effect.id().name(), effect.regressor.since.name())).collect();
     let rest = format!(
         "{:?} {:?} {} {names:?}",
         config.monitor.sigma, config.second_correction, quality.minimum_satellites

@@ -235,7 +235,7 @@ fn what_is_no_record_is_refused_with_a_status_of_its_own() {
     let mut header = |header: Header| Encoder::new().encode(&header, &mut buffer).unwrap().to_vec();
     let fingerprint = model().fingerprint().unwrap();
     assert_eq!(refused(&header(Header::new(Stream::Outputs, fingerprint))), Some(ExitStatus::NoHeader));
-    let later = Header { version: 2, ..Header::new(Stream::Inputs, fingerprint) };
+    let later = Header { version: u16::MAX, ..Header::new(Stream::Inputs, fingerprint) };
     assert_eq!(refused(&header(later)), Some(ExitStatus::NoHeader));
     let other = Header::new(Stream::Inputs, fingerprint ^ 1);
     assert_eq!(refused(&header(other)), Some(ExitStatus::OtherModel));

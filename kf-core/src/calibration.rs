@@ -2,10 +2,10 @@
 
 use crate::block_statistics::{BlockStatistics, Trend};
 use crate::config::{MissionConfig, SigmaSource};
+use crate::effect::EffectSubject;
 use crate::error::FilterError;
 use crate::estimator::{ConfigError, Estimator, MeasurementNoise};
 use crate::gauss_markov::{drift_variance_factor, mean_variance_factor};
-use crate::input::GpsFix;
 use crate::latch::{LatchRecord, SensorLatch, collected};
 use crate::quality::{Check, FailedChecks};
 use crate::reference::{AcceptedFix, ReferenceTracker};
@@ -143,7 +143,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         &mut self,
         config: &MissionConfig<E>,
         time_us: u64,
-        fix: Option<(&GpsFix, AcceptedFix)>,
+        fix: Option<AcceptedFix>,
         tracker: &ReferenceTracker,
         readings_m: &[Option<f32>; SENSORS],
         regressors_m: &[f32; E],
@@ -161,11 +161,11 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
             return step;
         }
         // The first fix that is used has none before it, whatever the settling time has seen.
-        let fix = fix.map(|(fix, accepted)| match self.has_fix {
-            true => (fix, accepted),
-            false => (fix, AcceptedFix { interval_s: None, ..accepted }),
+        let fix = fix.map(|fix| match self.has_fix {
+            true => fix,
+            false => AcceptedFix { interval_s: None, ..fix },
         });
-        if let Some((fix, accepted)) = fix {
+        if let Some(fix) = fix {
             if !self.has_altitude {
                 self.has_altitude = true;
                 // The configuration has already made an estimator once; a finite altitude can not
@@ -175,29 +175,29 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
                 }
             }
             self.altitude.add(time_us, fix.altitude_m);
-            if let Some(difference_m) = accepted.altitude_minus_climb_m {
+            if let Some(difference_m) = fix.altitude_minus_climb_m {
                 self.reference_drift.add(time_us, difference_m);
             }
         }
         if !self.has_altitude {
             return step;
         }
-        let was_lost = self.has_fix && fix.is_some_and(|(_, accepted)| accepted.interval_s.is_none());
+        let was_lost = self.has_fix && fix.is_some_and(|fix| fix.interval_s.is_none());
         self.has_fix |= fix.is_some();
         if self.propagate(config, time_us, tracker, was_lost).is_err() {
             step.reference = Some(Err(FilterError::NotFinite));
             return step;
         }
-        if let (Some((fix, accepted)), &[Some(master), Some(slave), Some(baro)]) = (fix, readings_m) {
+        if let (Some(fix), &[Some(master), Some(slave), Some(baro)]) = (fix, readings_m) {
             let readings_m = [master, slave, baro];
-            if let Some(step) = self.take_together(config, time_us, fix, accepted, &readings_m, regressors_m)
-            {
+            if let Some(step) = self.take_together(config, time_us, fix, &readings_m, regressors_m) {
                 return step;
             }
         }
-        if let Some((fix, accepted)) = fix {
-            let noise = self.reference_noise.equivalent(accepted.interval_s);
-            let result = self.estimator.update_reference(fix.altitude_m, noise);
+        if let Some(fix) = fix {
+            let noise = self.reference_noise.equivalent(fix.interval_s);
+            let own_m = own_regressors(config, EffectSubject::Gps, regressors_m);
+            let result = self.estimator.update_reference(fix.altitude_m, &own_m, noise);
             let surprise = result.map(|innovation| self.reference_noise.surprise(innovation, noise));
             self.judge(surprise);
             step.reference = Some(surprise);
@@ -218,17 +218,18 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         &mut self,
         config: &MissionConfig<E>,
         time_us: u64,
-        fix: &GpsFix,
-        accepted: AcceptedFix,
+        fix: AcceptedFix,
         readings_m: &[f32; SENSORS],
         regressors_m: &[f32; E],
     ) -> Option<CaptiveStep> {
-        let reference_noise = self.reference_noise.equivalent(accepted.interval_s);
+        let reference_noise = self.reference_noise.equivalent(fix.interval_s);
         let noise = core::array::from_fn(|i| self.noise_now(i, time_us));
-        let own_m = Sensor::ALL.map(|sensor| own_regressors(config, sensor, regressors_m));
+        let reference_m = own_regressors(config, EffectSubject::Gps, regressors_m);
+        let own_m =
+            Sensor::ALL.map(|sensor| own_regressors(config, EffectSubject::Sensor(sensor), regressors_m));
         let (reference, sensors) = self
             .estimator
-            .update_together(fix.altitude_m, reference_noise, readings_m, &own_m, &noise)
+            .update_together(fix.altitude_m, &reference_m, reference_noise, readings_m, &own_m, &noise)
             .ok()?;
         self.last_reading_us = [Some(time_us); SENSORS];
         let reference = Ok(self.reference_noise.surprise(reference, reference_noise));
@@ -291,7 +292,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
     ) -> Option<Result<Surprise, FilterError>> {
         let reading_m = readings_m[SENSOR]?;
         let noise = self.noise_now(SENSOR, time_us);
-        let own_m = own_regressors(config, Sensor::ALL[SENSOR], regressors_m);
+        let own_m = own_regressors(config, EffectSubject::Sensor(Sensor::ALL[SENSOR]), regressors_m);
         let result = self.estimator.update_sensor::<SENSOR>(reading_m, &own_m, noise);
         let surprise = result.map(|innovation| self.sensor_noise[SENSOR].surprise(innovation, noise));
         if surprise.is_ok() {
@@ -426,16 +427,16 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
     }
 }
 
-/// The regressors of the effects that act on one sensor; zero for the others.
+/// The regressors of the effects that act on one sensor, or on the reference; zero for the others.
 #[inline(always)]
-fn own_regressors<const E: usize>(
+pub(crate) fn own_regressors<const E: usize>(
     config: &MissionConfig<E>,
-    sensor: Sensor,
+    subject: EffectSubject,
     regressors_m: &[f32; E],
 ) -> [f32; E] {
     let mut own_m = *regressors_m;
     for (regressor_m, effect) in own_m.iter_mut().zip(&config.estimated_effects) {
-        if effect.id.sensor() != sensor {
+        if effect.id().subject() != subject {
             *regressor_m = 0.0;
         }
     }

@@ -121,6 +121,8 @@ pub struct MissionConfig<const E: usize> {
     pub settling_s: f32,
     /// The reference.
     pub reference: ReferenceConfig,
+    /// Where the flight is, degrees of latitude, north positive; only `imu.eotvos` needs it.
+    pub latitude_deg: f32,
     /// The sensors, in the order of [`crate::sensor::Sensor`].
     pub sensors: [SensorConfig; SENSORS],
     /// The monitor.

@@ -6,7 +6,6 @@
 //! altitude in units of [`UNIT_M`], coefficients in units that make them of the same order.
 
 use crate::config::MissionConfig;
-use crate::effect::EffectTerm;
 use crate::error::FilterError;
 use crate::sensor::{SENSORS, Sensor};
 use crate::ud::{Innovation, NoiseVariance, Row, UdFilter};
@@ -60,7 +59,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimator<HEAD, TAIL,
             *state = (sensor.prior_bias_m / UNIT_M, square(sensor.prior_sigma_m / UNIT_M));
         }
         let coefficient_unit =
-            config.estimated_effects.map(|effect| UNIT_M / effect.id.typical_regressor_m());
+            config.estimated_effects.map(|effect| UNIT_M / effect.id().typical_regressor_m());
         let mut head = [0.0; HEAD];
         let mut head_variance = [0.0; HEAD];
         let mut tail = [0.0; TAIL];
@@ -96,7 +95,10 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimator<HEAD, TAIL,
         sensor
     }
 
-    /// Takes a fix of the reference: `y = h + v`.
+    /// Takes a fix of the reference: `y = h + sum_j theta_j phi_j + v`.
+    ///
+    /// `regressors_m` are the phi of the effects on the reference, metres per unit of coefficient; zero for
+    /// any other.
     ///
     /// # Errors
     /// [`FilterError::NotFinite`]; the state is then unchanged.
@@ -104,9 +106,15 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimator<HEAD, TAIL,
     pub fn update_reference(
         &mut self,
         altitude_m: f32,
+        regressors_m: &[f32; E],
         noise: MeasurementNoise,
     ) -> Result<Innovation, FilterError> {
-        self.filter.update(&Self::reference_row(), self.scaled(altitude_m), noise.0)
+        let altitude = self.scaled(altitude_m);
+        if has_any(regressors_m) {
+            let row = self.affected_reference_row(regressors_m);
+            return self.filter.update(&row, altitude, noise.0);
+        }
+        self.filter.update(&Self::reference_row(), altitude, noise.0)
     }
 
     /// Takes a reading of sensor number `SENSOR`: `y = h + b + sum_j theta_j phi_j + v`.
@@ -131,7 +139,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimator<HEAD, TAIL,
     /// [`Self::update_reference`], each [`Self::update_sensor`] and [`Self::fold`] do, but all or
     /// nothing, which lets the state stay in registers.
     ///
-    /// `regressors_m[sensor][effect]` as for [`Self::update_sensor`].
+    /// `reference_regressors_m[effect]` as for [`Self::update_reference`], `regressors_m[sensor][effect]` as
+    /// for [`Self::update_sensor`].
     ///
     /// # Errors
     /// As [`Self::update_reference`]; nothing of the tick has then been taken.
@@ -139,6 +148,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimator<HEAD, TAIL,
     pub fn update_together(
         &mut self,
         altitude_m: f32,
+        reference_regressors_m: &[f32; E],
         altitude_noise: MeasurementNoise,
         readings_m: &[f32; SENSORS],
         regressors_m: &[[f32; E]; SENSORS],
@@ -146,8 +156,13 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimator<HEAD, TAIL,
     ) -> Result<(Innovation, [Innovation; SENSORS]), FilterError> {
         let mut filter = self.filter.clone();
         let scaled = readings_m.map(|reading_m| self.scaled(reading_m));
-        let reference =
-            filter.take::<false>(&Self::reference_row(), self.scaled(altitude_m), altitude_noise.0)?;
+        let altitude = self.scaled(altitude_m);
+        let reference = if has_any(reference_regressors_m) {
+            let row = self.affected_reference_row(reference_regressors_m);
+            filter.take::<false>(&row, altitude, altitude_noise.0)?
+        } else {
+            filter.take::<false>(&Self::reference_row(), altitude, altitude_noise.0)?
+        };
         let sensors = [
             filter.take::<false>(&self.sensor_row::<0>(&regressors_m[0]), scaled[0], noise[0].0)?,
             filter.take::<false>(&self.sensor_row::<1>(&regressors_m[1]), scaled[1], noise[1].0)?,
@@ -167,6 +182,17 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimator<HEAD, TAIL,
         let mut tail = [0.0; TAIL];
         tail[Self::ALTITUDE] = 1.0;
         Row { head: None, tail, first: Self::ALTITUDE }
+    }
+
+    /// The reference's row with effects on it. Apart from [`Self::reference_row`], whose zeros the filter
+    /// skips.
+    fn affected_reference_row(&self, regressors_m: &[f32; E]) -> Row<TAIL> {
+        let mut tail = [0.0; TAIL];
+        for (j, (regressor_m, unit)) in regressors_m.iter().zip(&self.coefficient_unit).enumerate() {
+            set(&mut tail, Self::coefficient_index(j), regressor_m * unit * (1.0 / UNIT_M));
+        }
+        set(&mut tail, Self::ALTITUDE, 1.0);
+        Row { head: None, tail, first: Self::coefficient_index(0) }
     }
 
     #[inline(always)]
@@ -310,17 +336,10 @@ impl MeasurementNoise {
     }
 }
 
-/// Sum of the constant effects on a sensor is taken off its reading before the filter sees it.
-pub(crate) fn constant_correction_m(
-    effects: &[EffectTerm],
-    sensor: Sensor,
-    mut regressor_m: impl FnMut(&EffectTerm) -> f32,
-) -> f32 {
-    effects
-        .iter()
-        .filter(|effect| effect.id.sensor() == sensor)
-        .map(|effect| effect.coefficient * regressor_m(effect))
-        .sum()
+/// Whether any regressor is not zero.
+#[inline(always)]
+fn has_any<const E: usize>(regressors_m: &[f32; E]) -> bool {
+    E > 0 && regressors_m.iter().any(|regressor_m| *regressor_m != 0.0)
 }
 
 const fn square(x: f32) -> f32 {

@@ -34,4 +34,5 @@ pub mod reading;
 pub mod reference;
 pub mod sensor;
 pub mod time;
+pub mod trigonometry;
 pub mod ud;

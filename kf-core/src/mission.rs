@@ -1,19 +1,21 @@
 //! One mission, tick by tick: settling, calibration, latch, watch.
 
 use crate::atmosphere::pressure_altitude_m;
-use crate::calibration::{Calibration, CaptiveStep, Surprise};
+use crate::calibration::{Calibration, CaptiveStep, Surprise, own_regressors};
 use crate::config::{MAX_ESTIMATED_EFFECTS, MissionConfig};
-use crate::effect::SignalHolder;
+use crate::effect::{EffectSubject, SignalTracker};
 use crate::error::FilterError;
-use crate::estimator::{ConfigError, constant_correction_m};
+use crate::estimator::ConfigError;
 use crate::free_flight::FreeFlight;
-use crate::input::{BaroReading, GpsFix, TickInput};
+use crate::input::{BaroReading, TickInput};
 use crate::latch::{LatchRecord, collected};
 use crate::output::{CoefficientOutput, Phase, Rejection, SensorOutput, TickOutput, Trust};
 use crate::reading::StuckDetector;
-use crate::reference::{AcceptedFix, ReferenceTracker};
+use crate::reference::ReferenceTracker;
 use crate::sensor::{SENSORS, Sensor};
 use crate::time::microseconds;
+
+use effects::EffectUse;
 
 /// How often a source's readings were used or not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -58,6 +60,9 @@ pub struct Counters {
     pub signals_not_finite: u32,
     /// Readings taken without an effect that the model has, because its signal was not there.
     pub effects_without_signal: u32,
+    /// Readings and fixes that were corrected by an effect outside of the regressor's range in which its
+    /// coefficient was learned.
+    pub effects_extrapolated: u32,
     /// Times that the launch discrete fell back or rose again after launch.
     pub launch_repeats: u32,
 }
@@ -72,7 +77,9 @@ pub struct Mission<const HEAD: usize, const TAIL: usize, const E: usize> {
     last_us: u64,
     launch_was: bool,
     tracker: ReferenceTracker,
-    signals: SignalHolder,
+    signals: SignalTracker,
+    /// Regressors of the estimated effects on the reference, at the last fix.
+    fix_regressors_m: [f32; E],
     stuck: [StuckDetector; SENSORS],
     last_accepted_us: [Option<u64>; SENSORS],
     calibration: Calibration<HEAD, TAIL, E>,
@@ -91,13 +98,16 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             return Err(ConfigError::Shape);
         }
         check(config)?;
+        let effects = config.estimated_effects.iter().chain(&config.constant_effects);
         Ok(Self {
             phase: Phase::Settling,
             first_us: None,
             last_us: 0,
             launch_was: false,
             tracker: ReferenceTracker::new(&config.reference),
-            signals: SignalHolder::default(),
+            signals: SignalTracker::for_effects(effects.map(|effect| effect.id()))
+                .at_latitude_deg(config.latitude_deg),
+            fix_regressors_m: [0.0; E],
             stuck: core::array::from_fn(|_| StuckDetector::default()),
             last_accepted_us: [None; SENSORS],
             calibration: Calibration::new(config)?,
@@ -139,17 +149,25 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             && time_us.saturating_sub(first_us) >= microseconds(self.config.settling_s)
         {
             self.phase = Phase::Calibrating;
+            self.signals.begin_calibration();
         }
 
-        self.signals.take(&input.signals);
+        let (accepted, gps_rejection) = match input.gps.map(|fix| self.tracker.take(time_us, &fix)) {
+            None => (None, None),
+            Some(Ok(accepted)) => (Some(accepted), None),
+            Some(Err(rejection)) => (None, Some(rejection)),
+        };
+        self.signals.take(input, input.gps.as_ref().filter(|_| accepted.is_some()));
         self.counters.signals_not_finite = self.signals.refused();
-        let (accepted, gps_rejection) = self.take_fix(time_us, input.gps.as_ref());
-        let reference_m = self.tracker.altitude_m(time_us);
-        let regressors_m = self.regressors();
-        let (readings_m, mut rejections) = self.take_readings(time_us, input, reference_m);
+        let mut use_of_effects = EffectUse::new(self.regressors());
+        let regressors_m = use_of_effects.regressors_m();
+        let fix = accepted.map(|accepted| self.correct_fix(accepted, &mut use_of_effects));
+        let reference_m = self.reference_m(time_us);
+        let (readings_m, mut rejections) =
+            self.take_readings(time_us, input, reference_m, &mut use_of_effects);
+        self.count_effects(&use_of_effects);
 
         let step = if self.phase == Phase::Calibrating {
-            let fix = input.gps.as_ref().zip(accepted);
             let step =
                 self.calibration.step(&self.config, time_us, fix, &self.tracker, &readings_m, &regressors_m);
             let is_new = input.signals.true_airspeed_mps.is_some() || input.gps.is_some();
@@ -163,6 +181,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
 
         let mut output = self.output(time_us);
         output.latched_now = latched_now;
+        output.extrapolated = use_of_effects.extrapolated();
         let reference = split(step.reference);
         output.gps_rejection = gps_rejection.or(reference.1);
         output.gps_innovation_m = reference.0.map(|surprise| surprise.innovation_m);
@@ -170,7 +189,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         if input.gps.is_some() {
             self.counters.gps.count(output.gps_rejection);
         }
-        let coefficients = self.calibration.estimator().coefficients();
+        // Once more: the coefficients on the reference may just have moved.
+        let reference_m = if E == 0 { reference_m } else { self.reference_m(time_us) };
         for sensor in Sensor::ALL {
             let i = sensor.index();
             let (surprise, refused) = split(step.sensors[i]);
@@ -183,7 +203,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             out.innovation_m = surprise.map(|surprise| surprise.innovation_m);
             out.signed_nis = surprise.map(|surprise| surprise.signed_nis);
             if let (Some(reading_m), Some(reference_m), None) = (readings_m[i], reference_m, refused) {
-                let effects_m = effect_sum(&self.config, sensor, &coefficients, &regressors_m);
+                let own_m = own_regressors(&self.config, EffectSubject::Sensor(sensor), &regressors_m);
+                let effects_m = self.estimated_m(&own_m);
                 let residual_m = reading_m - effects_m - reference_m;
                 self.watch(sensor, time_us, residual_m, out);
             }
@@ -235,23 +256,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         self.free_flight = Some(FreeFlight::new(&self.config, &latch));
         self.latch = Some(latch);
         self.phase = Phase::FreeFlight;
+        self.signals.begin_free_flight(time_us);
         true
-    }
-
-    fn take_fix(&mut self, time_us: u64, fix: Option<&GpsFix>) -> (Option<AcceptedFix>, Option<Rejection>) {
-        let Some(fix) = fix else { return (None, None) };
-        match self.tracker.take(time_us, fix) {
-            Ok(accepted) => {
-                self.signals.take_fix(fix);
-                (Some(accepted), None)
-            }
-            Err(rejection) => (None, Some(rejection)),
-        }
-    }
-
-    /// Regressors of the estimated effects, metres per unit; zero where a signal is missing.
-    fn regressors(&self) -> [f32; E] {
-        self.config.estimated_effects.map(|effect| self.signals.regressor_m(effect.id).unwrap_or(0.0))
     }
 
     /// The readings that are measurements, free of constant effects, and why the others are not.
@@ -260,6 +266,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         time_us: u64,
         input: &TickInput,
         reference_m: Option<f32>,
+        use_of_effects: &mut EffectUse<E>,
     ) -> ([Option<f32>; SENSORS], [Option<Rejection>; SENSORS]) {
         let baro_m = input.baro.map(|reading| match reading {
             BaroReading::PressurePa(pressure_pa) => pressure_altitude_m(pressure_pa).unwrap_or(f32::NAN),
@@ -281,19 +288,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
                 rejections[i] = Some(Rejection::Stuck);
                 continue;
             }
-            let missing = &mut self.counters.effects_without_signal;
-            let signals = &self.signals;
-            let correction_m = constant_correction_m(&self.config.constant_effects, sensor, |effect| {
-                signals.regressor_m(effect.id).unwrap_or_else(|| {
-                    *missing = missing.saturating_add(1);
-                    0.0
-                })
-            });
-            for effect in &self.config.estimated_effects {
-                if effect.id.sensor() == sensor && signals.regressor_m(effect.id).is_none() {
-                    *missing = missing.saturating_add(1);
-                }
-            }
+            let correction_m = self.correction_m(EffectSubject::Sensor(sensor), use_of_effects);
             self.last_accepted_us[i] = Some(time_us);
             readings_m[i] = Some(raw_m - correction_m);
         }
@@ -356,20 +351,10 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             gps_signed_nis: None,
             gps_rejection: None,
             sensors,
+            extrapolated: 0,
             coefficients,
         }
     }
-}
-
-/// Sum of the estimated effects on one sensor, metres.
-fn effect_sum<const E: usize>(
-    config: &MissionConfig<E>,
-    sensor: Sensor,
-    coefficients: &[f32; E],
-    regressors_m: &[f32; E],
-) -> f32 {
-    let terms = config.estimated_effects.iter().zip(coefficients).zip(regressors_m);
-    terms.filter(|((effect, _), _)| effect.id.sensor() == sensor).map(|((_, c), phi)| c * phi).sum()
 }
 
 fn split(result: Option<Result<Surprise, FilterError>>) -> (Option<Surprise>, Option<Rejection>) {
@@ -398,9 +383,16 @@ fn check<const E: usize>(config: &MissionConfig<E>) -> Result<(), ConfigError> {
         && positive(monitor.window_s)
         && correction_is_valid
         && config.sensors.iter().all(|sensor| not_negative(sensor.wander_m_per_sqrt_s))
-        && effects.into_iter().all(|effect| effect.coefficient.is_finite() && not_negative(effect.sigma));
+        && (-90.0..=90.0).contains(&config.latitude_deg)
+        && effects.into_iter().all(|effect| {
+            effect.coefficient.is_finite()
+                && not_negative(effect.sigma)
+                && (!effect.id().has_time_constant() || positive(effect.regressor.time_constant_s))
+                && effect.envelope_m.is_none_or(|[least, largest]| least <= largest)
+        });
     if is_valid { Ok(()) } else { Err(ConfigError::OutOfRange) }
 }
 
+mod effects;
 #[cfg(test)]
 mod tests;

@@ -113,6 +113,10 @@ pub struct TickOutput {
     pub gps_rejection: Option<Rejection>,
     /// The sensors, in the order of [`crate::sensor::Sensor`].
     pub sensors: [SensorOutput; SENSORS],
+    /// Effects that a reading or fix of this tick was corrected by outside of
+    /// [`crate::effect::EffectTerm::envelope_m`]: the estimated ones from bit 0 on, in the model's order, the
+    /// constant ones from bit [`MAX_ESTIMATED_EFFECTS`] on.
+    pub extrapolated: u16,
     /// The estimated coefficients, in the model's order.
     pub coefficients: heapless::Vec<CoefficientOutput, MAX_ESTIMATED_EFFECTS>,
 }

@@ -9,6 +9,9 @@ use crate::time::seconds_between;
 /// A fix that is a measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AcceptedFix {
+    /// Altitude, metres, free of the reference's constant effects once [`ReferenceTracker::correct`] was told
+    /// of them.
+    pub altitude_m: f32,
     /// Seconds since the last one; `None` for the first, and for the first after a loss.
     pub interval_s: Option<f32>,
     /// Altitude minus the climb rate's integral since the first fix, metres: its drift is the
@@ -22,6 +25,8 @@ pub struct ReferenceTracker {
     lost_after_us: u64,
     carries_climb: bool,
     last: Option<(u64, GpsFix)>,
+    /// What is taken off the last fix's altitude, metres.
+    correction_m: f32,
     /// Integral of the climb rate since the first fix, metres.
     climbed_m: f32,
 }
@@ -35,6 +40,7 @@ impl ReferenceTracker {
             lost_after_us: crate::time::microseconds(config.lost_after_s),
             carries_climb: config.climb_rate.is_some(),
             last: None,
+            correction_m: 0.0,
             climbed_m: 0.0,
         }
     }
@@ -64,8 +70,21 @@ impl ReferenceTracker {
             interval_s = fresh.then_some(seconds);
         }
         self.last = Some((time_us, *fix));
+        self.correction_m = 0.0;
         let altitude_minus_climb_m = fix.velocity_down_mps.map(|_| fix.altitude_m - self.climbed_m);
-        Ok(AcceptedFix { interval_s, altitude_minus_climb_m })
+        Ok(AcceptedFix { altitude_m: fix.altitude_m, interval_s, altitude_minus_climb_m })
+    }
+
+    /// Takes the reference's constant effects, metres, off the fix that was just accepted.
+    pub fn correct(&mut self, accepted: AcceptedFix, effects_m: f32) -> AcceptedFix {
+        self.correction_m = effects_m;
+        AcceptedFix {
+            altitude_m: accepted.altitude_m - effects_m,
+            altitude_minus_climb_m: accepted
+                .altitude_minus_climb_m
+                .map(|difference_m| difference_m - effects_m),
+            ..accepted
+        }
     }
 
     /// Whether the last fix is recent enough to measure against.
@@ -96,14 +115,15 @@ impl ReferenceTracker {
     pub fn altitude_m(&self, time_us: u64) -> Option<f32> {
         let (last_us, fix) = self.last.as_ref()?;
         let age_us = time_us.saturating_sub(*last_us);
+        let altitude_m = fix.altitude_m - self.correction_m;
         if age_us > self.lost_after_us {
             return None;
         }
         if age_us == 0 || !self.carries_climb {
-            return Some(fix.altitude_m);
+            return Some(altitude_m);
         }
         let climbed_m = self.climb_rate_mps().unwrap_or(0.0) * seconds_between(*last_us, time_us);
-        Some(fix.altitude_m + climbed_m)
+        Some(altitude_m + climbed_m)
     }
 }
 
@@ -152,6 +172,19 @@ mod tests {
         assert!((next.interval_s.unwrap() - 0.2).abs() < 1e-6);
         // 2.7 s at 1 m/s were climbed.
         assert!((next.altitude_minus_climb_m.unwrap() - 98.5).abs() < 1e-4);
+    }
+
+    #[test]
+    fn a_fix_is_corrected_and_its_holding_still_known() {
+        let mut tracker = ReferenceTracker::new(&config(true));
+        let accepted = tracker.take(0, &fix(100.0, -10.0)).unwrap();
+        let corrected = tracker.correct(accepted, 3.0);
+        assert_eq!((corrected.altitude_m, corrected.altitude_minus_climb_m), (97.0, Some(97.0)));
+        assert_eq!(tracker.altitude_m(500_000), Some(102.0));
+        assert_eq!(tracker.take(500_000, &fix(100.0, -10.0)), Err(Rejection::Held));
+        assert_eq!(tracker.altitude_m(500_000), Some(102.0));
+        tracker.take(600_000, &fix(104.0, -10.0)).unwrap();
+        assert_eq!(tracker.altitude_m(600_000), Some(104.0));
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use crc::{CRC_64_ECMA_182, Crc};
 use kf_core::config::{SecondCorrection, SigmaSource};
-use kf_core::effect::EffectTerm;
+use kf_core::effect::{Clock, EffectTerm};
 
 use crate::{Model, ModelError};
 
@@ -87,12 +87,13 @@ fn mission_source(model: &Model) -> Result<String, ModelError> {
          use kf_core::config::{{ClimbRate, MissionConfig, MonitorConfig, QualityConfig, ReferenceConfig, \
          SecondCorrection, SensorConfig, SigmaSource}};\n\
          #[allow(unused_imports)]\n\
-         use kf_core::effect::{{EffectId, EffectTerm}};\n\
+         use kf_core::effect::{{Clock, EffectId, EffectTerm, Regressor}};\n\
          MissionConfig {{\n\
          settling_s: {settling},\n\
          reference: ReferenceConfig {{\nsigma_m: {gps_sigma},\ncorrelation_time_s: {gps_time},\n\
          prior_altitude_m: {prior_altitude},\nprior_sigma_m: {prior_sigma},\nclimb_rate: {climb_rate},\n\
          lost_after_s: {lost_after},\n}},\n\
+         latitude_deg: {latitude},\n\
          sensors: [\n{sensors}],\n\
          monitor: MonitorConfig {{ sigma: SigmaSource::{sigma}, multiplier: {multiplier}, window_s: {window} }},\n\
          second_correction: SecondCorrection::{second_correction},\n\
@@ -111,6 +112,7 @@ fn mission_source(model: &Model) -> Result<String, ModelError> {
         prior_sigma = float(reference.prior_sigma_m),
         climb_rate = option(climb_rate),
         lost_after = float(reference.lost_after_s),
+        latitude = float(model.latitude_deg),
         multiplier = float(monitor.multiplier),
         window = float(monitor.window_s),
         duration = float(quality.minimum_duration_s),
@@ -140,9 +142,17 @@ fn terms(terms: impl Iterator<Item = EffectTerm>) -> String {
     let list: String = terms
         .map(|term| {
             let (coefficient, sigma) = (float(term.coefficient), float(term.sigma));
+            let time_constant = float(term.regressor.time_constant_s);
+            let since = match term.regressor.since {
+                Clock::Launch => "Launch",
+                Clock::Start => "Start",
+            };
+            let envelope =
+                option(term.envelope_m.map(|ends_m| format!("[{}, {}]", float(ends_m[0]), float(ends_m[1]))));
             format!(
-                "EffectTerm {{ id: EffectId::{:?}, coefficient: {coefficient}, sigma: {sigma} }},\n",
-                term.id
+                "EffectTerm {{ regressor: Regressor {{ id: EffectId::{:?}, time_constant_s: {time_constant}, \
+                 since: Clock::{since} }}, coefficient: {coefficient}, sigma: {sigma}, envelope_m: {envelope} }},\n",
+                term.id()
             )
         })
         .collect();

@@ -55,6 +55,18 @@ pub enum ModelError {
         /// The id.
         id: &'static str,
     },
+    /// Two revisions with one number.
+    #[error(
+        "revision {number} in row {second} clashes with the one in row {first}: give one of them another number"
+    )]
+    RevisionClash {
+        /// Their number.
+        number: u32,
+        /// Line of the first, from 1.
+        first: usize,
+        /// Line of the second.
+        second: usize,
+    },
     /// More effects than the estimator holds.
     #[error("{found} {kind} effects, expected at most {most}")]
     TooMany {

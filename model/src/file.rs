@@ -1,15 +1,16 @@
 //! Reading a model's TOML.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
 use kf_core::config::{ClimbRate, ReferenceConfig, SecondCorrection, SensorConfig, SigmaSource};
-use kf_core::effect::{EffectId, EffectTerm};
+use kf_core::effect::{Clock, EffectId, EffectTerm, Regressor};
 use kf_core::sensor::{SENSORS, Sensor};
 use serde::{Deserialize, Deserializer};
 use toml::Spanned;
 
-use crate::{Effect, Model, ModelError, SECOND_CORRECTION_WANDER_M_PER_SQRT_S};
+use crate::{Effect, Model, ModelError, Revision, SECOND_CORRECTION_WANDER_M_PER_SQRT_S};
 
 impl Model {
     /// The preset of that name (`default`, `paper`), or else the model in the file of that name.
@@ -50,6 +51,7 @@ struct ModelFile {
     settling_s: Option<f32>,
     second_correction: Option<Correction>,
     second_correction_wander_m_per_sqrt_s: Option<f32>,
+    site: Option<Site>,
     gps: Option<Gps>,
     sensor: Option<SensorTables>,
     monitor: Option<Monitor>,
@@ -57,7 +59,7 @@ struct ModelFile {
     #[serde(default)]
     effect: Vec<EffectTable>,
     #[serde(default)]
-    revision: Vec<toml::Table>,
+    revision: Vec<RevisionTable>,
 }
 
 #[derive(Clone, Copy, Deserialize)]
@@ -66,6 +68,12 @@ enum Correction {
     Off,
     MovingAverage,
     Kalman,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Site {
+    latitude_deg: Option<f32>,
 }
 
 #[derive(Deserialize)]
@@ -139,6 +147,30 @@ struct EffectTable {
     learned_from: Option<String>,
     #[serde(default, deserialize_with = "date_or_text")]
     date: Option<String>,
+    time_constant_s: Option<f32>,
+    since: Option<Since>,
+    envelope_m: Option<[f32; 2]>,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Since {
+    Launch,
+    Start,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RevisionTable {
+    number: Spanned<u32>,
+    #[serde(default, deserialize_with = "date_or_text")]
+    date: Option<String>,
+    effect: Option<Spanned<String>>,
+    learned_from: Option<String>,
+    rms_before_m: Option<f64>,
+    rms_after_m: Option<f64>,
+    held_out_before_m: Option<f64>,
+    held_out_after_m: Option<f64>,
 }
 
 /// A date, as TOML's own or as text.
@@ -164,6 +196,7 @@ impl ModelFile {
             self.second_correction.unwrap_or(Correction::Off),
             self.second_correction_wander_m_per_sqrt_s,
         )?;
+        put(&mut model.latitude_deg, self.site.and_then(|site| site.latitude_deg));
         if let Some(gps) = self.gps {
             gps.apply(&mut model.reference)?;
         }
@@ -193,7 +226,7 @@ impl ModelFile {
         }
         model.effects =
             self.effect.into_iter().map(|table| table.into_effect(text)).collect::<Result<_, _>>()?;
-        model.revisions = self.revision;
+        model.revisions = revisions(self.revision, text)?;
         Ok(())
     }
 }
@@ -258,12 +291,8 @@ impl SensorTables {
 
 impl EffectTable {
     fn into_effect(self, text: &str) -> Result<Effect, ModelError> {
-        let name = self.id.get_ref();
-        let Some(id) = EffectId::from_name(name) else {
-            let (row, _) = row_and_column(text, self.id.span().start);
-            let known = EffectId::ALL.map(EffectId::name);
-            return Err(ModelError::UnknownEffect { row, id: name.clone(), nearest: nearest(name, &known) });
-        };
+        let id = effect_id(&self.id, text)?;
+        let name = id.name();
         let required = |key: &str, value: Option<f32>, default: Option<f32>| {
             value.or(default).ok_or_else(|| ModelError::Value {
                 key: format!("{key} of effect {name}"),
@@ -274,13 +303,71 @@ impl EffectTable {
         // A prior mean of zero says nothing; a constant coefficient or a prior without sigma would.
         let coefficient = required("coefficient", self.coefficient, self.estimate.then_some(0.0))?;
         let sigma = required("sigma", self.sigma, (!self.estimate).then_some(0.0))?;
+        let mut regressor = Regressor::new(id);
+        if id.has_time_constant() {
+            regressor.time_constant_s = required("time_constant_s", self.time_constant_s, None)?;
+            regressor.since = match self.since {
+                Some(Since::Start) => Clock::Start,
+                Some(Since::Launch) | None => Clock::Launch,
+            };
+        } else if self.time_constant_s.is_some() || self.since.is_some() {
+            let key = if self.since.is_some() { "since" } else { "time_constant_s" };
+            return Err(ModelError::Value {
+                key: format!("{key} of effect {name}"),
+                found: "given".to_owned(),
+                expected: "no such key: this effect has no time constant",
+            });
+        }
         Ok(Effect {
-            term: EffectTerm { id, coefficient, sigma },
+            term: EffectTerm { regressor, coefficient, sigma, envelope_m: self.envelope_m },
             estimate: self.estimate,
             learned_from: self.learned_from,
             date: self.date,
         })
     }
+}
+
+/// The effect of that id.
+fn effect_id(name: &Spanned<String>, text: &str) -> Result<EffectId, ModelError> {
+    EffectId::from_name(name.get_ref()).ok_or_else(|| {
+        let (row, _) = row_and_column(text, name.span().start);
+        let known = EffectId::ALL.map(EffectId::name);
+        let id = name.get_ref().clone();
+        ModelError::UnknownEffect { row, nearest: nearest(&id, &known), id }
+    })
+}
+
+/// The revisions, no two of which have the same number.
+fn revisions(tables: Vec<RevisionTable>, text: &str) -> Result<Vec<Revision>, ModelError> {
+    let mut rows: BTreeMap<u32, usize> = BTreeMap::new();
+    let mut revisions = Vec::with_capacity(tables.len());
+    for table in tables {
+        let number = *table.number.get_ref();
+        let (row, _) = row_and_column(text, table.number.span().start);
+        if let Some(first) = rows.insert(number, row) {
+            return Err(ModelError::RevisionClash { number, first, second: row });
+        }
+        let effect = table.effect.map(|name| effect_id(&name, text)).transpose()?;
+        let finite = |key: &str, value: Option<f64>| match value {
+            Some(value) if !value.is_finite() => Err(ModelError::Value {
+                key: format!("{key} of revision {number}"),
+                found: value.to_string(),
+                expected: "a finite number",
+            }),
+            value => Ok(value),
+        };
+        revisions.push(Revision {
+            number,
+            date: table.date,
+            effect,
+            learned_from: table.learned_from,
+            rms_before_m: finite("rms_before_m", table.rms_before_m)?,
+            rms_after_m: finite("rms_after_m", table.rms_after_m)?,
+            held_out_before_m: finite("held_out_before_m", table.held_out_before_m)?,
+            held_out_after_m: finite("held_out_after_m", table.held_out_after_m)?,
+        });
+    }
+    Ok(revisions)
 }
 
 /// The names nearest to `name`, best first, for a message.

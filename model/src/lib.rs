@@ -13,7 +13,7 @@ mod validate;
 use kf_core::config::{
     MissionConfig, MonitorConfig, QualityConfig, ReferenceConfig, SecondCorrection, SensorConfig,
 };
-use kf_core::effect::EffectTerm;
+use kf_core::effect::{EffectId, EffectTerm};
 use kf_core::sensor::SENSORS;
 
 pub use codegen::codegen;
@@ -33,6 +33,27 @@ pub struct Effect {
     pub date: Option<String>,
 }
 
+/// One change of a model: which effect was added or learned anew, and what it did to the error.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Revision {
+    /// Its number; no two of a model are the same.
+    pub number: u32,
+    /// When it was made.
+    pub date: Option<String>,
+    /// The effect.
+    pub effect: Option<EffectId>,
+    /// The flight that its coefficient was learned from.
+    pub learned_from: Option<String>,
+    /// Root mean square error on that flight with the revision before this one, metres.
+    pub rms_before_m: Option<f64>,
+    /// The same with this revision, metres.
+    pub rms_after_m: Option<f64>,
+    /// As [`Self::rms_before_m`], on what was held out.
+    pub held_out_before_m: Option<f64>,
+    /// As [`Self::rms_after_m`], on what was held out.
+    pub held_out_after_m: Option<f64>,
+}
+
 /// A model. [`Default`] is the default preset: today's MEMS sensors and GPS.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
@@ -40,6 +61,8 @@ pub struct Model {
     pub settling_s: f32,
     /// The reference.
     pub reference: ReferenceConfig,
+    /// Where the model flies, degrees of latitude, north positive; only `imu.eotvos` needs it.
+    pub latitude_deg: f32,
     /// The sensors, in the order of [`kf_core::sensor::Sensor`].
     pub sensors: [SensorConfig; SENSORS],
     /// The monitor.
@@ -50,8 +73,8 @@ pub struct Model {
     pub quality: QualityConfig,
     /// The effects, in file order.
     pub effects: Vec<Effect>,
-    /// The model's history, one table a change, as it stands in the file.
-    pub revisions: Vec<toml::Table>,
+    /// The model's history, in file order.
+    pub revisions: Vec<Revision>,
 }
 
 /// The sizes of the filter that a model needs: the const parameters of `kf_core`'s `Mission`.
@@ -74,6 +97,24 @@ impl Model {
     /// The effects whose coefficients are constants, in file order.
     pub fn constant_effects(&self) -> impl Iterator<Item = &Effect> {
         self.effects.iter().filter(|effect| !effect.estimate)
+    }
+
+    /// What is unlikely, one line each: coefficients that nature does not make.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let unlikely = self.effects.iter().filter_map(|effect| {
+            let (id, coefficient) = (effect.term.id(), effect.term.coefficient);
+            let [least, most] = id.plausible();
+            let unit = if id.unit() == "1" { String::new() } else { format!(" {}", id.unit()) };
+            (!(least..=most).contains(&coefficient)).then(|| {
+                format!(
+                    "coefficient of effect {} is {coefficient}{unit}, outside of its physical range {least} to \
+                     {most}{unit}: check its sign and unit",
+                    id.name()
+                )
+            })
+        });
+        unlikely.collect()
     }
 
     /// The sizes of the filter that this model needs.
@@ -101,6 +142,7 @@ impl Model {
         Ok(MissionConfig {
             settling_s: self.settling_s,
             reference: self.reference,
+            latitude_deg: self.latitude_deg,
             sensors: self.sensors,
             monitor: self.monitor,
             second_correction: self.second_correction,

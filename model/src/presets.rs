@@ -31,6 +31,7 @@ impl Default for Model {
                 // than a fix's own error. Slow loggers (a fix every 4 s) stay below this.
                 lost_after_s: 5.0,
             },
+            latitude_deg: kf_core::effect::DEFAULT_LATITUDE_DEG,
             sensors: [
                 // The mother ship's inertial altitude, baro-damped: some metres of slow oscillation.
                 SensorConfig {
@@ -115,6 +116,7 @@ impl Model {
                 climb_rate: None,
                 lost_after_s: 5.0,
             },
+            latitude_deg: kf_core::effect::DEFAULT_LATITUDE_DEG,
             sensors: [sensor(50.0, 100.0), sensor(70.0, 150.0), sensor(150.0, 300.0)],
             monitor: MonitorConfig { sigma: SigmaSource::Residual, multiplier: 1.0, window_s: 2.5 },
             second_correction: SecondCorrection::Off,

@@ -38,6 +38,9 @@ impl Model {
         if let SecondCorrection::Kalman { wander_m_per_sqrt_s } = self.second_correction {
             positive("second_correction_wander_m_per_sqrt_s", wander_m_per_sqrt_s)?;
         }
+        let latitude_deg = self.latitude_deg;
+        let is_latitude = (-90.0..=90.0).contains(&latitude_deg);
+        require("site.latitude_deg", latitude_deg, is_latitude, "a latitude from -90 to 90 degrees")?;
         self.validate_sensors()?;
         positive("monitor.multiplier", self.monitor.multiplier)?;
         positive("monitor.window_s", self.monitor.window_s)?;
@@ -96,7 +99,7 @@ impl Model {
             });
         }
         for (index, effect) in self.effects.iter().enumerate() {
-            let id = effect.term.id.name();
+            let id = effect.term.id().name();
             let key = |name| format!("{name} of effect {id}");
             finite(key("coefficient"), effect.term.coefficient)?;
             if effect.estimate {
@@ -104,7 +107,16 @@ impl Model {
             } else {
                 not_negative(key("sigma"), effect.term.sigma)?;
             }
-            if self.effects.iter().take(index).any(|earlier| earlier.term.id == effect.term.id) {
+            if effect.term.id().has_time_constant() {
+                positive(key("time_constant_s"), effect.term.regressor.time_constant_s)?;
+            }
+            if let Some([least, largest]) = effect.term.envelope_m {
+                finite(key("envelope_m's lower end"), least)?;
+                finite(key("envelope_m's upper end"), largest)?;
+                let expected = "a finite number from envelope_m's lower end on";
+                require(key("envelope_m's upper end"), largest, least <= largest, expected)?;
+            }
+            if self.effects.iter().take(index).any(|earlier| earlier.term.id() == effect.term.id()) {
                 return Err(ModelError::Twice { id });
             }
         }

@@ -12,7 +12,7 @@ use cortex_m_rt::entry;
 use kf_core::config::{
     MissionConfig, MonitorConfig, QualityConfig, ReferenceConfig, SecondCorrection, SensorConfig, SigmaSource,
 };
-use kf_core::effect::{EffectId, EffectTerm};
+use kf_core::effect::{Clock, EffectId, EffectTerm, Regressor};
 use kf_core::input::TickInput;
 use kf_core::mission::Mission;
 // The vector table needs every interrupt of the chip.
@@ -29,9 +29,14 @@ fn configuration<const E: usize>() -> MissionConfig<E> {
         wander_m_per_sqrt_s: number(),
     };
     let effect = || EffectTerm {
-        id: black_box(EffectId::BaroDynamicPressure),
+        regressor: Regressor {
+            id: black_box(EffectId::BaroDynamicPressure),
+            time_constant_s: number(),
+            since: black_box(Clock::Launch),
+        },
         coefficient: number(),
         sigma: number(),
+        envelope_m: black_box(None),
     };
     let mut constant_effects = heapless::Vec::new();
     while black_box(true) && constant_effects.push(effect()).is_ok() {}
@@ -45,6 +50,7 @@ fn configuration<const E: usize>() -> MissionConfig<E> {
             climb_rate: black_box(None),
             lost_after_s: number(),
         },
+        latitude_deg: number(),
         sensors: [sensor(), sensor(), sensor()],
         monitor: MonitorConfig {
             sigma: black_box(SigmaSource::Residual),

@@ -27,13 +27,28 @@ pub const ESTIMATED: &str = r#"
     coefficient = -0.1
     sigma = 0.3
     estimate = true
+    envelope_m = [-0.0, 1e-40]
+    [[effect]]
+    id = "gps.convergence"
+    sigma = 0.3
+    estimate = true
+    time_constant_s = 0.7
+    since = "start"
 "#;
 
 pub const CONSTANT: &str = r#"
     second_correction = "moving_average"
+    [site]
+    latitude_deg = -0.1
     [monitor]
     sigma = "datasheet"
     [[effect]]
     id = "baro.dynamic_pressure"
     coefficient = 0.1
+    [[effect]]
+    id = "baro.warm_up"
+    coefficient = 0.1
+    time_constant_s = 1e-40
+    [[revision]]
+    number = 1
 "#;

@@ -30,6 +30,7 @@ fn config<const E: usize>(climb_rate: bool) -> MissionConfig<E> {
             climb_rate: climb_rate.then_some(ClimbRate { sigma_mps: 0.2, correlation_time_s: 2.0 }),
             lost_after_s: 2.0,
         },
+        latitude_deg: 45.0,
         sensors: [sensor(2.0), sensor(2.0), sensor(1.0)],
         monitor: MonitorConfig { sigma: SigmaSource::Residual, multiplier: 4.0, window_s: 2.0 },
         second_correction: SecondCorrection::Off,
@@ -43,8 +44,7 @@ fn config<const E: usize>(climb_rate: bool) -> MissionConfig<E> {
             bias_drift_sigmas: 1.0,
             implausible_share: 0.02,
         },
-        estimated_effects: [EffectTerm { id: EffectId::BaroDynamicPressure, coefficient: 0.0, sigma: 0.2 };
-            E],
+        estimated_effects: [EffectTerm::new(EffectId::BaroDynamicPressure, 0.0, 0.2); E],
         constant_effects: heapless::Vec::new(),
     }
 }
@@ -381,10 +381,7 @@ fn a_known_effect_is_taken_off_and_an_estimated_one_is_a_state() {
     // calibration over 140.
     assert!((error_end(&config(true)) - 22.94).abs() < 5.0 * 0.7);
     let mut known = config(true);
-    known
-        .constant_effects
-        .push(EffectTerm { id: EffectId::BaroDynamicPressure, coefficient: 0.1, sigma: 0.01 })
-        .unwrap();
+    known.constant_effects.push(EffectTerm::new(EffectId::BaroDynamicPressure, 0.1, 0.01)).unwrap();
     assert!(error_end(&known).abs() < 5.0 * 0.7);
 
     // As a state it is latched at its prior (a trimmed flight cannot show it) and used from there.
@@ -402,10 +399,7 @@ fn a_known_effect_is_taken_off_and_an_estimated_one_is_a_state() {
 #[test]
 fn an_effect_whose_signal_is_missing_is_counted() {
     let mut known = config(false);
-    known
-        .constant_effects
-        .push(EffectTerm { id: EffectId::BaroDynamicPressure, coefficient: 0.1, sigma: 0.01 })
-        .unwrap();
+    known.constant_effects.push(EffectTerm::new(EffectId::BaroDynamicPressure, 0.1, 0.01)).unwrap();
     let mission = fly::<3, 1, 0>(
         &known,
         |_, input| {

@@ -1,5 +1,7 @@
 use proptest::prelude::*;
 
+use kf_core::effect::{Clock, Regressor};
+
 use super::*;
 
 fn message(text: &str) -> String {
@@ -60,15 +62,29 @@ fn every_key_reaches_its_field() {
         vertical_accuracy_m = 22
         bias_drift_sigmas = 23
         implausible_share = 0.24
+        [site]
+        latitude_deg = -30
         [[effect]]
-        id = "baro.dynamic_pressure"
+        id = "baro.warm_up"
         coefficient = -0.25
         sigma = 0.26
         estimate = true
         learned_from = "flight.csv"
         date = 2026-11-20
+        time_constant_s = 27
+        since = "start"
+        envelope_m = [-28, 29]
         [[revision]]
         number = 1
+        date = 2026-11-21
+        effect = "baro.warm_up"
+        learned_from = "flight.csv"
+        rms_before_m = 31
+        rms_after_m = 32
+        held_out_before_m = 33
+        held_out_after_m = 34
+        [[revision]]
+        number = 2
     "#;
     let model = Model::parse(text).unwrap();
     let default = Model::default();
@@ -112,13 +128,43 @@ fn every_key_reaches_its_field() {
     assert_eq!(
         model.effects,
         [Effect {
-            term: EffectTerm { id: EffectId::BaroDynamicPressure, coefficient: -0.25, sigma: 0.26 },
+            term: EffectTerm {
+                regressor: Regressor { id: EffectId::BaroWarmUp, time_constant_s: 27.0, since: Clock::Start },
+                coefficient: -0.25,
+                sigma: 0.26,
+                envelope_m: Some([-28.0, 29.0]),
+            },
             estimate: true,
             learned_from: Some("flight.csv".into()),
             date: Some("2026-11-20".into()),
         }]
     );
-    assert_eq!(model.revisions[0]["number"].as_integer(), Some(1));
+    assert_eq!(model.latitude_deg, -30.0);
+    assert_eq!(
+        model.revisions,
+        [
+            Revision {
+                number: 1,
+                date: Some("2026-11-21".into()),
+                effect: Some(EffectId::BaroWarmUp),
+                learned_from: Some("flight.csv".into()),
+                rms_before_m: Some(31.0),
+                rms_after_m: Some(32.0),
+                held_out_before_m: Some(33.0),
+                held_out_after_m: Some(34.0),
+            },
+            Revision {
+                number: 2,
+                date: None,
+                effect: None,
+                learned_from: None,
+                rms_before_m: None,
+                rms_after_m: None,
+                held_out_before_m: None,
+                held_out_after_m: None,
+            }
+        ]
+    );
 }
 
 #[test]
@@ -153,8 +199,23 @@ fn the_fingerprint_follows_what_flies_and_nothing_else() {
     let fingerprint = |text: &str| Model::parse(text).unwrap().fingerprint().unwrap();
     let effect = "[[effect]]\nid = \"baro.dynamic_pressure\"\ncoefficient = 1\nestimate = true\nsigma = 1\n";
     assert_eq!(fingerprint(""), Model::default().fingerprint().unwrap());
-    assert_eq!(fingerprint(effect), fingerprint(&format!("{effect}learned_from = \"x\"\n[[revision]]")));
-    let others = ["", "gps.sigma_m = 2.0000002", "monitor.sigma = \"covariance\"", effect];
+    assert_eq!(
+        fingerprint(effect),
+        fingerprint(&format!("{effect}learned_from = \"x\"\n[[revision]]\nnumber = 1"))
+    );
+    let envelope = format!("{effect}envelope_m = [0, 9]\n");
+    let warm_up = "[[effect]]\nid = \"baro.warm_up\"\ncoefficient = 1\ntime_constant_s = 9\n";
+    let since = format!("{warm_up}since = \"start\"");
+    let others = [
+        "",
+        "gps.sigma_m = 2.0000002",
+        "monitor.sigma = \"covariance\"",
+        "site.latitude_deg = 46",
+        effect,
+        &envelope,
+        warm_up,
+        &since,
+    ];
     for (index, text) in others.iter().enumerate() {
         assert!(others[..index].iter().all(|other| fingerprint(other) != fingerprint(text)), "{text}");
     }
@@ -221,13 +282,78 @@ fn impossible_values_name_the_key() {
         message(&format!("{effect}estimate = true\nsigma = 0")),
         "sigma of effect baro.dynamic_pressure is 0, expected a finite number above 0"
     );
+    for (more, expected) in [
+        (
+            "time_constant_s = 3",
+            "time_constant_s of effect baro.dynamic_pressure is given, expected no such key: this effect has no time constant",
+        ),
+        (
+            "since = \"start\"",
+            "since of effect baro.dynamic_pressure is given, expected no such key: this effect has no time constant",
+        ),
+        (
+            "envelope_m = [2, 1]",
+            "envelope_m's upper end of effect baro.dynamic_pressure is 1, expected a finite number from envelope_m's lower end on",
+        ),
+        (
+            "envelope_m = [nan, 1]",
+            "envelope_m's lower end of effect baro.dynamic_pressure is NaN, expected a finite number",
+        ),
+    ] {
+        assert_eq!(message(&format!("{effect}coefficient = 1\n{more}")), expected);
+    }
+    let warm_up = "[[effect]]\nid = \"baro.warm_up\"\ncoefficient = 1\n";
+    assert_eq!(message(warm_up), "time_constant_s of effect baro.warm_up is missing, expected a number");
+    assert_eq!(
+        message(&format!("{warm_up}time_constant_s = 0")),
+        "time_constant_s of effect baro.warm_up is 0, expected a finite number above 0"
+    );
+    assert_eq!(
+        message("site.latitude_deg = 91"),
+        "site.latitude_deg is 91, expected a latitude from -90 to 90 degrees"
+    );
     let twice = format!("{effect}coefficient = 1\n{effect}coefficient = 1");
     assert_eq!(message(&twice), "effect baro.dynamic_pressure is there twice, expected once");
 }
 
 #[test]
+fn revisions_have_numbers_of_their_own() {
+    assert_eq!(
+        message("[[revision]]\nnumber = 1\n[[revision]]\nnumber = 2\n[[revision]]\nnumber = 1"),
+        "revision 1 in row 6 clashes with the one in row 2: give one of them another number"
+    );
+    assert!(message("[[revision]]\ndate = 2026-11-21").contains("missing field `number`"));
+    assert!(message("[[revision]]\nnumber = -1").starts_with("row 2, column 10: "));
+    assert_eq!(
+        message("[[revision]]\nnumber = 1\nrms_after_m = nan"),
+        "rms_after_m of revision 1 is NaN, expected a finite number"
+    );
+    assert!(
+        message("[[revision]]\nnumber = 1\neffect = \"baro.lug\"")
+            .starts_with("row 3: no effect 'baro.lug' in the catalogue; nearest: baro.lag,")
+    );
+}
+
+#[test]
+fn a_coefficient_that_nature_does_not_make_is_a_warning() {
+    let warnings = |coefficient: &str| {
+        Model::parse(&format!("[[effect]]\nid = \"baro.lag\"\ncoefficient = {coefficient}"))
+            .unwrap()
+            .warnings()
+    };
+    assert_eq!(warnings("0.2"), [""; 0]);
+    assert_eq!(
+        warnings("7"),
+        [
+            "coefficient of effect baro.lag is 7 s, outside of its physical range 0 to 5 s: check its sign and unit"
+        ]
+    );
+    assert_eq!(warnings("-0.5").len(), 1);
+}
+
+#[test]
 fn more_effects_than_fit_are_refused() {
-    let term = EffectTerm { id: EffectId::BaroDynamicPressure, coefficient: 0.0, sigma: 1.0 };
+    let term = EffectTerm::new(EffectId::BaroDynamicPressure, 0.0, 1.0);
     let effect = Effect { term, estimate: true, learned_from: None, date: None };
     let model = Model { effects: vec![effect; 9], ..Model::default() };
     assert_eq!(model.validate().unwrap_err().to_string(), "9 estimated effects, expected at most 8");

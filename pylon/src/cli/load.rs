@@ -15,9 +15,14 @@ pub fn flight(file: &Path) -> Result<(Flight, Vec<Note>), Failure> {
     Ok(while_busy("reading", || import::open(file))?)
 }
 
-/// A model by its preset's name or its file.
+/// A model by its preset's name or its file; says on standard error what in it is unlikely.
 pub fn model(name: &str) -> Result<Model, Failure> {
-    Ok(Model::load(name)?)
+    let model = Model::load(name)?;
+    for warning in model.warnings() {
+        // Nothing is left to be told to when standard error is closed.
+        let _ = writeln!(std::io::stderr(), "warning: {name}: {warning}");
+    }
+    Ok(model)
 }
 
 /// Says on standard error what was remarkable about an input.

@@ -36,6 +36,9 @@ pub struct Comparator {
     moving_average_m: [Option<f32>; SENSORS],
     last_bias: [Option<(f32, f32)>; SENSORS],
     coefficients: heapless::Vec<CoefficientOutput, MAX_ESTIMATED_EFFECTS>,
+    /// Ticks at which each effect was used outside of its envelope, by the bits of
+    /// [`TickOutput::extrapolated`].
+    extrapolated: [u32; u16::BITS as usize],
     has_read: [bool; SENSORS],
     launch_us: Option<u64>,
     has_settled: bool,
@@ -75,6 +78,11 @@ impl Comparator {
         }
         for (has_read, sensor) in self.has_read.iter_mut().zip(&output.sensors) {
             *has_read |= sensor.error_m.is_some() || sensor.rejection.is_some();
+        }
+        if output.extrapolated != 0 {
+            for (bit, ticks) in self.extrapolated.iter_mut().enumerate() {
+                *ticks += u32::from(output.extrapolated >> bit & 1);
+            }
         }
         self.has_settled |= output.phase != Phase::Settling;
         match output.phase {
@@ -178,18 +186,22 @@ impl Comparator {
 
     fn effects(&self, model: &Model) -> Vec<EffectFacts> {
         let mut estimates = self.coefficients.iter();
+        let (mut estimated_bits, mut constant_bits) = (0.., MAX_ESTIMATED_EFFECTS..);
         let fact = |effect: &Effect| {
             let estimate = if effect.estimate { estimates.next() } else { None };
+            let bit = if effect.estimate { estimated_bits.next() } else { constant_bits.next() };
             let (coefficient, sigma) = match estimate {
                 Some(estimate) => (f64::from(estimate.coefficient), f64::from(estimate.variance).sqrt()),
                 None => (f64::from(effect.term.coefficient), f64::from(effect.term.sigma)),
             };
             EffectFacts {
-                effect: effect.term.id.name(),
+                effect: effect.term.id().name(),
                 coefficient,
                 sigma,
-                unit: effect.term.id.unit(),
+                unit: effect.term.id().unit(),
                 estimated: effect.estimate,
+                envelope_m: effect.term.envelope_m.map(|ends_m| ends_m.map(f64::from)),
+                extrapolated_ticks: bit.and_then(|bit| self.extrapolated.get(bit)).copied().unwrap_or(0),
             }
         };
         model.effects.iter().map(fact).collect()

@@ -139,6 +139,10 @@ pub struct EffectFacts {
     pub unit: &'static str,
     /// Whether it was estimated.
     pub estimated: bool,
+    /// The range of its regressor that the coefficient was learned in, metres per unit of coefficient.
+    pub envelope_m: Option<[f64; 2]>,
+    /// Ticks at which it was used outside of that range.
+    pub extrapolated_ticks: u32,
 }
 
 /// The monitor as configured.

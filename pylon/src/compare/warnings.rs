@@ -60,6 +60,11 @@ pub(super) fn warnings(counters: &Counters, has_settled: bool, comparison: &Comp
         "readings were taken without an effect of the model: its signal was not there",
     );
     count(
+        counters.effects_extrapolated,
+        "reading was corrected by an effect outside of the range in which its coefficient was learned",
+        "readings were corrected by an effect outside of the range in which its coefficient was learned",
+    );
+    count(
         counters.launch_repeats,
         "change of the launch discrete after launch was ignored: the first launch counts",
         "changes of the launch discrete after launch were ignored: the first launch counts",

@@ -101,6 +101,7 @@ fn tick_fields(output: &TickOutput) -> Fields {
         gps_signed_nis,
         gps_rejection,
         sensors,
+        extrapolated,
         coefficients,
     } = output;
     let mut fields = vec![
@@ -138,6 +139,7 @@ fn tick_fields(output: &TickOutput) -> Fields {
             (format!("{name}.rejection"), format!("{rejection:?}")),
         ]);
     }
+    fields.push(("extrapolated".to_owned(), format!("{extrapolated:#b}")));
     for (index, CoefficientOutput { coefficient, variance }) in coefficients.iter().enumerate() {
         fields.push((format!("coefficients[{index}].coefficient"), bits(*coefficient)));
         fields.push((format!("coefficients[{index}].variance"), bits(*variance)));
@@ -192,6 +194,7 @@ mod tests {
             gps_signed_nis: None,
             gps_rejection: None,
             sensors: [sensor; 3],
+            extrapolated: 0,
             coefficients: heapless::Vec::new(),
         }
     }

@@ -18,6 +18,9 @@ pub enum ReplayError {
     /// The calibration window does not fit the flight.
     #[error(transparent)]
     Window(#[from] WindowError),
+    /// The header's latitude is none.
+    #[error("latitude_deg in the header is '{0}', expected degrees from -90 to 90")]
+    Latitude(String),
     /// The flight does not say when it was launched, and is nowhere quiet.
     #[error("no launch column and no quiet stretch of {wanted_s:.0} s to calibrate on{}; give one by --calibrate START..END (seconds)", hint(.calmest.as_ref()))]
     NoQuietStretch {

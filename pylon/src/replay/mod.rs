@@ -131,6 +131,7 @@ impl<'a> Replay<'a> {
         if source.window().is_some() {
             model.settling_s = 0.0;
         }
+        model.latitude_deg = latitude_deg(flight)?.unwrap_or(model.latitude_deg);
         Ok(Self { flight, model, source })
     }
 
@@ -140,7 +141,8 @@ impl<'a> Replay<'a> {
         self.flight
     }
 
-    /// The model as flown: without settling time where a window was given or found.
+    /// The model as flown: without settling time where a window was given or found, and at the flight's
+    /// own latitude where its header says one.
     #[must_use]
     pub const fn model(&self) -> &Model {
         &self.model
@@ -179,6 +181,17 @@ impl<'a> Replay<'a> {
             counters: *mission.counters(),
             latch: mission.latch().cloned(),
         })
+    }
+}
+
+/// The header's free key `latitude_deg`, if there is one.
+fn latitude_deg(flight: &Flight) -> Result<Option<f32>, ReplayError> {
+    let Some((_, text)) = flight.header.other.iter().find(|(key, _)| key == "latitude_deg") else {
+        return Ok(None);
+    };
+    match text.trim().parse::<f32>() {
+        Ok(latitude_deg) if (-90.0..=90.0).contains(&latitude_deg) => Ok(Some(latitude_deg)),
+        _ => Err(ReplayError::Latitude(text.clone())),
     }
 }
 

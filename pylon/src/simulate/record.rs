@@ -86,6 +86,7 @@ pub(super) fn flight(
             other: vec![
                 ("scenario".to_owned(), scenario.name.clone()),
                 ("seed".to_owned(), seed.to_string()),
+                ("latitude_deg".to_owned(), scenario.latitude_deg.to_string()),
             ],
         },
         time_s: trajectory.iter().map(|sample| sample.time_s).collect(),

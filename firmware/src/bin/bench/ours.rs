@@ -31,6 +31,7 @@ pub fn configuration<const E: usize>() -> MissionConfig<E> {
             climb_rate: None,
             lost_after_s: 1.0,
         },
+        latitude_deg: 45.0,
         sensors: [sensor(1), sensor(2), sensor(3)],
         monitor: MonitorConfig { sigma: SigmaSource::Residual, multiplier: 1.0, window_s: 2.0 },
         second_correction: SecondCorrection::Off,
@@ -44,8 +45,7 @@ pub fn configuration<const E: usize>() -> MissionConfig<E> {
             bias_drift_sigmas: 1.0,
             implausible_share: 0.1,
         },
-        estimated_effects: [EffectTerm { id: EffectId::BaroDynamicPressure, coefficient: 0.0, sigma: 0.1 };
-            E],
+        estimated_effects: [EffectTerm::new(EffectId::BaroDynamicPressure, 0.0, 0.1); E],
         constant_effects: heapless::Vec::new(),
     }
 }
@@ -81,7 +81,14 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Filter for UdFilter<H
         let [gps, master, slave, baro] = *measurements;
         let [gps_noise, noise @ ..] = &self.noise;
         let readings_m = [master, slave, baro];
-        let result = self.estimator.update_together(gps, *gps_noise, &readings_m, &self.regressors_m, noise);
+        let result = self.estimator.update_together(
+            gps,
+            &[0.0; E],
+            *gps_noise,
+            &readings_m,
+            &self.regressors_m,
+            noise,
+        );
         if result.is_err() {
             self.refused += 1;
         }

@@ -83,6 +83,15 @@ fn heading(out: &mut String, comparison: &Comparison) {
             plain(Some(effect.coefficient)),
             plain(Some(effect.sigma))
         );
+        if let (Some([least, largest]), 1..) = (effect.envelope_m, effect.extrapolated_ticks) {
+            put!(
+                out,
+                "  extrapolated at {} ticks: learned while its regressor was {} to {} m",
+                grouped(effect.extrapolated_ticks.into()),
+                plain(Some(least)),
+                plain(Some(largest))
+            );
+        }
     }
     if comparison.launch_s.is_some() {
         for (name, sensor) in in_order(&comparison.sensors) {

@@ -1,0 +1,106 @@
+//! What the inertial effects integrate twice from launch on.
+
+use super::catalogue::Uses;
+use super::inertial::Inertial;
+use super::integral::DoubleIntegral;
+use super::reference_motion::ReferenceMotion;
+
+/// Mean radius of the earth, m (WGS 84, R1).
+const EARTH_RADIUS_M: f32 = 6_371_008.8;
+/// Vertical gradient of gravity in free air, 1/s^2.
+const GRAVITY_GRADIENT_PS2: f32 = 3.086e-6;
+
+/// What the forward acceleration is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AccelerationSource {
+    /// Specific force and attitude.
+    Inertial,
+    /// Changes of the speed over ground, along the track: there was no specific force or no attitude at
+    /// launch.
+    GroundSpeed,
+}
+
+impl AccelerationSource {
+    /// The best that there is now.
+    pub(super) fn now(inertial: &Inertial, motion: &ReferenceMotion) -> Option<Self> {
+        if inertial.is_complete() {
+            return Some(Self::Inertial);
+        }
+        motion.velocity_mps().map(|_| Self::GroundSpeed)
+    }
+}
+
+/// One tick's step of the integrals.
+pub(super) struct Step<'a> {
+    pub uses: Uses,
+    /// Since the last tick.
+    pub seconds: f32,
+    /// Since launch.
+    pub elapsed_s: f32,
+    pub has_fix: bool,
+    pub height_gained_m: Option<f32>,
+    /// `2 Omega cos(latitude)`, rad/s.
+    pub eastward_radps: f32,
+    pub inertial: &'a Inertial,
+    pub motion: &'a ReferenceMotion,
+}
+
+/// The integrals; all zero at launch.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct FreeFlightIntegrals {
+    /// Decided once, at the first tick that has any.
+    pub source: Option<AccelerationSource>,
+    /// Horizontal speed that [`Self::forward`] has come to, m/s, where that is its source.
+    integrated_speed_mps: Option<f32>,
+    pub vertical: DoubleIntegral,
+    pub forward: DoubleIntegral,
+    pub turning: DoubleIntegral,
+    pub gravity: DoubleIntegral,
+    pub eotvos: DoubleIntegral,
+}
+
+impl FreeFlightIntegrals {
+    /// Goes on by one tick; false where a number overflowed, which was then not taken.
+    pub(super) fn advance(&mut self, step: &Step<'_>) -> bool {
+        let mut is_taken = true;
+        if step.uses.any_of(Uses::VERTICAL.and(Uses::FORWARD)) {
+            let accelerations = step.inertial.upward_and_forward_mps2();
+            if let (true, Some([upward_mps2, _])) = (step.uses.any_of(Uses::VERTICAL), accelerations) {
+                is_taken &= self.vertical.advance(step.seconds, upward_mps2);
+            }
+            if step.uses.any_of(Uses::FORWARD) {
+                is_taken &= self.advance_forward(step, accelerations.map(|[_, forward]| forward));
+            }
+        }
+        if let (true, Some(gained_m)) = (step.uses.any_of(Uses::GRAVITY), step.height_gained_m) {
+            is_taken &= self.gravity.advance(step.seconds, GRAVITY_GRADIENT_PS2 * gained_m);
+        }
+        if let (true, Some([north, east])) = (step.uses.any_of(Uses::EOTVOS), step.motion.velocity_mps()) {
+            let curved_mps2 = (north * north + east * east) * (1.0 / EARTH_RADIUS_M);
+            is_taken &= self.eotvos.advance(step.seconds, step.eastward_radps * east + curved_mps2);
+        }
+        is_taken
+    }
+
+    fn advance_forward(&mut self, step: &Step<'_>, forward_mps2: Option<f32>) -> bool {
+        self.source = self.source.or_else(|| AccelerationSource::now(step.inertial, step.motion));
+        match (self.source, forward_mps2) {
+            (Some(AccelerationSource::Inertial), Some(forward_mps2)) => {
+                self.forward.advance(step.seconds, forward_mps2)
+                    & self.turning.advance(step.seconds, forward_mps2 * step.elapsed_s)
+            }
+            (Some(AccelerationSource::GroundSpeed), _) => {
+                let is_new = step.has_fix || self.integrated_speed_mps.is_none();
+                let speed_mps = if is_new { step.motion.horizontal_speed_mps() } else { None };
+                let gained_mps = match (speed_mps, self.integrated_speed_mps) {
+                    (Some(now), Some(before)) => now - before,
+                    _ => 0.0,
+                };
+                self.integrated_speed_mps = speed_mps.or(self.integrated_speed_mps);
+                self.forward.kick(step.seconds, gained_mps)
+                    & self.turning.kick(step.seconds, gained_mps * step.elapsed_s)
+            }
+            _ => true,
+        }
+    }
+}

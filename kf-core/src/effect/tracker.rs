@@ -1,0 +1,327 @@
+//! The latest signals, and the regressors made of them.
+
+use super::catalogue::Uses;
+use super::free_flight_integrals::{AccelerationSource, FreeFlightIntegrals, Step};
+use super::inertial::Inertial;
+use super::reference_motion::ReferenceMotion;
+use super::{Clock, EffectId, Regressor};
+use crate::input::{GpsFix, ImuSample, Signals, TickInput};
+use crate::time::elapsed_s;
+use crate::trigonometry::sine_and_cosine;
+
+/// Where a tracker is when nobody says, degrees: half-way to the pole.
+pub const DEFAULT_LATITUDE_DEG: f32 = 45.0;
+
+/// Rotation rate of the earth, rad/s (WGS 84, NGA.STND.0036, table 3.1).
+const EARTH_RATE_RADPS: f32 = 7.292_115e-5;
+
+/// What stands for the airspeed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AirspeedSource {
+    /// The measured true airspeed.
+    TrueAirspeed,
+    /// The speed over ground, wind included: no airspeed has been measured yet.
+    GroundSpeed,
+}
+
+/// Follows the signals and makes regressors of them.
+///
+/// Give it every tick in time order: [`Self::begin_calibration`] or [`Self::begin_free_flight`] first, if
+/// it is the first tick of that phase, then [`Self::take`], then ask for [`Self::regressor_m`]. Numbers that
+/// are not finite are not taken, and counted. What no effect of the model reads costs nothing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SignalTracker {
+    uses: Uses,
+    /// `2 Omega cos(latitude)`, rad/s.
+    eastward_radps: f32,
+    first_us: Option<u64>,
+    now_us: u64,
+    launch_us: Option<u64>,
+
+    true_airspeed_mps: Option<f32>,
+    pub(super) angle_of_attack_rad: Option<f32>,
+    pub(super) sideslip_rad: Option<f32>,
+    pub(super) throttle: Option<f32>,
+    baro_temperature_c: Option<f32>,
+    motion: ReferenceMotion,
+    inertial: Inertial,
+
+    origin_altitude: Origin,
+    origin_temperature: Origin,
+    latched_airspeed_squared_m2ps2: Option<f32>,
+
+    integrals: FreeFlightIntegrals,
+    refused: u32,
+}
+
+/// What a difference is taken from: the first value of the calibration or, until there is one, the first
+/// value of all.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Origin {
+    value: Option<f32>,
+    is_due: bool,
+}
+
+impl Origin {
+    fn see(&mut self, value: f32) {
+        if self.value.is_none() || self.is_due {
+            *self = Self { value: Some(value), is_due: false };
+        }
+    }
+}
+
+impl Default for SignalTracker {
+    /// For every effect of the catalogue, at [`DEFAULT_LATITUDE_DEG`].
+    fn default() -> Self {
+        Self::with_uses(Uses::EVERYTHING).at_latitude_deg(DEFAULT_LATITUDE_DEG)
+    }
+}
+
+impl SignalTracker {
+    /// For these effects only, at [`DEFAULT_LATITUDE_DEG`]; of any other the regressor may stay `None`.
+    #[must_use]
+    pub fn for_effects(effects: impl IntoIterator<Item = EffectId>) -> Self {
+        let uses = effects.into_iter().fold(Uses::NOTHING, |uses, effect| uses.and(effect.row().uses));
+        Self::with_uses(uses).at_latitude_deg(DEFAULT_LATITUDE_DEG)
+    }
+
+    /// The same at another latitude, degrees, north positive; beyond the poles nothing changes.
+    #[must_use]
+    pub fn at_latitude_deg(mut self, latitude_deg: f32) -> Self {
+        let is_latitude = (-90.0..=90.0).contains(&latitude_deg);
+        if let (true, Some((_, cosine))) = (is_latitude, sine_and_cosine(latitude_deg.to_radians())) {
+            self.eastward_radps = 2.0 * EARTH_RATE_RADPS * cosine;
+        }
+        self
+    }
+
+    fn with_uses(uses: Uses) -> Self {
+        Self {
+            uses,
+            eastward_radps: 0.0,
+            first_us: None,
+            now_us: 0,
+            launch_us: None,
+            true_airspeed_mps: None,
+            angle_of_attack_rad: None,
+            sideslip_rad: None,
+            throttle: None,
+            baro_temperature_c: None,
+            motion: ReferenceMotion::default(),
+            inertial: Inertial::default(),
+            origin_altitude: Origin::default(),
+            origin_temperature: Origin::default(),
+            latched_airspeed_squared_m2ps2: None,
+            integrals: FreeFlightIntegrals::default(),
+            refused: 0,
+        }
+    }
+
+    /// From now on `h0` is the altitude of the next fix and `T0` the next temperature of the barometer.
+    /// Before, they are the first ones of all.
+    pub fn begin_calibration(&mut self) {
+        self.origin_altitude.is_due = true;
+        self.origin_temperature.is_due = true;
+    }
+
+    /// Launch: `t` and the integrals are 0 at `time_us`, and the airspeed is latched (where there has not
+    /// been any, the first one from now on).
+    pub fn begin_free_flight(&mut self, time_us: u64) {
+        self.launch_us = Some(time_us);
+        self.now_us = self.now_us.max(time_us);
+        self.latched_airspeed_squared_m2ps2 = self.airspeed_squared_m2ps2();
+        self.integrals = FreeFlightIntegrals::default();
+        self.inertial.restart();
+    }
+
+    /// Takes what is new at a tick; `fix` is the tick's fix if it was accepted (finite, and not the last
+    /// one held).
+    #[inline]
+    pub fn take(&mut self, input: &TickInput, fix: Option<&GpsFix>) {
+        let from_us = self.now_us;
+        self.now_us = input.time_us.max(from_us);
+        if self.first_us.is_none() {
+            self.first_us = Some(input.time_us);
+        }
+        self.take_signals(&input.signals);
+        if let Some(fix) = fix {
+            self.motion.take(input.time_us, fix);
+            self.origin_altitude.see(fix.altitude_m);
+        }
+        if let Some(imu) = &input.imu {
+            self.take_imu(imu);
+        }
+        if self.launch_us.is_some() {
+            if self.latched_airspeed_squared_m2ps2.is_none() {
+                self.latched_airspeed_squared_m2ps2 = self.airspeed_squared_m2ps2();
+            }
+            let step = Step {
+                uses: self.uses,
+                seconds: elapsed_s(from_us, self.now_us),
+                elapsed_s: self.elapsed_s(Clock::Launch),
+                has_fix: fix.is_some(),
+                height_gained_m: self.height_gained_m(),
+                eastward_radps: self.eastward_radps,
+                inertial: &self.inertial,
+                motion: &self.motion,
+            };
+            let is_taken = self.integrals.advance(&step);
+            self.count_unless(is_taken);
+        }
+    }
+
+    #[inline]
+    fn take_signals(&mut self, signals: &Signals) {
+        let refused = &mut self.refused;
+        let mut take = |slot: &mut Option<f32>, value: Option<f32>| match value {
+            Some(value) if value.is_finite() => *slot = Some(value),
+            Some(_) => *refused = refused.saturating_add(1),
+            None => {}
+        };
+        take(&mut self.true_airspeed_mps, signals.true_airspeed_mps);
+        if self.uses.any_of(Uses::ANGLE_OF_ATTACK) {
+            take(&mut self.angle_of_attack_rad, signals.angle_of_attack_rad);
+        }
+        if self.uses.any_of(Uses::SIDESLIP) {
+            take(&mut self.sideslip_rad, signals.sideslip_rad);
+        }
+        if self.uses.any_of(Uses::THROTTLE) {
+            take(&mut self.throttle, signals.throttle);
+        }
+        if self.uses.any_of(Uses::BARO_TEMPERATURE) {
+            let mut temperature_c = None;
+            take(&mut temperature_c, signals.baro_temperature_c);
+            if let Some(temperature_c) = temperature_c {
+                self.baro_temperature_c = Some(temperature_c);
+                self.origin_temperature.see(temperature_c);
+            }
+        }
+        if let (true, Some([roll_rad, pitch_rad, _])) =
+            (self.uses.any_of(Uses::ATTITUDE), signals.attitude_rad)
+        {
+            let is_taken = self.inertial.take_attitude(roll_rad, pitch_rad);
+            self.count_unless(is_taken);
+        }
+    }
+
+    fn take_imu(&mut self, imu: &ImuSample) {
+        const READ: Uses = Uses::LOAD_FACTOR.and(Uses::VERTICAL).and(Uses::FORWARD).and(Uses::VIBRATION);
+        if !self.uses.any_of(READ) {
+            return;
+        }
+        if !imu.accel_mps2.iter().all(|x| x.is_finite()) {
+            self.count_unless(false);
+            return;
+        }
+        self.inertial.take_accel(self.now_us, imu.accel_mps2);
+        if self.uses.any_of(Uses::VIBRATION) && self.launch_us.is_some() {
+            let is_taken = self.inertial.shake(self.now_us, imu.accel_mps2);
+            self.count_unless(is_taken);
+        }
+    }
+
+    fn count_unless(&mut self, is_taken: bool) {
+        if !is_taken {
+            self.refused = self.refused.saturating_add(1);
+        }
+    }
+
+    /// How many signal values were refused: not finite, no angle, or so large that an integral overflows.
+    #[must_use]
+    pub const fn refused(&self) -> u32 {
+        self.refused
+    }
+
+    /// What the airspeed is, once there is one.
+    #[must_use]
+    pub fn airspeed_source(&self) -> Option<AirspeedSource> {
+        let measured = self.true_airspeed_mps.map(|_| AirspeedSource::TrueAirspeed);
+        measured.or_else(|| self.motion.speed_squared_m2ps2().map(|_| AirspeedSource::GroundSpeed))
+    }
+
+    /// What the forward acceleration of `imu.tilt` and `imu.gyro_bias` is made of: decided at launch, and
+    /// before it as it would be now.
+    #[must_use]
+    pub fn acceleration_source(&self) -> Option<AccelerationSource> {
+        self.integrals.source.or_else(|| AccelerationSource::now(&self.inertial, &self.motion))
+    }
+
+    /// The regressor of an effect now, metres per unit of its coefficient; `None` while a signal that it
+    /// needs has not been seen, and where the number overflows.
+    #[must_use]
+    #[inline]
+    pub fn regressor_m(&self, regressor: Regressor) -> Option<f32> {
+        (regressor.id.row().value)(self, &regressor).filter(|value_m| value_m.is_finite())
+    }
+
+    /// Square of the true airspeed, (m/s)^2, or of the speed over ground where no airspeed has ever
+    /// been measured.
+    #[must_use]
+    pub fn airspeed_squared_m2ps2(&self) -> Option<f32> {
+        self.true_airspeed_mps.map(|speed| speed * speed).or(self.motion.speed_squared_m2ps2())
+    }
+
+    /// Climb rate, m/s: the last fix's own, else from the fixes' altitudes by a critically damped g-h
+    /// filter.
+    #[must_use]
+    pub fn climb_rate_mps(&self) -> Option<f32> {
+        self.motion.climb_rate_mps()
+    }
+
+    /// Seconds on a clock; the launch's stands at 0 before launch.
+    #[must_use]
+    pub fn elapsed_s(&self, clock: Clock) -> f32 {
+        let start_us = match clock {
+            Clock::Launch => self.launch_us,
+            Clock::Start => self.first_us,
+        };
+        start_us.map_or(0.0, |start_us| elapsed_s(start_us, self.now_us))
+    }
+
+    /// Zero before launch, then the square of the airspeed at launch, (m/s)^2.
+    pub(super) fn latched_airspeed_squared_m2ps2(&self) -> Option<f32> {
+        match self.launch_us {
+            None => self.airspeed_squared_m2ps2().map(|_| 0.0),
+            Some(_) => self.latched_airspeed_squared_m2ps2,
+        }
+    }
+
+    /// `h - h0`, metres.
+    pub(super) fn height_gained_m(&self) -> Option<f32> {
+        Some(self.motion.altitude_m(self.now_us)? - self.origin_altitude.value?)
+    }
+
+    /// `T - T0`, kelvin.
+    pub(super) fn baro_warming_k(&self) -> Option<f32> {
+        Some(self.baro_temperature_c? - self.origin_temperature.value?)
+    }
+
+    pub(super) const fn load_factor(&self) -> Option<f32> {
+        self.inertial.load_factor()
+    }
+
+    pub(super) fn sin_pitch(&self) -> Option<f32> {
+        self.inertial.sin_pitch()
+    }
+
+    pub(super) fn vertical_integral_m(&self) -> Option<f32> {
+        self.inertial.is_complete().then_some(self.integrals.vertical.value())
+    }
+
+    /// Double integrals of the forward acceleration, and of it times `t`.
+    pub(super) fn forward_integrals_m(&self) -> Option<[f32; 2]> {
+        self.acceleration_source().map(|_| [self.integrals.forward.value(), self.integrals.turning.value()])
+    }
+
+    pub(super) fn vibration_integral_m(&self) -> Option<f32> {
+        self.inertial.vibration_integral_m()
+    }
+
+    pub(super) fn gravity_integral_m(&self) -> Option<f32> {
+        self.height_gained_m().map(|_| self.integrals.gravity.value())
+    }
+
+    pub(super) fn eotvos_integral_m(&self) -> Option<f32> {
+        self.motion.velocity_mps().map(|_| self.integrals.eotvos.value())
+    }
+}

@@ -1,0 +1,101 @@
+//! What the model's effects add to a tick's readings, and how far they could be trusted.
+
+use super::Mission;
+use crate::calibration::own_regressors;
+use crate::config::MAX_ESTIMATED_EFFECTS;
+use crate::effect::EffectSubject;
+use crate::reference::AcceptedFix;
+
+/// The estimated effects' regressors at one tick, and what came of the effects.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct EffectUse<const E: usize> {
+    /// `None`: a signal is missing.
+    regressors_m: [Option<f32>; E],
+    /// Readings and fixes that went without an effect.
+    missing: u32,
+    /// Readings and fixes outside of an effect's envelope.
+    beyond: u32,
+    extrapolated: u16,
+}
+
+impl<const E: usize> EffectUse<E> {
+    pub(super) const fn new(regressors_m: [Option<f32>; E]) -> Self {
+        Self { regressors_m, missing: 0, beyond: 0, extrapolated: 0 }
+    }
+
+    /// Metres per unit of coefficient; zero where a signal is missing.
+    pub(super) fn regressors_m(&self) -> [f32; E] {
+        self.regressors_m.map(|regressor_m| regressor_m.unwrap_or(0.0))
+    }
+
+    /// See [`crate::output::TickOutput::extrapolated`].
+    pub(super) const fn extrapolated(&self) -> u16 {
+        self.extrapolated
+    }
+
+    /// Notes that an effect was used with that regressor.
+    fn note(&mut self, bit: usize, regressor_m: Option<f32>, extrapolates: impl FnOnce(f32) -> bool) {
+        match regressor_m {
+            None => self.missing = self.missing.saturating_add(1),
+            Some(regressor_m) if extrapolates(regressor_m) => {
+                self.beyond = self.beyond.saturating_add(1);
+                self.extrapolated |= 1 << (bit & 15);
+            }
+            Some(_) => {}
+        }
+    }
+}
+
+impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E> {
+    /// Regressors of the estimated effects, metres per unit of coefficient.
+    pub(super) fn regressors(&self) -> [Option<f32>; E] {
+        self.config.estimated_effects.map(|effect| self.signals.regressor_m(effect.regressor))
+    }
+
+    /// Sum of the constant effects on a subject, metres, which its reading is freed of; notes the use of
+    /// every effect on it.
+    pub(super) fn correction_m(&self, subject: EffectSubject, effects: &mut EffectUse<E>) -> f32 {
+        let mut sum_m = 0.0;
+        for (k, effect) in self.config.constant_effects.iter().enumerate() {
+            if effect.id().subject() == subject {
+                let regressor_m = self.signals.regressor_m(effect.regressor);
+                effects.note(MAX_ESTIMATED_EFFECTS + k, regressor_m, |phi| effect.extrapolates(phi));
+                sum_m += effect.coefficient * regressor_m.unwrap_or(0.0);
+            }
+        }
+        let regressors_m = effects.regressors_m;
+        for (j, (effect, regressor_m)) in self.config.estimated_effects.iter().zip(regressors_m).enumerate() {
+            if effect.id().subject() == subject {
+                effects.note(j, regressor_m, |phi| effect.extrapolates(phi));
+            }
+        }
+        sum_m
+    }
+
+    /// The accepted fix, free of the reference's constant effects; keeps its regressors of the estimated.
+    pub(super) fn correct_fix(&mut self, accepted: AcceptedFix, effects: &mut EffectUse<E>) -> AcceptedFix {
+        let correction_m = self.correction_m(EffectSubject::Gps, effects);
+        self.fix_regressors_m = own_regressors(&self.config, EffectSubject::Gps, &effects.regressors_m());
+        self.tracker.correct(accepted, correction_m)
+    }
+
+    /// The reference now, free of its effects, metres; `None` when it is lost.
+    pub(super) fn reference_m(&self, time_us: u64) -> Option<f32> {
+        let altitude_m = self.tracker.altitude_m(time_us)?;
+        Some(altitude_m - self.estimated_m(&self.fix_regressors_m))
+    }
+
+    /// What estimated effects with these regressors add, by the coefficients as they stand (after launch:
+    /// as latched), metres.
+    pub(super) fn estimated_m(&self, regressors_m: &[f32; E]) -> f32 {
+        let coefficients = self.calibration.estimator().coefficients();
+        coefficients.iter().zip(regressors_m).map(|(coefficient, phi)| coefficient * phi).sum()
+    }
+
+    /// Counts what came of the effects at this tick.
+    pub(super) fn count_effects(&mut self, effects: &EffectUse<E>) {
+        let counters = &mut self.counters;
+        counters.effects_without_signal = counters.effects_without_signal.saturating_add(effects.missing);
+        counters.effects_extrapolated = counters.effects_extrapolated.saturating_add(effects.beyond);
+    }
+}
