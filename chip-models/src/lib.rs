@@ -11,6 +11,7 @@
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 
+pub mod bmp390;
 pub mod bus;
 pub mod icm42688p;
 pub mod ms5611;

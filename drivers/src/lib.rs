@@ -1,7 +1,7 @@
 //! What a sensor driver is to the flight computer: one trait for each kind of sensor, and the suite
 //! that turns one poll of every sensor into the estimator's input.
 //!
-//! The drivers of the chips implement these traits ([`ms5611`], [`icm42688p`], [`ublox`]); another chip is one more file. The
+//! The drivers of the chips implement these traits ([`ms5611`], [`bmp390`], [`icm42688p`], [`ublox`]); another chip is one more file. The
 //! emulated board has the ones of [`Replay`], fed from a flight record.
 //!
 //! A driver is split-phase: `poll` never waits. It starts the next transfer or conversion when one is
@@ -10,6 +10,7 @@
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 
+pub mod bmp390;
 mod error;
 mod health;
 pub mod icm42688p;

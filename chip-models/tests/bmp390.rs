@@ -1,0 +1,193 @@
+//! The BMP390 driver against the chip's model.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use chip_models::bmp390::{Bmp390Model, Trimming};
+use chip_models::bus::{ChipOnBus, WireFault};
+use chip_models::source::{Air, Held};
+use drivers::bmp390::{Bmp390, MAX_POLL_BYTES};
+use drivers::{Barometer, SensorError};
+use kf_core::input::BaroReading;
+use proptest::prelude::*;
+
+const TICK_US: u64 = 5_000;
+const GROUND: Air = Air { pressure_pa: 101_325.0, temperature_c: 25.0 };
+
+struct Bench {
+    driver: Bmp390<ChipOnBus<Bmp390Model<Held<Air>>>>,
+    now_us: u64,
+}
+
+impl Bench {
+    fn new(trimming: Trimming, air: Air) -> Self {
+        // Not on the chip's own raster, so that no tick coincides with the end of a conversion.
+        Self { driver: Bmp390::new(ChipOnBus::new(Bmp390Model::new(trimming, Held(air)))), now_us: 1_300 }
+    }
+
+    fn running() -> Self {
+        let mut bench = Self::new(Trimming::REAL, GROUND);
+        bench.next(40).unwrap();
+        bench
+    }
+
+    /// One tick: every poll keeps to its bytes.
+    fn poll(&mut self) -> Result<Option<(f32, f32)>, SensorError> {
+        self.now_us += TICK_US;
+        self.driver.bus_mut().set_time(self.now_us);
+        let before = self.driver.bus_mut().traffic().bytes;
+        let outcome = self.driver.poll(self.now_us);
+        let moved = self.driver.bus_mut().traffic().bytes - before;
+        assert!(moved <= MAX_POLL_BYTES as u64, "{moved} bytes in one poll");
+        outcome.map(|sample| {
+            sample.map(|sample| {
+                let Some(BaroReading::PressurePa(pressure)) = sample.reading else { panic!("{sample:?}") };
+                (pressure, sample.temperature_c.unwrap())
+            })
+        })
+    }
+
+    fn next(&mut self, ticks: u32) -> Result<(f32, f32), SensorError> {
+        for _ in 0..ticks {
+            if let Some(sample) = self.poll()? {
+                return Ok(sample);
+            }
+        }
+        panic!("neither a sample nor an error in {ticks} ticks")
+    }
+
+    fn next_error(&mut self, ticks: u32) -> SensorError {
+        (0..ticks).find_map(|_| self.poll().err()).unwrap()
+    }
+
+    /// Samples come again, and right, within a quarter of a second.
+    fn assert_recovers(&mut self) {
+        self.driver.bus_mut().fault = None;
+        for _ in 0..50 {
+            let _ = self.poll();
+        }
+        for _ in 0..20 {
+            let (pressure, temperature) = self.next(5).unwrap();
+            assert!((pressure - GROUND.pressure_pa).abs() < 0.1, "{pressure}");
+            assert!((temperature - GROUND.temperature_c).abs() < 0.001, "{temperature}");
+        }
+    }
+}
+
+/// Coefficients within 5 % of a real chip's.
+fn trimming() -> impl Strategy<Value = Trimming> {
+    let real = Trimming::REAL;
+    (prop::array::uniform3(0.95f32..1.05), prop::collection::vec(0.95f32..1.05, 11)).prop_map(
+        move |(t, p)| {
+            let scaled = |value: i32, factor: f32| (value as f32 * factor) as i32;
+            let mut trimming = real;
+            trimming.t.iter_mut().zip(t).for_each(|(value, factor)| *value = scaled(*value, factor));
+            trimming.p.iter_mut().zip(p).for_each(|(value, factor)| *value = scaled(*value, factor));
+            trimming
+        },
+    )
+}
+
+proptest! {
+    /// Pressure and temperature come back within the chip's quantisation over its whole range.
+    #[test]
+    fn what_goes_in_comes_out(
+        trimming in trimming(),
+        pressure_pa in 30_010.0f32..124_990.0,
+        temperature_c in -39.9f32..84.9,
+    ) {
+        let air = Air { pressure_pa, temperature_c };
+        let (raw_p, raw_t) = trimming.raw(air);
+        prop_assume!((2..0xFF_FFFD).contains(&raw_p) && (2..0xFF_FFFD).contains(&raw_t));
+        let mut bench = Bench::new(trimming, air);
+        let (pressure, temperature) = bench.next(40).unwrap();
+        // Half a count of pressure (at most 0.02 Pa here: (P1 - 2^14) / 2^20), f32 in and out (1/128 Pa), and
+        // the temperature's cut to 2^-20 degrees times 500 Pa a degree of the offset.
+        prop_assert!((pressure - pressure_pa).abs() <= 0.010 + 1.0 / 128.0 + 0.001, "{pressure} {pressure_pa}");
+        // One count of temperature is T2 / 2^30 = 1.8e-5 degrees; f32 at 85 degrees: 8e-6.
+        prop_assert!((temperature - temperature_c).abs() <= 2e-5, "{temperature} {temperature_c}");
+    }
+}
+
+#[test]
+fn the_rate_is_50_hz() {
+    let mut bench = Bench::running();
+    let samples = (0..1_000).filter(|_| bench.poll().unwrap().is_some()).count();
+    assert!((249..=251).contains(&samples), "{samples}");
+    let health = bench.driver.health();
+    assert_eq!((health.errors, health.initialisations), (0, 1));
+}
+
+#[test]
+fn a_stuck_line_is_found_and_left() {
+    for fault in [WireFault::StuckLow, WireFault::StuckHigh] {
+        let mut bench = Bench::running();
+        bench.driver.bus_mut().fault = Some(fault);
+        for _ in 0..3 {
+            assert_eq!(bench.next_error(10), SensorError::StuckBus, "{fault:?}");
+        }
+        bench.assert_recovers();
+    }
+}
+
+#[test]
+fn an_error_of_the_peripheral_is_passed_on() {
+    let mut bench = Bench::running();
+    bench.driver.bus_mut().fault = Some(WireFault::BusError);
+    assert_eq!(bench.next_error(1), SensorError::Bus);
+    bench.assert_recovers();
+}
+
+#[test]
+fn a_reset_in_flight_is_found_at_once() {
+    let mut bench = Bench::running();
+    bench.driver.bus_mut().power_dip();
+    assert_eq!(bench.next_error(1), SensorError::ConfigurationLost);
+    bench.assert_recovers();
+    assert_eq!(bench.driver.health().initialisations, 2);
+}
+
+#[test]
+fn a_register_that_changes_is_found() {
+    for (register, bit) in [(0x1B, 0x01), (0x1C, 0x01), (0x1D, 0x01), (0x1F, 0x02)] {
+        let mut bench = Bench::running();
+        *bench.driver.bus_mut().chip.register_mut(register) ^= bit;
+        assert_eq!(bench.next_error(8 * 8 + 1), SensorError::ConfigurationLost, "{register:#x}");
+        bench.assert_recovers();
+    }
+}
+
+#[test]
+fn an_error_that_the_chip_reports_resets_it() {
+    let mut bench = Bench::running();
+    *bench.driver.bus_mut().chip.register_mut(0x02) = 0x01;
+    assert_eq!(bench.next_error(1), SensorError::ConfigurationLost);
+    bench.assert_recovers();
+}
+
+#[test]
+fn a_chip_that_converts_too_slowly_is_stale() {
+    let mut bench = Bench::running();
+    bench.driver.bus_mut().chip.slower_by_us = 200_000;
+    assert_eq!(bench.next_error(60), SensorError::Stale);
+    bench.driver.bus_mut().chip.slower_by_us = 0;
+    bench.assert_recovers();
+}
+
+#[test]
+fn a_flipped_bit_in_the_coefficients_is_found() {
+    // Two bytes of reset, three of identity, two of address; then the CRC and 21 coefficients.
+    for after_bytes in 7..29 {
+        let mut bench = Bench::new(Trimming::REAL, GROUND);
+        bench.driver.bus_mut().fault = Some(WireFault::FlipBits { after_bytes, mask: 0x04 });
+        assert_eq!(bench.next_error(10), SensorError::Check, "{after_bytes}");
+        bench.assert_recovers();
+    }
+}
+
+#[test]
+fn another_chip_is_refused() {
+    let mut bench = Bench::new(Trimming::REAL, GROUND);
+    bench.poll().unwrap();
+    *bench.driver.bus_mut().chip.register_mut(0x00) = 0x50;
+    assert_eq!(bench.poll(), Err(SensorError::WrongDevice));
+    bench.assert_recovers();
+}
