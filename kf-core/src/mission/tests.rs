@@ -601,3 +601,5 @@ fn a_configuration_out_of_range_is_refused() {
     assert_eq!(Mission::<3, 1, 0>::new(&config(true)).err(), Some(ConfigError::ClimbRateNeedsDenseFilter));
     assert_eq!(Mission::<0, 4, 1>::new(&config(true)).err(), Some(ConfigError::Shape));
 }
+
+mod effects;
