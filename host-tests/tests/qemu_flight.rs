@@ -31,6 +31,53 @@ fn effects(estimate: bool) -> Model {
     Model::parse(&effect).unwrap()
 }
 
+/// Effects of every family, on sensors and on the reference: four as states, eight as constants; between
+/// them every kind of regressor (products, time constants, sine, single and double integrals).
+fn many_effects(propagate_climb_rate: bool) -> Model {
+    let mut text = format!("gps.propagate_climb_rate = {propagate_climb_rate}\n");
+    for id in ["baro.dynamic_pressure", "baro.lag", "gps.lever_arm", "imu.vibration"] {
+        text += &format!("[[effect]]\nid = \"{id}\"\nsigma = 0.05\nestimate = true\nenvelope_m = [-5, 5]\n");
+    }
+    for (id, coefficient, more) in [
+        ("imu.tilt", 0.01, ""),
+        ("imu.gyro_bias", 0.001, ""),
+        ("imu.accel_scale", 0.01, "envelope_m = [0, 1]"),
+        ("imu.eotvos", 1.0, ""),
+        ("baro.warm_up", 3.0, "time_constant_s = 9\nsince = \"start\""),
+        ("gps.convergence", 2.0, "time_constant_s = 4\nsince = \"start\""),
+        ("gps.latency", 0.1, ""),
+        ("baro.acceleration", 0.5, ""),
+    ] {
+        text += &format!("[[effect]]\nid = \"{id}\"\ncoefficient = {coefficient}\n{more}\n");
+    }
+    Model::parse(&text).unwrap()
+}
+
+#[test]
+fn every_tick_has_the_hosts_bits_with_four_effects_as_states_and_eight_as_constants() {
+    for propagate_climb_rate in [false, true] {
+        let model = prompt(many_effects(propagate_climb_rate));
+        let mut host = pylon::replay::mission(&model).unwrap();
+        let mut extrapolated = 0;
+        for input in flight() {
+            let output = host.tick(&input);
+            extrapolated |= output.extrapolated;
+            assert_eq!(output.coefficients.len(), 4);
+        }
+        let report = must(fly(&flight(), &model, FlyOptions::default()));
+        assert_eq!(report.ticks as usize, TICKS);
+        // Nothing was missing, and every effect had something to say: with coefficients of nothing the
+        // bits would be equal too.
+        assert_eq!(host.counters().effects_without_signal, 0);
+        assert_eq!(report.latch.as_ref(), host.latch());
+        assert_eq!(report.latch.as_ref().unwrap().state.len(), 8);
+        // The dynamic pressure leaves 5 m at once, the lag at launch, and so does the vertical integral.
+        assert_eq!(extrapolated & 0b11, 0b11, "{extrapolated:b}");
+        assert_eq!(extrapolated >> 10 & 1, 1, "{extrapolated:b}");
+        assert!(report.instructions_mean < 8_000.0, "{report:?}");
+    }
+}
+
 #[test]
 fn every_tick_has_the_hosts_bits_for_every_shape_of_the_filter() {
     for model in [Model::default(), Model::paper(), effects(true), effects(false)] {

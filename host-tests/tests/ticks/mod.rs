@@ -37,6 +37,7 @@ pub fn flight() -> Vec<TickInput> {
             let free_s = k.saturating_sub(LAUNCH) as f32 * 0.005;
             let altitude_m = 2_000.0 - 30.0 * free_s;
             let airspeed_mps = 60.0 + 4.0 * free_s;
+            let swing = ((k % 2_000) as f32 * 1e-3 - 1.0).abs();
             TickInput {
                 time_us: 1_000_000 + k as u64 * TICK_US,
                 launch: k >= LAUNCH,
@@ -66,8 +67,11 @@ pub fn flight() -> Vec<TickInput> {
                 signals: Signals {
                     true_airspeed_mps: (k % 4 == 0).then_some(airspeed_mps),
                     angle_of_attack_rad: (k % 4 == 0).then_some(0.05),
+                    sideslip_rad: (k % 4 == 0).then_some(0.02),
+                    throttle: (k % 4 == 0).then_some(0.6),
                     baro_temperature_c: (k % 100 == 0).then_some(25.0),
-                    attitude_rad: Some([0.0, -0.1, 1.0]),
+                    // Not one value: effects of the attitude shall move. Slowly, and back and forth.
+                    attitude_rad: Some([0.3 - swing, 0.5 * swing - 0.1, 1.0]),
                     ..Signals::default()
                 },
             }
