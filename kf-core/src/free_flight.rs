@@ -5,7 +5,7 @@ use crate::latch::LatchRecord;
 use crate::monitor::Monitor;
 use crate::moving_average::MovingAverage;
 use crate::output::Trust;
-use crate::sensor::{SENSORS, Sensor};
+use crate::sensor::Sensor;
 use crate::time::{microseconds, seconds_between};
 use crate::ud::{NoiseVariance, Row, UdFilter};
 
@@ -93,11 +93,22 @@ struct Watch {
     last_us: u64,
 }
 
+/// The sensors that fly free. There is no room kept for one that does not: a watch is over half a kilobyte.
+const WATCHED: [Sensor; 2] = [Sensor::ImuSlave, Sensor::Baro];
+
+const fn position(sensor: Sensor) -> Option<usize> {
+    match sensor {
+        Sensor::ImuMaster => None,
+        Sensor::ImuSlave => Some(0),
+        Sensor::Baro => Some(1),
+    }
+}
+
 /// The watch over every sensor that flies free.
 #[derive(Clone, Debug)]
 pub(crate) struct FreeFlight {
-    /// `None`: nothing to watch this sensor by.
-    watches: [Option<Watch>; SENSORS],
+    /// Of [`WATCHED`]; `None`: nothing to watch this sensor by.
+    watches: [Option<Watch>; WATCHED.len()],
     silent_after_us: u64,
 }
 
@@ -106,7 +117,7 @@ impl FreeFlight {
         let window_us = microseconds(config.monitor.window_s);
         let watch = |sensor: Sensor| {
             let latched = latch.sensors.get(sensor.index())?;
-            let is_watched = sensor.flies_free() && latched.bound_m2 > 0.0 && latched.bound_m2.is_finite();
+            let is_watched = latched.bound_m2 > 0.0 && latched.bound_m2.is_finite();
             is_watched.then(|| Watch {
                 monitor: Monitor::new(latched.bound_m2, window_us),
                 correction: Correction::new(
@@ -119,14 +130,14 @@ impl FreeFlight {
                 last_us: latch.time_us,
             })
         };
-        Self { watches: Sensor::ALL.map(watch), silent_after_us: microseconds(config.reference.lost_after_s) }
+        Self { watches: WATCHED.map(watch), silent_after_us: microseconds(config.reference.lost_after_s) }
     }
 
     /// Takes the error of eq. 16 of one sensor, metres; `None` if the sensor is not watched or the
     /// error overflows.
     #[inline]
     pub(crate) fn take(&mut self, sensor: Sensor, time_us: u64, error_m: f32) -> Option<WatchedError> {
-        let watch = self.watches.get_mut(sensor.index())?.as_mut()?;
+        let watch = self.watches.get_mut(position(sensor)?)?.as_mut()?;
         let corrected_m = error_m - watch.correction.value_m();
         if !corrected_m.is_finite() {
             return None;
@@ -141,11 +152,27 @@ impl FreeFlight {
     /// or one that has gone silent, is not known.
     #[inline]
     pub(crate) fn trust(&self, sensor: Sensor, time_us: u64, has_reference: bool) -> Trust {
-        let Some(Some(watch)) = self.watches.get(sensor.index()) else { return Trust::Unmonitored };
+        let watch = position(sensor).and_then(|position| self.watches.get(position)?.as_ref());
+        let Some(watch) = watch else { return Trust::Unmonitored };
         let is_silent = time_us.saturating_sub(watch.last_us) > self.silent_after_us;
         match watch.monitor.trust() {
             Trust::Trusted if !has_reference || is_silent => Trust::Unmonitored,
             trust => trust,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_sensor_that_flies_free_has_its_place() {
+        let flying = Sensor::ALL.into_iter().filter(|sensor| sensor.flies_free());
+        assert!(flying.eq(WATCHED));
+        for sensor in Sensor::ALL {
+            let found = WATCHED.iter().position(|watched| *watched == sensor);
+            assert_eq!(position(sensor), found);
         }
     }
 }

@@ -105,8 +105,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             last_us: 0,
             launch_was: false,
             tracker: ReferenceTracker::new(&config.reference),
-            signals: SignalTracker::for_effects(effects.map(|effect| effect.id()))
-                .at_latitude_deg(config.latitude_deg),
+            signals: SignalTracker::for_effects(effects.map(|effect| effect.id()), config.latitude_deg),
             fix_regressors_m: [0.0; E],
             stuck: core::array::from_fn(|_| StuckDetector::default()),
             last_accepted_us: [None; SENSORS],

@@ -79,7 +79,7 @@ fn both(
     let replay = Replay::new(&flight, &Model::default(), None).unwrap();
     let latitude_deg = replay.model().latitude_deg;
     assert_eq!(latitude_deg, 60.0);
-    let mut tracker = SignalTracker::for_effects([id]).at_latitude_deg(latitude_deg);
+    let mut tracker = SignalTracker::for_effects([id], latitude_deg);
     let wanted = Regressor { id, time_constant_s: TIME_CONSTANT_S, since: Clock::Launch };
     let (mut ours, mut launched) = (Vec::new(), false);
     for mut input in replay.inputs() {

@@ -112,7 +112,7 @@ fn each_effect_waits_for_the_columns_it_names_and_for_no_other() {
                 "gps_alt_m" | "" => {}
                 _ => input.imu = None,
             }
-            let mut tracker = SignalTracker::for_effects([id]);
+            let mut tracker = SignalTracker::for_effects([id], 45.0);
             tracker.take(&input, (without != "gps_alt_m").then_some(&fix));
             value(&tracker, id).is_some()
         };

@@ -73,32 +73,38 @@ impl Origin {
 impl Default for SignalTracker {
     /// For every effect of the catalogue, at [`DEFAULT_LATITUDE_DEG`].
     fn default() -> Self {
-        Self::with_uses(Uses::EVERYTHING).at_latitude_deg(DEFAULT_LATITUDE_DEG)
+        Self::with_uses(Uses::EVERYTHING, eastward_radps(DEFAULT_LATITUDE_DEG).unwrap_or(0.0))
     }
 }
 
+/// `2 Omega cos(latitude)`, rad/s; `None` for what is no latitude.
+fn eastward_radps(latitude_deg: f32) -> Option<f32> {
+    if !(-90.0..=90.0).contains(&latitude_deg) {
+        return None;
+    }
+    sine_and_cosine(latitude_deg.to_radians()).map(|(_, cosine)| 2.0 * EARTH_RATE_RADPS * cosine)
+}
+
 impl SignalTracker {
-    /// For these effects only, at [`DEFAULT_LATITUDE_DEG`]; of any other the regressor may stay `None`.
+    /// For these effects only; of any other the regressor may stay `None`. What is no latitude (degrees,
+    /// north positive) counts as a pole.
     #[must_use]
-    pub fn for_effects(effects: impl IntoIterator<Item = EffectId>) -> Self {
+    #[inline]
+    pub fn for_effects(effects: impl IntoIterator<Item = EffectId>, latitude_deg: f32) -> Self {
         let uses = effects.into_iter().fold(Uses::NOTHING, |uses, effect| uses.and(effect.row().uses));
-        Self::with_uses(uses).at_latitude_deg(DEFAULT_LATITUDE_DEG)
+        Self::with_uses(uses, eastward_radps(latitude_deg).unwrap_or(0.0))
     }
 
-    /// The same at another latitude, degrees, north positive; beyond the poles nothing changes.
-    #[must_use]
-    pub fn at_latitude_deg(mut self, latitude_deg: f32) -> Self {
-        let is_latitude = (-90.0..=90.0).contains(&latitude_deg);
-        if let (true, Some((_, cosine))) = (is_latitude, sine_and_cosine(latitude_deg.to_radians())) {
-            self.eastward_radps = 2.0 * EARTH_RATE_RADPS * cosine;
-        }
-        self
+    /// Where the flight is, degrees, north positive, from now on; what is no latitude changes nothing.
+    pub fn set_latitude_deg(&mut self, latitude_deg: f32) {
+        self.eastward_radps = eastward_radps(latitude_deg).unwrap_or(self.eastward_radps);
     }
 
-    fn with_uses(uses: Uses) -> Self {
+    #[inline]
+    fn with_uses(uses: Uses, eastward_radps: f32) -> Self {
         Self {
             uses,
-            eastward_radps: 0.0,
+            eastward_radps,
             first_us: None,
             now_us: 0,
             launch_us: None,
