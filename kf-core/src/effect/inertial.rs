@@ -36,6 +36,17 @@ struct Level {
     cos_pitch: f32,
 }
 
+/// Beyond this pitch (its cosine) roll is not carried: it is not defined at the vertical.
+const STEEP_COSINE: f32 = 0.1;
+/// A larger turn between two samples is none that an aircraft makes, rad.
+const LARGEST_TURN_RAD: f32 = 0.3;
+
+/// Sine and cosine of an angle that has grown by a small one, to its third power.
+fn turned((sine, cosine): (f32, f32), by_rad: f32) -> (f32, f32) {
+    let loss = 0.5 * by_rad * by_rad;
+    (sine + by_rad * cosine - loss * sine, cosine - by_rad * sine - loss * cosine)
+}
+
 /// Latest specific force and attitude.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Inertial {
@@ -71,6 +82,25 @@ impl Inertial {
         };
         self.level = Some(Level { sin_roll, cos_roll, sin_pitch, cos_pitch });
         true
+    }
+
+    /// Carries roll and pitch on from the last sample of specific force by the body rates, rad/s, until
+    /// there is a new attitude: one that is 15 ms late would let gravity in (Titterton and Weston, on
+    /// propagating Euler angles). Rates that no aircraft has are not used.
+    pub(super) fn turn(&mut self, time_us: u64, [p, q, r]: [f32; 3]) {
+        let (Some((last_us, _)), Some(level)) = (self.accel, &mut self.level) else { return };
+        let seconds = seconds_between(last_us, time_us);
+        if level.cos_pitch < STEEP_COSINE {
+            return;
+        }
+        let pitched_rad = seconds * (q * level.cos_roll - r * level.sin_roll);
+        let around = q * level.sin_roll + r * level.cos_roll;
+        let rolled_rad = seconds * (p + level.sin_pitch / level.cos_pitch * around);
+        let is_small = |turn_rad: f32| turn_rad.abs() <= LARGEST_TURN_RAD;
+        if is_small(pitched_rad) && is_small(rolled_rad) {
+            (level.sin_roll, level.cos_roll) = turned((level.sin_roll, level.cos_roll), rolled_rad);
+            (level.sin_pitch, level.cos_pitch) = turned((level.sin_pitch, level.cos_pitch), pitched_rad);
+        }
     }
 
     /// Starts the vibration's integral anew.
@@ -152,6 +182,38 @@ mod tests {
         assert!(upward.abs() < 1e-5 && forward.abs() < 1e-5, "{upward} {forward}");
         assert!(!inertial.take_attitude(f32::NAN, 0.0) && !inertial.take_attitude(0.0, 1e9));
         assert_eq!(inertial.sin_pitch(), Some(0.5));
+    }
+
+    #[test]
+    fn between_attitudes_the_body_rates_carry_roll_and_pitch() {
+        let mut inertial = Inertial::default();
+        assert!(inertial.take_attitude(0.3, -0.2));
+        inertial.take_accel(0, [0.0, 0.0, -9.8]);
+        // Euler angles that change at 0.5 and -0.4 rad/s, yaw still: their body rates, and 20 steps of 5 ms.
+        let (mut roll, mut pitch) = (0.3_f64, -0.2_f64);
+        for k in 1..=20_u16 {
+            let middle = roll + 0.5 * 0.005 * 0.5;
+            let rates = [0.5, (-0.4 * middle.cos()) as f32, (0.4 * middle.sin()) as f32];
+            let time_us = u64::from(k) * 5_000;
+            inertial.turn(time_us, rates);
+            inertial.take_accel(time_us, [0.0, 0.0, -9.8]);
+            roll += 0.0025;
+            pitch -= 0.002;
+        }
+        let level = inertial.level.unwrap();
+        for (ours, exact) in [
+            (level.sin_roll, roll.sin()),
+            (level.cos_roll, roll.cos()),
+            (level.sin_pitch, pitch.sin()),
+            (level.cos_pitch, pitch.cos()),
+        ] {
+            // Rates of the interval's middle, angles of its begin: a thousandth of the 0.05 rad turned.
+            assert!((f64::from(ours) - exact).abs() < 1e-4, "{ours} {exact}");
+        }
+        let before = inertial.clone();
+        inertial.turn(105_000, [1e9, 0.0, 0.0]);
+        inertial.turn(105_000, [f32::NAN, 0.0, 0.0]);
+        assert_eq!(inertial, before);
     }
 
     #[test]

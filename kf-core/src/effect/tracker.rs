@@ -155,7 +155,7 @@ impl SignalTracker {
             self.origin_altitude.see(fix.altitude_m);
         }
         if let Some(imu) = &input.imu {
-            self.take_imu(imu);
+            self.take_imu(imu, input.signals.attitude_rad.is_some());
         }
         if self.launch_us.is_some() {
             if self.latched_airspeed_squared_m2ps2.is_none() {
@@ -210,14 +210,17 @@ impl SignalTracker {
         }
     }
 
-    fn take_imu(&mut self, imu: &ImuSample) {
+    fn take_imu(&mut self, imu: &ImuSample, has_attitude: bool) {
         const READ: Uses = Uses::LOAD_FACTOR.and(Uses::VERTICAL).and(Uses::FORWARD).and(Uses::VIBRATION);
         if !self.uses.any_of(READ) {
             return;
         }
-        if !imu.accel_mps2.iter().all(|x| x.is_finite()) {
+        if !imu.accel_mps2.iter().chain(&imu.gyro_radps).all(|x| x.is_finite()) {
             self.count_unless(false);
             return;
+        }
+        if !has_attitude && self.uses.any_of(Uses::VERTICAL.and(Uses::FORWARD)) {
+            self.inertial.turn(self.now_us, imu.gyro_radps);
         }
         self.inertial.take_accel(self.now_us, imu.accel_mps2);
         if self.uses.any_of(Uses::VIBRATION) && self.launch_us.is_some() {
