@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 
 use common::Recipe;
-use common::program::{compared, files, refusal, stdout};
+use common::program::{compared, files, refusal, run, stdout};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
@@ -288,6 +288,32 @@ fn models_and_scenarios_that_make_no_sense_are_refused() {
     let line = refusal(path, &["simulate", "scenario.toml", "-o", "out.csv"]);
     assert!(line.contains("scenario.toml"), "{line}");
     assert!(!files(path).iter().any(|name| name.starts_with("out")));
+}
+
+#[test]
+fn effects_that_can_not_be_or_say_nothing_are_told() {
+    let directory = flight_with(|_| {});
+    let path = directory.path();
+    let model = |text: &str| fs::write(path.join("m.toml"), text).unwrap();
+    let arguments = ["compare", "made.csv", "--json", "--model", "m.toml"];
+    model("[[effect]]\nid = \"baro.dynamic_presure\"\ncoefficient = 1\n");
+    let line = refusal(path, &arguments);
+    assert!(line.contains("m.toml") && line.contains("nearest: baro.dynamic_pressure"), "{line}");
+    model("[[revision]]\nnumber = 3\n[[revision]]\nnumber = 3\n");
+    assert!(refusal(path, &arguments).contains("revision 3 in row 4 clashes with the one in row 2"));
+    // Possible, but not in nature; and a column that the flight has not.
+    model(
+        "[[effect]]\nid = \"baro.lag\"\ncoefficient = 7\n[[effect]]\nid = \"baro.propwash\"\ncoefficient = 1\n",
+    );
+    let output = run(path, &arguments);
+    assert!(output.status.success());
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert!(stderr.contains(
+        "warning: m.toml: coefficient of effect baro.lag is 7 s, outside of its physical range 0 to 5 s"
+    ));
+    let comparison: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(warned(&comparison, "effect baro.propwash of the model had no say: the flight lacks throttle"));
+    assert!(!warned(&comparison, "effect baro.lag"));
 }
 
 /// Runs that fail leave the directory, and the file that was to be replaced, as they were.

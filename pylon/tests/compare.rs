@@ -201,6 +201,31 @@ fn effects_are_said_with_their_coefficients() {
 }
 
 #[test]
+fn an_extrapolated_coefficient_is_said_by_its_effect() {
+    let flight = Recipe::default().make();
+    let with = |ends_m: &str| {
+        let effects = format!(
+            "[[effect]]\nid = \"baro.drift\"\ncoefficient = 0.001\n[[effect]]\nid = \"baro.dynamic_pressure\"\n\
+             coefficient = 0.01\nenvelope_m = [{ends_m}]\n"
+        );
+        compared_by(&flight, &Model::parse(&format!("{MODEL}\n{effects}")).unwrap())
+    };
+    // 60 m/s: 183.5 m, at every reading.
+    let outside = with("10, 100");
+    assert_eq!(outside.effects[0].extrapolated_ticks, 0);
+    let fact = &outside.effects[1];
+    assert_eq!(fact.envelope_m, Some([10.0, 100.0]));
+    let readings = outside.sensors["baro"].readings.accepted;
+    assert!(fact.extrapolated_ticks > 1_000 && fact.extrapolated_ticks <= readings, "{fact:?}");
+    let text = pylon::compare::text(&outside, false);
+    assert!(text.contains("ticks: learned while its regressor was 10.00 to 100.0 m"), "{text}");
+    assert!(text.contains("readings were corrected by an effect outside of the range"), "{text}");
+    let inside = with("100, 200");
+    assert_eq!(inside.effects[1].extrapolated_ticks, 0);
+    assert!(!pylon::compare::text(&inside, false).contains("extrapolated"));
+}
+
+#[test]
 fn json_has_the_agreed_keys_and_no_number_that_is_none() {
     let comparison = compared(&Recipe::default());
     let json = serde_json::to_value(&comparison).unwrap();

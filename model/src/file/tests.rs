@@ -352,6 +352,20 @@ fn a_coefficient_that_nature_does_not_make_is_a_warning() {
 }
 
 #[test]
+fn the_catalogue_in_the_readme_is_the_codes() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../flights/models/README.md");
+    let readme = std::fs::read_to_string(file).unwrap();
+    for id in EffectId::ALL {
+        let start = format!("| `{}` |", id.name());
+        let row =
+            readme.lines().find(|line| line.starts_with(&start)).unwrap_or_else(|| panic!("no row {start}"));
+        let cells: Vec<&str> = row.split('|').map(str::trim).collect();
+        let [least, most] = id.plausible();
+        assert_eq!(cells[3..5], [id.unit().to_owned(), format!("{least} to {most}")], "{row}");
+    }
+}
+
+#[test]
 fn more_effects_than_fit_are_refused() {
     let term = EffectTerm::new(EffectId::BaroDynamicPressure, 0.0, 1.0);
     let effect = Effect { term, estimate: true, learned_from: None, date: None };

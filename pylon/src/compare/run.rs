@@ -9,7 +9,7 @@ use super::comparison::{Comparison, FlightFacts};
 use super::remedies::{Remedy, RemedyTally};
 use super::rules::RuleWishes;
 use super::traces::Traces;
-use super::warnings::input_warnings;
+use super::warnings::{effect_warnings, input_warnings};
 use crate::flight::Channel;
 use crate::replay::{AnyMission, CalibrationSource, Replay, ReplayError, mission};
 
@@ -73,6 +73,7 @@ fn fly(
     comparison.flight = facts(replay);
     comparison.calibration.source = replay.source().to_string();
     let mut warnings = input_warnings(&summary);
+    warnings.append(&mut effect_warnings(replay.model(), replay.flight()));
     warnings.append(&mut comparison.warnings);
     comparison.warnings = warnings;
     Ok((comparison, traces, tally))

@@ -1,8 +1,10 @@
 //! What was in a flight and could not be used as it stood.
 
 use kf_core::mission::Counters;
+use model::Model;
 
 use super::comparison::{Comparison, ReadingCounts};
+use crate::flight::Flight;
 use crate::replay::ReplaySummary;
 
 /// One line for each kind of cell that did not become part of a tick.
@@ -22,6 +24,18 @@ pub(super) fn input_warnings(summary: &ReplaySummary) -> Vec<String> {
         (inputs.partial_imu_samples, "inertial samples with some of their six cells only were not used"),
     ];
     kinds.into_iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}")).collect()
+}
+
+/// One line for each effect of the model that the flight has not the columns for.
+pub(super) fn effect_warnings(model: &Model, flight: &Flight) -> Vec<String> {
+    let lacking = model.effects.iter().filter_map(|effect| {
+        let id = effect.term.id();
+        let columns = flight.lacks(id);
+        (!columns.is_empty()).then(|| {
+            format!("effect {} of the model had no say: the flight lacks {}", id.name(), columns.join(", "))
+        })
+    });
+    lacking.collect()
 }
 
 /// One line for each kind of input that was refused or is missing, with its number.

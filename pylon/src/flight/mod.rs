@@ -26,6 +26,7 @@ mod channel;
 mod column;
 mod csv_reader;
 mod csv_writer;
+mod effect_columns;
 mod error;
 mod names;
 mod note;

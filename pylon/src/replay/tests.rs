@@ -205,6 +205,25 @@ fn bad_samples_and_rows_are_summed_up() {
 }
 
 #[test]
+fn a_flights_own_latitude_goes_before_the_models() {
+    let mut flight = noisy_flight(20, 1, true);
+    let model = Model::parse("site.latitude_deg = -33.5").unwrap();
+    let latitude =
+        |flight: &Flight| Replay::new(flight, &model, None).map(|replay| replay.model().latitude_deg);
+    assert_eq!(latitude(&flight).unwrap(), -33.5);
+    flight.header.other.push(("latitude_deg".to_owned(), " 47.25".to_owned()));
+    assert_eq!(latitude(&flight).unwrap(), 47.25);
+    for bad in ["91", "nan", "north"] {
+        flight.header.other[0].1 = bad.to_owned();
+        let message = latitude(&flight).unwrap_err().to_string();
+        assert_eq!(
+            message,
+            format!("latitude_deg in the header is '{bad}', expected degrees from -90 to 90")
+        );
+    }
+}
+
+#[test]
 fn refuses_flights_and_models_that_can_not_be_run() {
     let message = |flight: &Flight, model: &Model| match Replay::new(flight, model, None) {
         Err(error) => error.to_string(),
