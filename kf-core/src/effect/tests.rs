@@ -161,6 +161,28 @@ fn before_launch_time_and_integrals_stand_still() {
 }
 
 #[test]
+fn a_launch_sets_every_integral_to_zero_whatever_was_before() {
+    let mut tracker = SignalTracker::default();
+    tracker.begin_free_flight(0);
+    for k in 0..1_000 {
+        let (mut input, mut fix) = whole(k * 5_000);
+        if let (true, Some(imu)) = (k % 2 == 0, &mut input.imu) {
+            imu.accel_mps2[1] = 1.0;
+        }
+        fix.altitude_m += k as f32;
+        tracker.take(&input, Some(&fix));
+    }
+    let integrated = EffectId::ALL.into_iter().filter(|id| id.name().starts_with("imu."));
+    for id in integrated.clone() {
+        assert!(value(&tracker, id).unwrap().abs() > 1e-3, "{}", id.name());
+    }
+    tracker.begin_free_flight(5_000_000);
+    for id in integrated {
+        assert_eq!(value(&tracker, id), Some(0.0), "{}", id.name());
+    }
+}
+
+#[test]
 fn heights_and_temperatures_count_from_the_calibrations_first() {
     let mut tracker = SignalTracker::default();
     let take = |tracker: &mut SignalTracker, k: u64, altitude_m: f32, temperature_c: f32| {
