@@ -33,6 +33,7 @@ pub mod quality;
 pub mod reading;
 pub mod reference;
 pub mod sensor;
+pub mod strapdown;
 pub mod time;
 pub mod trigonometry;
 pub mod ud;

@@ -1,0 +1,71 @@
+//! Level alignment: where down is, and what the gyro reads at rest, from the accelerometer in trimmed flight.
+//!
+//! Over a time in which the aircraft neither speeds up nor turns, specific force is minus gravity, so its mean is the
+//! vertical (Titterton and Weston, section 10.3). Attitude is kept by the gyro meanwhile; what is
+//! fitted is its error, a straight line in time: the tilt at its start and the gyro's bias. So the mean is
+//! taken in axes that do not move with gusts, and what comes out is the attitude now.
+
+use super::memory::Memory;
+use super::sum::Sum;
+use super::vector::{Down, Vector, cross, dot};
+use super::{Config, GRAVITY_MPS2};
+
+/// Time constant of the two measures of trim, seconds: vibration and most gusts are faster, a turn is noticed
+/// before it has pulled at the level.
+const TRIM_TIME_CONSTANT_S: f32 = 1.0;
+
+/// A single sample of more than twice gravity is a jolt, and shows no vertical.
+const SPIKE: f32 = 3.0;
+
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Levelling {
+    memory: Memory,
+    gyro_bias: [Sum; 3],
+    turn_radps: f32,
+    /// Specific force squared over gravity squared, less 1.
+    excess_load: f32,
+}
+
+impl Levelling {
+    pub(super) fn gyro_bias(&self) -> Vector {
+        self.gyro_bias.map(Sum::value)
+    }
+
+    pub(super) const fn elapsed_s(&self) -> f32 {
+        self.memory.elapsed_s()
+    }
+
+    /// Takes a sample into the fit; whether the flight was trimmed, without which it is not.
+    pub(super) fn take(
+        &mut self,
+        down: &mut Down,
+        force: Vector,
+        rate: Vector,
+        step_s: f32,
+        config: &Config,
+    ) -> bool {
+        let vertical = down.get();
+        let bias = self.gyro_bias();
+        let turn = dot(rate, vertical) - dot(bias, vertical);
+        let smoothing = step_s / (TRIM_TIME_CONSTANT_S + step_s);
+        self.turn_radps += smoothing * (turn - self.turn_radps);
+        let excess = dot(force, force) / (GRAVITY_MPS2 * GRAVITY_MPS2) - 1.0;
+        self.excess_load += smoothing * (excess - self.excess_load);
+        let turning = self.turn_radps > config.turn_limit_radps || self.turn_radps < -config.turn_limit_radps;
+        let loaded = self.excess_load > config.load_limit || self.excess_load < -config.load_limit;
+        if turning || loaded || excess > SPIKE {
+            return false;
+        }
+        self.memory.count(step_s, config.level_window_s);
+        let [value, slope] = self.memory.line_gains(step_s);
+        // The rotation that would bring `down` to where the accelerometer sees it; small.
+        let error = cross(vertical, force.map(|part| -part / GRAVITY_MPS2));
+        down.rotate(error.map(|part| part * value));
+        // A bias about the vertical makes no error of tilt: straight flight has no turn, so it is the mean.
+        let heading = self.memory.mean_gain() * turn;
+        for axis in 0..3 {
+            self.gyro_bias[axis].add(slope * error[axis] + heading * vertical[axis]);
+        }
+        true
+    }
+}

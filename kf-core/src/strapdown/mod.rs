@@ -1,0 +1,350 @@
+//! The strapdown vertical channel: climb rate and altitude from an accelerometer and a gyro.
+//!
+//! Frames: body forward-right-down, specific force in m/s^2, rates in rad/s; altitude and climb rate positive up. Flat
+//! earth, standard gravity: what that leaves out (gravity's gradient, Eotvos) are effects of the catalogue, and a
+//! constant error of gravity is taken for a bias of the accelerometer.
+//!
+//! # Captive flight
+//! [`VerticalChannel::inertial`] levels the channel and finds the gyro's bias (`levelling`);
+//! [`VerticalChannel::reference`] ties altitude and climb rate to the reference and finds the accelerometer's bias
+//! along the vertical. Both are least-squares fits over a window (`memory`). Heading is free: a vertical channel
+//! has no use for it.
+//!
+//! # Free flight
+//! After [`VerticalChannel::launch`] nothing but the inertial samples moves the channel. Its errors then grow as theory
+//! has it (Titterton and Weston, section 12.3): a wrong climb rate with t, a wrong accelerometer bias with t^2/2, a
+//! tilt with the double integral of horizontal acceleration, a gyro bias with that of t times it.
+//!
+//! # Method
+//! Attitude: the vertical row of the direction cosine matrix, turned by the rotation vector of each interval with
+//! the coning of two rates that change linearly (J. E. Bortz, "A new mathematical formulation for strapdown inertial
+//! navigation", IEEE Transactions AES-7, 1971; P. G. Savage, "Strapdown Inertial Navigation Integration Algorithm
+//! Design, Part 1", J. Guidance 21, 1998). Velocity and altitude: vertical acceleration taken as linear over each
+//! interval. Sums are compensated.
+
+mod levelling;
+mod memory;
+mod sum;
+mod vector;
+
+use crate::input::ImuSample;
+use crate::time::seconds_between;
+use levelling::Levelling;
+use memory::Memory;
+use sum::Sum;
+use vector::{Down, Vector, cross, dot};
+
+pub use crate::atmosphere::STANDARD_GRAVITY_MPS2 as GRAVITY_MPS2;
+
+/// Beyond these a reading is no reading: every sum below stays finite for hours of them.
+const MAXIMUM_FORCE_MPS2: f32 = 1_000.0;
+const MAXIMUM_RATE_RADPS: f32 = 100.0;
+const MAXIMUM_ALTITUDE_M: f32 = 100_000.0;
+/// Largest turn between two samples, rad: two rates no longer say how the body moved, and the series end.
+const LONGEST_ANGLE_RAD: f32 = 1.0;
+
+/// Windows and limits of the alignment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Config {
+    /// Window of the levelling, seconds: long beside the phugoid, short beside the wander of a gyro's bias.
+    pub level_window_s: f32,
+    /// Window of the tie to the reference, seconds.
+    pub anchor_window_s: f32,
+    /// Alignment, of level and altitude both, that must be there before the channel says anything, seconds.
+    pub minimum_s: f32,
+    /// Longest time between two inertial samples that is bridged, seconds.
+    pub longest_gap_s: f32,
+    /// Turn rate, smoothed over 1 s, above which flight is not trimmed, rad/s. It must be well above the gyro's bias
+    /// and the gusts', or the mean is one-sided. A slower turn is taken for straight: at V m/s its bank, and so the
+    /// tilt, is V/g times its rate.
+    pub turn_limit_radps: f32,
+    /// Square of the load factor less 1, smoothed likewise, beyond which flight is not trimmed.
+    pub load_limit: f32,
+}
+
+impl Config {
+    /// For a MEMS unit: a gyro's bias of 0.5 deg/s is 0.009 rad/s.
+    pub const MEMS: Self = Self {
+        level_window_s: 120.0,
+        anchor_window_s: 60.0,
+        minimum_s: 20.0,
+        longest_gap_s: 0.1,
+        turn_limit_radps: 0.03,
+        load_limit: 0.05,
+    };
+}
+
+/// Why a sample was refused. But for a lost channel, the channel is as it was.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StrapdownError {
+    /// A sample is NaN or infinite.
+    NotFinite,
+    /// A sample is beyond what any unit of this class reads (100 g, 100 rad/s), or than any aircraft flies (100 km).
+    Implausible,
+    /// Time has not increased.
+    OutOfOrder,
+    /// More than the longest gap, or a turn of more than a radian, lies between two samples: captive, the alignment starts anew; in free
+    /// flight the channel has lost its altitude for good.
+    Gap,
+    /// In free flight there is no reference.
+    Launched,
+    /// There is no inertial sample yet that shows where down is.
+    NoVertical,
+    /// The channel was lost in a gap.
+    Lost,
+}
+
+/// What the channel has counted. All saturate.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Inertial samples taken.
+    pub samples: u32,
+    /// Of those, captive ones that were kept out of the levelling: the flight was not trimmed.
+    pub untrimmed: u32,
+    /// Samples refused.
+    pub refused: u32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Phase {
+    Captive,
+    /// With the accelerometer's bias found until launch, body axes, m/s^2.
+    Free {
+        accel_bias: Vector,
+        aligned: bool,
+    },
+    Lost,
+}
+
+/// What the last sample leaves for the next interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Last {
+    time_us: u64,
+    rate: Vector,
+    acceleration_mps2: f32,
+}
+
+/// The channel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VerticalChannel {
+    config: Config,
+    phase: Phase,
+    down: Option<Down>,
+    levelling: Levelling,
+    last: Option<Last>,
+    anchor: Memory,
+    anchor_time_us: u64,
+    altitude: Sum,
+    climb_rate: Sum,
+    /// Upward acceleration that the accelerometer lacks, found against the reference, m/s^2.
+    lacking_mps2: Sum,
+    counts: Counts,
+}
+
+impl VerticalChannel {
+    /// A channel that knows nothing yet, in captive flight.
+    #[must_use]
+    pub fn new(config: Config) -> Self {
+        Self {
+            config,
+            phase: Phase::Captive,
+            down: None,
+            levelling: Levelling::default(),
+            last: None,
+            anchor: Memory::default(),
+            anchor_time_us: 0,
+            altitude: Sum::default(),
+            climb_rate: Sum::default(),
+            lacking_mps2: Sum::default(),
+            counts: Counts::default(),
+        }
+    }
+
+    /// Takes an inertial sample: specific force (m/s^2) and rate (rad/s), body axes.
+    ///
+    /// # Errors
+    /// [`StrapdownError`]; the sample is then counted as refused.
+    pub fn inertial(&mut self, time_us: u64, sample: &ImuSample) -> Result<(), StrapdownError> {
+        let outcome = self.advance(time_us, sample);
+        match outcome {
+            Ok(()) => self.counts.samples = self.counts.samples.saturating_add(1),
+            Err(error) => {
+                if error == StrapdownError::Gap {
+                    self.lose();
+                }
+                self.counts.refused = self.counts.refused.saturating_add(1);
+            }
+        }
+        outcome
+    }
+
+    /// Takes an altitude of the reference, metres, in captive flight.
+    ///
+    /// # Errors
+    /// [`StrapdownError::Launched`], [`StrapdownError::NotFinite`], [`StrapdownError::Implausible`],
+    /// [`StrapdownError::NoVertical`], [`StrapdownError::OutOfOrder`]; nothing has changed then.
+    pub fn reference(&mut self, time_us: u64, altitude_m: f32) -> Result<(), StrapdownError> {
+        if self.phase != Phase::Captive {
+            return Err(StrapdownError::Launched);
+        }
+        if !altitude_m.is_finite() {
+            return Err(StrapdownError::NotFinite);
+        }
+        if altitude_m.abs() > MAXIMUM_ALTITUDE_M {
+            return Err(StrapdownError::Implausible);
+        }
+        if self.last.is_none() {
+            return Err(StrapdownError::NoVertical);
+        }
+        if self.anchor.is_empty() {
+            self.anchor.count(0.0, self.config.anchor_window_s);
+            self.anchor_time_us = time_us;
+            self.altitude = Sum::new(altitude_m);
+            self.climb_rate = Sum::default();
+            return Ok(());
+        }
+        if time_us <= self.anchor_time_us {
+            return Err(StrapdownError::OutOfOrder);
+        }
+        let step_s = seconds_between(self.anchor_time_us, time_us);
+        self.anchor_time_us = time_us;
+        self.anchor.count(step_s, self.config.anchor_window_s);
+        let [value, slope, curvature] = self.anchor.parabola_gains(step_s);
+        let residual_m = altitude_m - self.altitude.value();
+        self.altitude.add(value * residual_m);
+        self.climb_rate.add(slope * residual_m);
+        self.lacking_mps2.add(curvature * residual_m);
+        Ok(())
+    }
+
+    /// From now on the channel is on its own. Calling it again changes nothing.
+    pub fn launch(&mut self) {
+        if self.phase == Phase::Captive {
+            // Upward is minus down: what lacks upward is a bias that points down along the body's own axes.
+            let lacking = self.lacking_mps2.value();
+            let down = self.down.map_or([0.0; 3], |down| down.get());
+            let accel_bias = down.map(|part| part * lacking);
+            self.phase = Phase::Free { accel_bias, aligned: self.is_aligned() };
+        }
+    }
+
+    fn lose(&mut self) {
+        match self.phase {
+            Phase::Captive => {
+                *self = Self { counts: self.counts, ..Self::new(self.config) };
+            }
+            Phase::Free { .. } | Phase::Lost => self.phase = Phase::Lost,
+        }
+    }
+
+    /// Either takes the whole sample or changes nothing.
+    fn advance(&mut self, time_us: u64, sample: &ImuSample) -> Result<(), StrapdownError> {
+        let ImuSample { accel_mps2: force, gyro_radps } = *sample;
+        if !force.iter().chain(&gyro_radps).all(|part| part.is_finite()) {
+            return Err(StrapdownError::NotFinite);
+        }
+        if force.iter().any(|part| part.abs() > MAXIMUM_FORCE_MPS2)
+            || gyro_radps.iter().any(|part| part.abs() > MAXIMUM_RATE_RADPS)
+        {
+            return Err(StrapdownError::Implausible);
+        }
+        if self.phase == Phase::Lost {
+            return Err(StrapdownError::Lost);
+        }
+        let Some(last) = self.last else {
+            let down = Down::from_specific_force(force, GRAVITY_MPS2).ok_or(StrapdownError::NoVertical)?;
+            self.down = Some(down);
+            self.last = Some(Last { time_us, rate: gyro_radps, acceleration_mps2: 0.0 });
+            return Ok(());
+        };
+        let Some(mut down) = self.down else { return Err(StrapdownError::NoVertical) };
+        if time_us <= last.time_us {
+            return Err(StrapdownError::OutOfOrder);
+        }
+        let step_s = seconds_between(last.time_us, time_us);
+        if step_s > self.config.longest_gap_s {
+            return Err(StrapdownError::Gap);
+        }
+        let bias = self.levelling.gyro_bias();
+        let unbiased = |rate: Vector| [0, 1, 2].map(|axis| rate[axis] - bias[axis]);
+        let (before, after) = (unbiased(last.rate), unbiased(gyro_radps));
+        // The body turns by this angle, so down turns against it.
+        let coning = cross(before, after);
+        let angle = [0, 1, 2]
+            .map(|axis| -step_s * (0.5 * (before[axis] + after[axis]) + step_s / 12.0 * coning[axis]));
+        if dot(angle, angle) > LONGEST_ANGLE_RAD * LONGEST_ANGLE_RAD {
+            return Err(StrapdownError::Gap);
+        }
+        down.rotate(angle);
+        if self.phase == Phase::Captive
+            && !self.levelling.take(&mut down, force, gyro_radps, step_s, &self.config)
+        {
+            self.counts.untrimmed = self.counts.untrimmed.saturating_add(1);
+        }
+        let vertical = down.get();
+        let lacking = match self.phase {
+            Phase::Free { accel_bias, .. } => dot(vertical, accel_bias),
+            Phase::Captive | Phase::Lost => self.lacking_mps2.value(),
+        };
+        let acceleration = lacking - dot(vertical, force) - GRAVITY_MPS2;
+        let previous = last.acceleration_mps2;
+        let climb_rate = self.climb_rate.value();
+        self.altitude.add(step_s * (climb_rate + step_s / 6.0 * (2.0 * previous + acceleration)));
+        self.climb_rate.add(0.5 * step_s * (previous + acceleration));
+        self.down = Some(down);
+        self.last = Some(Last { time_us, rate: gyro_radps, acceleration_mps2: acceleration });
+        Ok(())
+    }
+
+    /// Whether level, altitude and climb rate are known: both fits cover the least time.
+    #[must_use]
+    pub fn is_aligned(&self) -> bool {
+        match self.phase {
+            Phase::Captive => {
+                self.levelling.elapsed_s() >= self.config.minimum_s
+                    && self.anchor.elapsed_s() >= self.config.minimum_s
+            }
+            Phase::Free { aligned, .. } => aligned,
+            Phase::Lost => false,
+        }
+    }
+
+    /// Altitude above the reference's datum, metres; `None` until aligned, and once lost.
+    #[must_use]
+    pub fn altitude_m(&self) -> Option<f32> {
+        self.is_aligned().then(|| self.altitude.value())
+    }
+
+    /// Climb rate, m/s; `None` as for the altitude.
+    #[must_use]
+    pub fn climb_rate_mps(&self) -> Option<f32> {
+        self.is_aligned().then(|| self.climb_rate.value())
+    }
+
+    /// The unit vector that points down, body axes: (-sin pitch, sin roll cos pitch, cos roll cos pitch).
+    #[must_use]
+    pub fn down_body(&self) -> Option<[f32; 3]> {
+        self.down.map(|down| down.get())
+    }
+
+    /// The gyro's bias as the levelling has it, body axes, rad/s.
+    #[must_use]
+    pub fn gyro_bias_radps(&self) -> [f32; 3] {
+        self.levelling.gyro_bias()
+    }
+
+    /// Upward acceleration that the accelerometer lacks, as the reference has it, m/s^2.
+    #[must_use]
+    pub const fn lacking_acceleration_mps2(&self) -> f32 {
+        self.lacking_mps2.value()
+    }
+
+    /// Its counts.
+    #[must_use]
+    pub const fn counts(&self) -> Counts {
+        self.counts
+    }
+}
+
+#[cfg(test)]
+mod tests;
