@@ -1,7 +1,7 @@
 //! One mission, tick by tick: settling, calibration, latch, watch.
 
 use crate::atmosphere::pressure_altitude_m;
-use crate::calibration::{Calibration, CaptiveStep, Surprise, own_regressors};
+use crate::calibration::{Calibration, CaptiveStep, Surprise};
 use crate::config::{MAX_ESTIMATED_EFFECTS, MissionConfig};
 use crate::effect::{EffectSubject, SignalTracker};
 use crate::error::FilterError;
@@ -15,7 +15,7 @@ use crate::reference::ReferenceTracker;
 use crate::sensor::{SENSORS, Sensor};
 use crate::time::microseconds;
 
-use effects::EffectUse;
+use effects::{EffectUse, effect_sum};
 
 /// How often a source's readings were used or not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -151,7 +151,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             self.signals.begin_calibration();
         }
 
-        let (accepted, gps_rejection) = match input.gps.map(|fix| self.tracker.take(time_us, &fix)) {
+        let (accepted, gps_rejection) = match input.gps.as_ref().map(|fix| self.tracker.take(time_us, fix)) {
             None => (None, None),
             Some(Ok(accepted)) => (Some(accepted), None),
             Some(Err(rejection)) => (None, Some(rejection)),
@@ -190,6 +190,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         }
         // Once more: the coefficients on the reference may just have moved.
         let reference_m = if E == 0 { reference_m } else { self.reference_m(time_us) };
+        let coefficients = self.calibration.estimator().coefficients();
         for sensor in Sensor::ALL {
             let i = sensor.index();
             let (surprise, refused) = split(step.sensors[i]);
@@ -202,8 +203,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             out.innovation_m = surprise.map(|surprise| surprise.innovation_m);
             out.signed_nis = surprise.map(|surprise| surprise.signed_nis);
             if let (Some(reading_m), Some(reference_m), None) = (readings_m[i], reference_m, refused) {
-                let own_m = own_regressors(&self.config, EffectSubject::Sensor(sensor), &regressors_m);
-                let effects_m = self.estimated_m(&own_m);
+                let subject = EffectSubject::Sensor(sensor);
+                let effects_m = effect_sum(&self.config, subject, &coefficients, &regressors_m);
                 let residual_m = reading_m - effects_m - reference_m;
                 self.watch(sensor, time_us, residual_m, out);
             }

@@ -82,6 +82,7 @@ pub(super) const LAG: Row = Row {
     name: "baro.lag",
     unit: "s",
     needs: &["gps_alt_m"],
+    uses: Uses::HEIGHT,
     plausible: [0.0, 5.0],
     typical_regressor_m: 16.0,
     value: |tracker, _| tracker.climb_rate_mps().map(|climb_rate_mps| -climb_rate_mps),
@@ -93,6 +94,7 @@ pub(super) const LAG: Row = Row {
 pub(super) const SCALE: Row = Row {
     name: "baro.scale",
     needs: &["gps_alt_m"],
+    uses: Uses::HEIGHT,
     plausible: [-0.2, 0.2],
     value: |tracker, _| tracker.height_gained_m(),
     ..DYNAMIC_PRESSURE

@@ -44,6 +44,11 @@ impl Uses {
     pub(super) const VIBRATION: Self = Self(1 << 8);
     pub(super) const GRAVITY: Self = Self(1 << 9);
     pub(super) const EOTVOS: Self = Self(1 << 10);
+    /// Height or climb rate.
+    pub(super) const HEIGHT: Self = Self(1 << 11);
+    /// Whatever is integrated from launch on, but for the vibration.
+    pub(super) const INTEGRATED: Self =
+        Self::VERTICAL.and(Self::FORWARD).and(Self::GRAVITY).and(Self::EOTVOS);
     pub(super) const EVERYTHING: Self = Self(u16::MAX);
 
     pub(super) const fn and(self, other: Self) -> Self {

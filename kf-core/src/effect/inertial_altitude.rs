@@ -87,7 +87,7 @@ pub(super) const GRAVITY_GRADIENT: Row = Row {
     name: "imu.gravity_gradient",
     unit: "1",
     needs: &["gps_alt_m"],
-    uses: Uses::GRAVITY,
+    uses: Uses::GRAVITY.and(Uses::HEIGHT),
     plausible: [-1.0, 2.0],
     typical_regressor_m: 4.0,
     value: |tracker, _| tracker.gravity_integral_m(),

@@ -23,8 +23,18 @@ pub(super) struct ReferenceMotion {
 }
 
 impl ReferenceMotion {
-    /// Takes an accepted fix.
-    pub(super) fn take(&mut self, time_us: u64, fix: &GpsFix) {
+    /// Takes an accepted fix: its velocity.
+    #[inline]
+    pub(super) fn take_velocity(&mut self, fix: &GpsFix) {
+        if let (Some(north), Some(east)) = (fix.velocity_north_mps, fix.velocity_east_mps) {
+            let down = fix.velocity_down_mps.unwrap_or(0.0);
+            self.velocity_mps = Some([north, east]);
+            self.speed_squared_m2ps2 = Some(north * north + east * east + down * down);
+        }
+    }
+
+    /// Takes an accepted fix: its altitude and climb rate.
+    pub(super) fn take_height(&mut self, time_us: u64, fix: &GpsFix) {
         let interval_s = self.last.map(|(last_us, _)| seconds_between(last_us, time_us));
         match fix.velocity_down_mps {
             Some(down_mps) => {
@@ -32,11 +42,6 @@ impl ReferenceMotion {
                 self.filter = None;
             }
             None => self.filter_altitude(interval_s, fix.altitude_m),
-        }
-        if let (Some(north), Some(east)) = (fix.velocity_north_mps, fix.velocity_east_mps) {
-            let down = fix.velocity_down_mps.unwrap_or(0.0);
-            self.velocity_mps = Some([north, east]);
-            self.speed_squared_m2ps2 = Some(north * north + east * east + down * down);
         }
         self.last = Some((time_us, fix.altitude_m));
     }
@@ -126,7 +131,7 @@ mod tests {
     fn a_receivers_own_climb_rate_goes_first() {
         let mut motion = ReferenceMotion::default();
         assert_eq!((motion.climb_rate_mps(), motion.altitude_m(0)), (None, None));
-        motion.take(1_000_000, &GpsFix { velocity_down_mps: Some(3.0), ..fix(100.0) });
+        motion.take_height(1_000_000, &GpsFix { velocity_down_mps: Some(3.0), ..fix(100.0) });
         assert_eq!(motion.climb_rate_mps(), Some(-3.0));
         assert_eq!(motion.altitude_m(1_500_000), Some(98.5));
         assert_eq!(motion.altitude_m(900_000_000), Some(94.0));
@@ -135,15 +140,15 @@ mod tests {
     #[test]
     fn a_ramp_is_followed_without_error_and_a_gap_starts_anew() {
         let mut motion = ReferenceMotion::default();
-        motion.take(0, &fix(50.0));
+        motion.take_height(0, &fix(50.0));
         assert_eq!(motion.climb_rate_mps(), None);
         for k in 1..=60_u16 {
-            motion.take(u64::from(k) * 500_000, &fix(50.0 + 2.0 * f32::from(k)));
+            motion.take_height(u64::from(k) * 500_000, &fix(50.0 + 2.0 * f32::from(k)));
         }
         assert!((motion.climb_rate_mps().unwrap() - 4.0).abs() < 1e-4);
-        motion.take(200_000_000, &fix(0.0));
+        motion.take_height(200_000_000, &fix(0.0));
         assert!((motion.climb_rate_mps().unwrap() - 4.0).abs() < 1e-4);
-        motion.take(201_000_000, &fix(-1.0));
+        motion.take_height(201_000_000, &fix(-1.0));
         assert_eq!(motion.climb_rate_mps(), Some(-1.0));
     }
 
@@ -155,7 +160,7 @@ mod tests {
         for k in 0..60_000_u32 {
             seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             let noise = ((seed >> 8) as f32 / 16_777_216.0 - 0.5) * 3.464_101_6;
-            motion.take(u64::from(k) * 200_000, &fix(noise));
+            motion.take_height(u64::from(k) * 200_000, &fix(noise));
             if k > 100 {
                 sum += f64::from(motion.climb_rate_mps().unwrap()).powi(2);
                 count += 1.0;
@@ -174,10 +179,11 @@ mod tests {
         for (north, east) in
             [(3.0, 4.0), (-60.0, 0.0), (0.0, 0.0), (1e-3, -70.0), (-45.0, 45.0), (1e30, 1e30)]
         {
-            motion.take(
-                0,
-                &GpsFix { velocity_north_mps: Some(north), velocity_east_mps: Some(east), ..fix(0.0) },
-            );
+            motion.take_velocity(&GpsFix {
+                velocity_north_mps: Some(north),
+                velocity_east_mps: Some(east),
+                ..fix(0.0)
+            });
             let expected = f64::from(north).hypot(f64::from(east));
             let got = f64::from(motion.horizontal_speed_mps().unwrap());
             assert!((got - expected).abs() <= 4e-7 * expected, "{got} {expected}");

@@ -151,8 +151,11 @@ impl SignalTracker {
         }
         self.take_signals(&input.signals);
         if let Some(fix) = fix {
-            self.motion.take(input.time_us, fix);
-            self.origin_altitude.see(fix.altitude_m);
+            self.motion.take_velocity(fix);
+            if self.uses.any_of(Uses::HEIGHT) {
+                self.motion.take_height(input.time_us, fix);
+                self.origin_altitude.see(fix.altitude_m);
+            }
         }
         if let Some(imu) = &input.imu {
             self.take_imu(imu, input.signals.attitude_rad.is_some());
@@ -160,6 +163,9 @@ impl SignalTracker {
         if self.launch_us.is_some() {
             if self.latched_airspeed_squared_m2ps2.is_none() {
                 self.latched_airspeed_squared_m2ps2 = self.airspeed_squared_m2ps2();
+            }
+            if !self.uses.any_of(Uses::INTEGRATED) {
+                return;
             }
             let step = Step {
                 uses: self.uses,

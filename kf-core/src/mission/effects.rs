@@ -2,7 +2,7 @@
 
 use super::Mission;
 use crate::calibration::own_regressors;
-use crate::config::MAX_ESTIMATED_EFFECTS;
+use crate::config::{MAX_ESTIMATED_EFFECTS, MissionConfig};
 use crate::effect::EffectSubject;
 use crate::reference::AcceptedFix;
 
@@ -54,7 +54,13 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
 
     /// Sum of the constant effects on a subject, metres, which its reading is freed of; notes the use of
     /// every effect on it.
+    #[inline(always)]
     pub(super) fn correction_m(&self, subject: EffectSubject, effects: &mut EffectUse<E>) -> f32 {
+        let has_effects = E > 0 || !self.config.constant_effects.is_empty();
+        if has_effects { self.sum_of_constants_m(subject, effects) } else { 0.0 }
+    }
+
+    fn sum_of_constants_m(&self, subject: EffectSubject, effects: &mut EffectUse<E>) -> f32 {
         let mut sum_m = 0.0;
         for (k, effect) in self.config.constant_effects.iter().enumerate() {
             if effect.id().subject() == subject {
@@ -73,8 +79,12 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
     }
 
     /// The accepted fix, free of the reference's constant effects; keeps its regressors of the estimated.
+    #[inline]
     pub(super) fn correct_fix(&mut self, accepted: AcceptedFix, effects: &mut EffectUse<E>) -> AcceptedFix {
         let correction_m = self.correction_m(EffectSubject::Gps, effects);
+        if E == 0 && correction_m == 0.0 {
+            return accepted;
+        }
         self.fix_regressors_m = own_regressors(&self.config, EffectSubject::Gps, &effects.regressors_m());
         self.tracker.correct(accepted, correction_m)
     }
@@ -82,14 +92,10 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
     /// The reference now, free of its effects, metres; `None` when it is lost.
     pub(super) fn reference_m(&self, time_us: u64) -> Option<f32> {
         let altitude_m = self.tracker.altitude_m(time_us)?;
-        Some(altitude_m - self.estimated_m(&self.fix_regressors_m))
-    }
-
-    /// What estimated effects with these regressors add, by the coefficients as they stand (after launch:
-    /// as latched), metres.
-    pub(super) fn estimated_m(&self, regressors_m: &[f32; E]) -> f32 {
+        // As they stand; after launch, as latched.
         let coefficients = self.calibration.estimator().coefficients();
-        coefficients.iter().zip(regressors_m).map(|(coefficient, phi)| coefficient * phi).sum()
+        let products = coefficients.iter().zip(&self.fix_regressors_m);
+        Some(altitude_m - products.map(|(coefficient, phi)| coefficient * phi).sum::<f32>())
     }
 
     /// Counts what came of the effects at this tick.
@@ -98,4 +104,15 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         counters.effects_without_signal = counters.effects_without_signal.saturating_add(effects.missing);
         counters.effects_extrapolated = counters.effects_extrapolated.saturating_add(effects.beyond);
     }
+}
+
+/// Sum of the estimated effects on one subject, metres.
+pub(super) fn effect_sum<const E: usize>(
+    config: &MissionConfig<E>,
+    subject: EffectSubject,
+    coefficients: &[f32; E],
+    regressors_m: &[f32; E],
+) -> f32 {
+    let terms = config.estimated_effects.iter().zip(coefficients).zip(regressors_m);
+    terms.filter(|((effect, _), _)| effect.id().subject() == subject).map(|((_, c), phi)| c * phi).sum()
 }
