@@ -8,6 +8,7 @@ pub mod import;
 pub mod output_file;
 pub mod plots;
 pub mod replay;
+pub mod report;
 pub mod simulate;
 pub mod statistics;
 mod whole_file;

@@ -30,7 +30,7 @@ pub struct Cli {
 /// A job.
 #[derive(Debug, Subcommand)]
 pub enum Job {
-    /// Install what is missing: rustfmt, clippy, the flight computer's target, QEMU.
+    /// Install what is missing: rustfmt, clippy, the flight computer's target, QEMU, npm, Chromium.
     Setup,
     /// Fly the paper's flight, as reconstructed, on the host and in QEMU, and tell what happened.
     Demo,

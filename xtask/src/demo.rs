@@ -20,7 +20,7 @@ const MODEL: &str = "paper";
 
 /// Sets up what is missing, flies and tells the story on standard output.
 pub fn run(echo: bool) -> anyhow::Result<()> {
-    for need in [Need::Target, Need::Qemu] {
+    for need in [Need::Npm, Need::Target, Need::Qemu] {
         match setup::provide(need, echo)? {
             Provided::Found(what) => eprintln!("{}: found, {what}", need.name()),
             Provided::Installed(what) => eprintln!("{}: installed, {what}", need.name()),

@@ -13,8 +13,12 @@ use crate::workspace::{self, TARGET};
 
 /// The emulated board.
 const MACHINE: &str = "netduinoplus2";
-/// Debian's and Ubuntu's package of it.
-const PACKAGE: &str = "qemu-system-arm";
+/// Debian's and Ubuntu's package of its emulator.
+const QEMU: &str = "qemu-system-arm";
+/// The package manager that uPlot comes by; its package has the same name.
+const NPM: &str = "npm";
+/// The browser that reports are looked at with; its package has the same name.
+const CHROMIUM: &str = "chromium";
 
 /// Something that does not come with the checkout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,6 +31,10 @@ pub enum Need {
     Target,
     /// The emulator.
     Qemu,
+    /// What fetches uPlot, without which the workbench does not build.
+    Npm,
+    /// The browser that tests look at reports with.
+    Chromium,
 }
 
 /// What was found, or what was done about it.
@@ -39,7 +47,8 @@ pub enum Provided {
 
 impl Need {
     /// Everything that some job needs.
-    pub const ALL: [Self; 4] = [Self::Rustfmt, Self::Clippy, Self::Target, Self::Qemu];
+    pub const ALL: [Self; 6] =
+        [Self::Rustfmt, Self::Clippy, Self::Target, Self::Qemu, Self::Npm, Self::Chromium];
 
     /// Its name to the user.
     pub const fn name(self) -> &'static str {
@@ -47,7 +56,9 @@ impl Need {
             Self::Rustfmt => "rustfmt",
             Self::Clippy => "clippy",
             Self::Target => TARGET,
-            Self::Qemu => PACKAGE,
+            Self::Qemu => QEMU,
+            Self::Npm => NPM,
+            Self::Chromium => CHROMIUM,
         }
     }
 
@@ -58,11 +69,16 @@ impl Need {
             Self::Clippy => first_line(&mut workspace::cargo(["clippy", "--version"])),
             Self::Target => target_library(),
             Self::Qemu => {
-                let machines =
-                    child::run(workspace::program(PACKAGE).args(["-machine", "help"]), false).ok()?;
+                let machines = child::run(workspace::program(QEMU).args(["-machine", "help"]), false).ok()?;
                 machines.stdout.lines().find(|line| line.split(' ').next() == Some(MACHINE))?;
-                first_line(workspace::program(PACKAGE).arg("--version"))
+                first_line(workspace::program(QEMU).arg("--version"))
             }
+            // Who has the package itself needs nothing to fetch it with.
+            Self::Npm => match env::var("PYLON_UPLOT") {
+                Ok(folder) => Some(format!("uPlot in {folder}")),
+                Err(_) => first_line(workspace::program(NPM).arg("--version")),
+            },
+            Self::Chromium => first_line(workspace::program(CHROMIUM).arg("--version")),
         }
     }
 
@@ -77,15 +93,9 @@ impl Need {
             Self::Rustfmt => Ok(rustup("component", "rustfmt")),
             Self::Clippy => Ok(rustup("component", "clippy")),
             Self::Target => Ok(rustup("target", TARGET)),
-            Self::Qemu => {
-                if !on_path("apt-get") {
-                    bail!(
-                        "this machine has no apt-get; install QEMU's emulator of Arm systems by hand: it must \
-                         offer `{PACKAGE} -machine {MACHINE}`"
-                    );
-                }
-                Ok(vec![apt(&["update"])?, apt(&["install", "--yes", "--no-install-recommends", PACKAGE])?])
-            }
+            Self::Qemu => install(QEMU, &format!("it must offer `{QEMU} -machine {MACHINE}`")),
+            Self::Npm => install(NPM, "Node.js brings it"),
+            Self::Chromium => install(CHROMIUM, "its command must be `chromium`"),
         }
     }
 }
@@ -114,8 +124,19 @@ pub fn provide(need: Need, echo: bool) -> anyhow::Result<Provided> {
     }
 }
 
-/// apt-get with these arguments, as root.
-fn apt(arguments: &[&str]) -> anyhow::Result<Command> {
+/// Installs a package of Debian's and Ubuntu's. Elsewhere it has to be done by hand; `hint` says what counts.
+fn install(package: &str, hint: &str) -> anyhow::Result<Vec<Command>> {
+    if !on_path("apt-get") {
+        bail!("this machine has no apt-get; install {package} by hand: {hint}");
+    }
+    Ok(vec![
+        apt(package, &["update"])?,
+        apt(package, &["install", "--yes", "--no-install-recommends", package])?,
+    ])
+}
+
+/// apt-get with these arguments, as root, for the sake of a package.
+fn apt(package: &str, arguments: &[&str]) -> anyhow::Result<Command> {
     let mut command = if nix::unistd::geteuid().is_root() {
         workspace::program("env")
     } else if on_path("sudo") {
@@ -127,7 +148,7 @@ fn apt(arguments: &[&str]) -> anyhow::Result<Command> {
         sudo.arg("env");
         sudo
     } else {
-        bail!("only root may install packages; as root: apt-get install {PACKAGE}");
+        bail!("only root may install packages; as root: apt-get install {package}");
     };
     command.arg("DEBIAN_FRONTEND=noninteractive").arg("apt-get");
     command.args(["-o", "Acquire::Retries=3", "-o", "DPkg::Lock::Timeout=300"]).args(arguments);

@@ -18,15 +18,15 @@ struct Step {
 
 const STEPS: &[Step] = &[
     Step { name: "formatting", needs: &[Need::Rustfmt], run: formatting },
-    Step { name: "clippy, host", needs: &[Need::Clippy], run: clippy_host },
+    Step { name: "clippy, host", needs: &[Need::Clippy, Need::Npm], run: clippy_host },
     Step { name: "clippy, board-qemu", needs: &[Need::Clippy, Need::Target], run: clippy_qemu },
     Step { name: "clippy, board-f405", needs: &[Need::Clippy, Need::Target], run: clippy_f405 },
-    Step { name: "documentation, host", needs: &[], run: documentation_host },
+    Step { name: "documentation, host", needs: &[Need::Npm], run: documentation_host },
     Step { name: "documentation, firmware", needs: &[Need::Target], run: documentation_firmware },
     Step { name: "image, board-qemu", needs: &[Need::Target], run: image_qemu },
     Step { name: "image, board-f405", needs: &[Need::Target], run: image_f405 },
-    Step { name: "tests", needs: &[Need::Target, Need::Qemu], run: tests },
-    Step { name: "demo", needs: &[Need::Target, Need::Qemu], run: demo::test },
+    Step { name: "tests", needs: &[Need::Target, Need::Qemu, Need::Npm, Need::Chromium], run: tests },
+    Step { name: "demo", needs: &[Need::Target, Need::Qemu, Need::Npm], run: demo::test },
 ];
 
 /// Runs the steps whose name contains one of the words, or all; says whether none failed.

@@ -10,6 +10,7 @@ mod fly;
 mod import;
 mod load;
 mod progress;
+mod report;
 mod simulate;
 mod terminal;
 
@@ -35,6 +36,7 @@ enum Command {
     Export(export::Arguments),
     Compare(compare::Arguments),
     Fly(fly::Arguments),
+    Report(report::Arguments),
 }
 
 /// Runs the command line.
@@ -46,6 +48,7 @@ pub fn main() -> ExitCode {
             Command::Export(arguments) => export::run(&arguments),
             Command::Compare(arguments) => compare::run(&arguments),
             Command::Fly(arguments) => fly::run(&arguments),
+            Command::Report(arguments) => report::run(&arguments),
         },
         Err(error) if error.use_stderr() => Err(Failure::usage(&error)),
         Err(help) => terminal::write(&help.render().ansi().to_string(), &help.render().to_string()),

@@ -14,7 +14,7 @@ mod phase_statistics;
 mod remedies;
 mod rules;
 mod run;
-mod text;
+pub(crate) mod text;
 mod timeline;
 mod traces;
 mod warnings;

@@ -32,6 +32,7 @@ pub fn run(part: Option<BenchPart>, json: bool, echo: bool) -> anyhow::Result<()
     let wants = |one| part.is_none_or(|part| part == one);
     let target = if wants(BenchPart::Target) { Some(instructions(echo)?) } else { None };
     let host = if wants(BenchPart::Host) {
+        setup::provide(Need::Npm, echo)?;
         eprintln!("building the workbench");
         Some(host::run(echo)?)
     } else {
@@ -57,7 +58,7 @@ pub fn run(part: Option<BenchPart>, json: bool, echo: bool) -> anyhow::Result<()
 
 /// Counts instructions in QEMU, after the set-up that it takes.
 fn instructions(echo: bool) -> anyhow::Result<target::TargetBench> {
-    for need in [Need::Target, Need::Qemu] {
+    for need in [Need::Target, Need::Qemu, Need::Npm] {
         setup::provide(need, echo)?;
     }
     eprintln!("building the benchmark's image and counting its instructions");

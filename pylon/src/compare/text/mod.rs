@@ -1,7 +1,7 @@
 //! A comparison in plain words and tables.
 
 mod failures;
-mod number;
+pub(crate) mod number;
 mod rules;
 mod sensors;
 mod table;
@@ -103,7 +103,7 @@ fn heading(out: &mut String, comparison: &Comparison) {
 }
 
 /// What a failed check means.
-fn meaning(check: &str) -> &'static str {
+pub(crate) fn meaning(check: &str) -> &'static str {
     match check {
         "settled" => "launched before the settling time was over",
         "long_enough" => "the calibration was too short",

@@ -1,20 +1,20 @@
 //! Numbers with their units, as an engineer writes them.
 
 /// What stands where there is no value.
-pub(super) const NONE: &str = "-";
+pub(crate) const NONE: &str = "-";
 
 /// A length with its sign: `+12.34 m`.
-pub(super) fn signed_m(value: Option<f64>) -> String {
+pub(crate) fn signed_m(value: Option<f64>) -> String {
     finite(value).map_or_else(|| NONE.to_owned(), |value| format!("{:+.*} m", decimals(value), value))
 }
 
 /// A length: `12.34 m`.
-pub(super) fn metres(value: Option<f64>) -> String {
+pub(crate) fn metres(value: Option<f64>) -> String {
     finite(value).map_or_else(|| NONE.to_owned(), |value| format!("{:.*} m", decimals(value), value))
 }
 
 /// A value with its one sigma: `-72.89 ± 0.64 m`.
-pub(super) fn with_sigma_m(value: Option<f64>, sigma: Option<f64>) -> String {
+pub(crate) fn with_sigma_m(value: Option<f64>, sigma: Option<f64>) -> String {
     match (finite(value), finite(sigma)) {
         (Some(value), Some(sigma)) => {
             let places = decimals(sigma).min(decimals(value).max(2));
@@ -25,7 +25,7 @@ pub(super) fn with_sigma_m(value: Option<f64>, sigma: Option<f64>) -> String {
 }
 
 /// A time: `7.60 s`, `12 min`.
-pub(super) fn seconds(value: Option<f64>) -> String {
+pub(crate) fn seconds(value: Option<f64>) -> String {
     match finite(value) {
         None => NONE.to_owned(),
         Some(value) if value < 0.1 => format!("{value:.3} s"),
@@ -36,7 +36,7 @@ pub(super) fn seconds(value: Option<f64>) -> String {
 }
 
 /// A share: `31.7 %`.
-pub(super) fn percent(value: Option<f64>) -> String {
+pub(crate) fn percent(value: Option<f64>) -> String {
     match finite(value).map(|share| 100.0 * share) {
         None => NONE.to_owned(),
         Some(0.0) => "0 %".to_owned(),
@@ -47,7 +47,7 @@ pub(super) fn percent(value: Option<f64>) -> String {
 }
 
 /// A rate of events: `0.10 an hour`.
-pub(super) fn per_hour(value: Option<f64>) -> String {
+pub(crate) fn per_hour(value: Option<f64>) -> String {
     match finite(value) {
         None => NONE.to_owned(),
         Some(rate) if rate < 1e-3 => "< 0.001 an hour".to_owned(),
@@ -57,12 +57,12 @@ pub(super) fn per_hour(value: Option<f64>) -> String {
 }
 
 /// A plain number with two or three digits that count.
-pub(super) fn plain(value: Option<f64>) -> String {
+pub(crate) fn plain(value: Option<f64>) -> String {
     finite(value).map_or_else(|| NONE.to_owned(), |value| format!("{value:.*}", decimals(value)))
 }
 
 /// A whole number in groups of three: `720,000`.
-pub(super) fn grouped(value: u64) -> String {
+pub(crate) fn grouped(value: u64) -> String {
     let digits = value.to_string();
     let mut text = String::with_capacity(digits.len() + digits.len() / 3);
     for (index, digit) in digits.chars().enumerate() {

@@ -1,0 +1,222 @@
+//! The page of `pylon report` in a browser: it draws, zooms and answers the mouse and the keyboard, light and dark, and
+//! its scripts complain of nothing. Pictures of it are left in `target/report-in-browser/`, to be looked at.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+mod browser;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use browser::{Mouse, Sheet};
+use model::Model;
+use pylon::compare::{Options, compare};
+use pylon::replay::Replay;
+use pylon::report::{FlightReport, Report};
+use pylon::simulate::{Scenario, simulate};
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+const SCENARIO: &str = include_str!("../../flights/quickstart.toml");
+/// The diagram that is played with, and one of its group.
+const FIGURE: &str = "document.querySelector('[data-chart=\"flight-1-fig4-baro\"]')";
+const SIBLING: &str = "document.querySelector('[data-chart=\"flight-1-fig4-imu_slave\"]')";
+
+/// The report of a simulated flight, in a folder of its own.
+fn report() -> (TempDir, PathBuf) {
+    let scenario = Scenario::from_toml(SCENARIO, "quickstart.toml").unwrap();
+    let (flight, _) = simulate(&scenario, scenario.seed).unwrap();
+    let model = Model::default();
+    let replay = Replay::new(&flight, &model, None).unwrap();
+    let (mut comparison, _) = compare(&replay, &Options::default(), &mut |_| ()).unwrap();
+    comparison.flight.file = "quickstart.csv".into();
+    let flights = [FlightReport::new(0, &replay, comparison).unwrap()];
+    let html = Report { flights: &flights, model: &model, model_name: "default" }.html();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("report.html");
+    fs::write(&file, html).unwrap();
+    (folder, file)
+}
+
+/// Brings a diagram into the window and waits until it is drawn.
+fn show(sheet: &Sheet, place: &str) {
+    sheet.run(&format!("{place}.scrollIntoView({{ block: 'center', behavior: 'instant' }})"));
+    sheet.wait(&format!("{place}.plot && {place}.plot.status === 1"));
+}
+
+/// Where a share of a diagram's width is in the window.
+fn point(sheet: &Sheet, place: &str, share: f64) -> (f64, f64) {
+    let rect = sheet.value(&format!("{place}.plot.over.getBoundingClientRect()"));
+    let side = |name: &str| rect[name].as_f64().unwrap();
+    (side("left") + share * side("width"), side("top") + 0.5 * side("height"))
+}
+
+fn span(sheet: &Sheet, place: &str) -> (f64, f64) {
+    (sheet.number(&format!("{place}.plot.scales.x.min")), sheet.number(&format!("{place}.plot.scales.x.max")))
+}
+
+fn read_out(sheet: &Sheet, place: &str) -> String {
+    let text = sheet.value(&format!("{place}.querySelector('.u-legend').textContent"));
+    text.as_str().unwrap().to_owned()
+}
+
+/// How many pixels of a diagram's inside are not the ground, and how many colours there are.
+fn drawn(sheet: &Sheet, place: &str) -> (u64, u64) {
+    let counted = sheet.value(&format!(
+        "(() => {{
+            const {{ ctx, bbox }} = {place}.plot;
+            const {{ data }} = ctx.getImageData(bbox.left, bbox.top, bbox.width, bbox.height);
+            const colours = new Set();
+            let inked = 0;
+            for (let at = 0; at < data.length; at += 4) {{
+                if (data[at + 3] > 0) {{
+                    inked += 1;
+                    colours.add((data[at] << 16) | (data[at + 1] << 8) | data[at + 2]);
+                }}
+            }}
+            return [inked, colours.size];
+        }})()"
+    ));
+    (counted[0].as_u64().unwrap(), counted[1].as_u64().unwrap())
+}
+
+fn keep_picture(sheet: &Sheet, name: &str) {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("../report-in-browser");
+    fs::create_dir_all(&folder).unwrap();
+    fs::write(folder.join(name), sheet.picture()).unwrap();
+}
+
+#[test]
+fn every_diagram_is_drawn_and_nothing_complains() {
+    let (_folder, file) = report();
+    let sheet = Sheet::open(&file, 1366, 768);
+    assert!(
+        sheet.value("pylonCharts.drawn.size").as_u64().unwrap() < 10,
+        "only what is in view is drawn at first"
+    );
+    sheet.run("document.querySelectorAll('details').forEach((details) => { details.open = true; })");
+    let places = sheet.number("document.querySelectorAll('[data-chart]').length") as usize;
+    assert!(places > 30, "{places}");
+    for index in 0..places {
+        let place = format!("document.querySelectorAll('[data-chart]')[{index}]");
+        show(&sheet, &place);
+        let (inked, colours) = drawn(&sheet, &place);
+        // The grid alone is one colour.
+        assert!(inked > 1_500 && colours > 3, "diagram {index}: {inked} pixels in {colours} colours");
+    }
+    assert_eq!(sheet.number("pylonCharts.drawn.size") as usize, places);
+    for width in [1_024, 1_366, 1_920] {
+        sheet.resize(width, 768);
+        sheet.wait(&format!("innerWidth === {width}"));
+        sheet.wait("document.documentElement.scrollWidth <= innerWidth");
+        sheet.wait(&format!("{FIGURE}.plot.width === {FIGURE}.clientWidth"));
+    }
+    assert_eq!(*sheet.complaints.lock().unwrap(), Vec::<String>::new());
+    // What its security policy forbids it would have complained of; it does not try either.
+    assert_eq!(sheet.value("performance.getEntriesByType('resource').map((entry) => entry.name)"), json!([]));
+}
+
+#[test]
+fn the_mouse_reads_values_and_zooms_a_group() {
+    let (_folder, file) = report();
+    let sheet = Sheet::open(&file, 1366, 900);
+    show(&sheet, SIBLING);
+    show(&sheet, FIGURE);
+    let (first, last) = span(&sheet, FIGURE);
+    assert!(first >= 0.0 && last > 100.0, "{first} {last}");
+    assert!(read_out(&sheet, FIGURE).contains("moving average–"), "{}", read_out(&sheet, FIGURE));
+
+    // Hovering: the values there, in the diagrams of the group too, and a line through them.
+    sheet.mouse(Mouse::Move, point(&sheet, FIGURE, 0.25), 0);
+    sheet.wait(&format!("!{FIGURE}.querySelector('.u-legend').textContent.includes('moving average–')"));
+    sheet.wait(&format!("!{SIBLING}.querySelector('.u-legend').textContent.includes('moving average–')"));
+    let time_s = sheet.number(&format!("{FIGURE}.plot.data[0][{FIGURE}.plot.cursor.idx]"));
+    assert!((time_s - (first + 0.25 * (last - first))).abs() < 0.5, "{time_s}");
+    assert!(
+        sheet.number(&format!("{FIGURE}.querySelector('.u-cursor-x').getBoundingClientRect().height")) > 50.0
+    );
+    keep_picture(&sheet, "hover.png");
+
+    // Dragging from 40 % to 60 %.
+    sheet.mouse(Mouse::Press, point(&sheet, FIGURE, 0.4), 1);
+    sheet.mouse(Mouse::Move, point(&sheet, FIGURE, 0.5), 1);
+    sheet.mouse(Mouse::Move, point(&sheet, FIGURE, 0.6), 1);
+    sheet.mouse(Mouse::Release, point(&sheet, FIGURE, 0.6), 1);
+    sheet.wait(&format!("{FIGURE}.classList.contains('zoomed') && {SIBLING}.classList.contains('zoomed')"));
+    for place in [FIGURE, SIBLING] {
+        let (from, to) = span(&sheet, place);
+        let share = |x: f64| (x - first) / (last - first);
+        assert!((share(from) - 0.4).abs() < 0.01 && (share(to) - 0.6).abs() < 0.01, "{from} {to}");
+    }
+    let (inked, colours) = drawn(&sheet, FIGURE);
+    assert!(inked > 1_500 && colours > 3, "{inked} {colours}");
+
+    // A double click shows all again.
+    for clicks in [1, 2] {
+        sheet.mouse(Mouse::Press, point(&sheet, FIGURE, 0.5), clicks);
+        sheet.mouse(Mouse::Release, point(&sheet, FIGURE, 0.5), clicks);
+    }
+    sheet.wait(&format!("!{FIGURE}.classList.contains('zoomed') && !{SIBLING}.classList.contains('zoomed')"));
+    assert_eq!(span(&sheet, FIGURE), (first, last));
+    assert_eq!(*sheet.complaints.lock().unwrap(), Vec::<String>::new());
+}
+
+#[test]
+fn the_keyboard_does_what_the_mouse_does() {
+    let (_folder, file) = report();
+    let sheet = Sheet::open(&file, 1366, 900);
+    show(&sheet, FIGURE);
+    let (first, last) = span(&sheet, FIGURE);
+    sheet.run(&format!("{FIGURE}.focus()"));
+    sheet.key("ArrowRight");
+    sheet.wait(&format!("{FIGURE}.plot.cursor.idx != null"));
+    let middle = sheet.number(&format!("{FIGURE}.plot.cursor.idx"));
+    sheet.key("ArrowLeft");
+    sheet.wait(&format!("{FIGURE}.plot.cursor.idx < {middle}"));
+    sheet.key("+");
+    sheet.wait(&format!("{FIGURE}.classList.contains('zoomed')"));
+    let (from, to) = span(&sheet, FIGURE);
+    assert!(((to - from) / (last - first) - 0.5).abs() < 0.01, "{from} {to}");
+    sheet.key("-");
+    sheet.wait(&format!("!{FIGURE}.classList.contains('zoomed')"));
+    sheet.key("+");
+    sheet.wait(&format!("{FIGURE}.classList.contains('zoomed')"));
+    sheet.key("Escape");
+    sheet.wait(&format!("!{FIGURE}.classList.contains('zoomed')"));
+    // Tab reaches every diagram and every control.
+    let reachable =
+        sheet.value("[...document.querySelectorAll('[data-chart]')].every((place) => place.tabIndex === 0)");
+    assert_eq!(reachable, Value::Bool(true));
+    assert_eq!(*sheet.complaints.lock().unwrap(), Vec::<String>::new());
+}
+
+#[test]
+fn colours_follow_the_system_and_the_button() {
+    let (_folder, file) = report();
+    let sheet = Sheet::open(&file, 1366, 900);
+    let ground = "getComputedStyle(document.body).backgroundColor";
+    let ink = format!("{FIGURE}.plot.axes[0].stroke()");
+    let (light, dark) = (json!("rgb(255, 255, 255)"), json!("rgb(20, 24, 29)"));
+    sheet.prefer("light");
+    sheet.wait(&format!("{ground} === {light}"));
+    keep_picture(&sheet, "light-summary.png");
+    show(&sheet, FIGURE);
+    keep_picture(&sheet, "light.png");
+    let inks_light = sheet.value(&ink);
+
+    sheet.prefer("dark");
+    sheet.wait(&format!("{ground} === {dark}"));
+    sheet.wait(&format!("{ink} !== {inks_light}"));
+    keep_picture(&sheet, "dark.png");
+
+    // The button overrules the system: auto, light, dark.
+    let press = "document.getElementById('theme').click()";
+    sheet.run(press);
+    sheet.wait(&format!("{ground} === {light}"));
+    assert_eq!(sheet.value(&ink), inks_light);
+    sheet.run(press);
+    sheet.wait(&format!("{ground} === {dark}"));
+    assert!(sheet.value("document.getElementById('theme').ariaLabel").as_str().unwrap().contains("dark"));
+    sheet.run("scrollTo({ top: 0, behavior: 'instant' })");
+    keep_picture(&sheet, "dark-summary.png");
+    assert_eq!(*sheet.complaints.lock().unwrap(), Vec::<String>::new());
+}

@@ -1,0 +1,153 @@
+//! What one diagram of the page shows. Serialised into the page; `assets/charts.js` draws it.
+
+use serde::Serialize;
+
+/// A column of values; null where there is none.
+pub type Values = Vec<Option<f64>>;
+
+/// What a line or an area means; the page's style sheet gives each its colour, light and dark.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Role {
+    /// As measured.
+    Measured,
+    /// As the model says.
+    Modelled,
+    /// Measured minus modelled.
+    Residual,
+    /// A mean of residuals.
+    Average,
+    /// A bound that is not to be passed.
+    Bound,
+    /// When a sensor became doubtful.
+    Doubtful,
+    /// When it became untrustworthy.
+    Untrustworthy,
+    /// A moment of the flight.
+    Event,
+}
+
+/// A diagram over a common axis.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Chart {
+    /// The element of the page that it is drawn in.
+    pub id: String,
+    /// Diagrams of one group share their zoom and cursor.
+    pub group: String,
+    /// What is along the bottom, with its unit.
+    pub x_name: String,
+    /// What is along the side, with its unit.
+    pub y_name: String,
+    /// Unit of the values, for the read-out.
+    pub unit: &'static str,
+    /// Places on the axis, ascending.
+    pub x: Vec<f64>,
+    /// Curves.
+    pub lines: Vec<Line>,
+    /// Areas between two curves.
+    pub bands: Vec<Band>,
+    /// Horizontal lines.
+    pub levels: Vec<Level>,
+    /// Vertical lines.
+    pub moments: Vec<Moment>,
+    /// Shaded stretches: where the model fails.
+    pub shades: Vec<Shade>,
+    /// Values at which the vertical axis should start and end; wider data are still reached by zooming.
+    pub y_range: Option<[f64; 2]>,
+}
+
+/// A curve.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Line {
+    /// Its name.
+    pub name: String,
+    /// Its meaning.
+    pub role: Role,
+    /// Its values.
+    pub y: Values,
+    /// Whether the values are dots instead.
+    pub dots: bool,
+}
+
+/// An area.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Band {
+    /// Its name.
+    pub name: String,
+    /// Its meaning.
+    pub role: Role,
+    /// Its lower edge.
+    pub from: Values,
+    /// Its upper edge.
+    pub to: Values,
+}
+
+/// A horizontal line.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Level {
+    /// Its name.
+    pub name: String,
+    /// Where.
+    pub y: f64,
+}
+
+/// A vertical line.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Moment {
+    /// Its name.
+    pub name: String,
+    /// Its meaning.
+    pub role: Role,
+    /// Where.
+    pub x: f64,
+}
+
+/// A shaded stretch.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Shade {
+    /// What the aircraft was doing.
+    pub name: String,
+    /// Where it starts.
+    pub from: f64,
+    /// Where it ends.
+    pub to: f64,
+}
+
+impl Chart {
+    /// A diagram without anything in it.
+    pub(super) fn new(id: String, group: String, x_name: &str, y_name: String, x: Vec<f64>) -> Self {
+        Self {
+            id,
+            group,
+            x_name: x_name.to_owned(),
+            y_name,
+            unit: "m",
+            x,
+            lines: Vec::new(),
+            bands: Vec::new(),
+            levels: Vec::new(),
+            moments: Vec::new(),
+            shades: Vec::new(),
+            y_range: None,
+        }
+    }
+
+    pub(super) fn line(mut self, name: &str, role: Role, y: Values) -> Self {
+        self.lines.push(Line { name: name.to_owned(), role, y, dots: false });
+        self
+    }
+
+    pub(super) fn band(mut self, name: &str, role: Role, from: Values, to: Values) -> Self {
+        self.bands.push(Band { name: name.to_owned(), role, from, to });
+        self
+    }
+
+    /// Two lines at plus and minus a bound, if there is one.
+    pub(super) fn bound(mut self, name: &str, bound: Option<f64>) -> Self {
+        if let Some(bound) = bound {
+            self.levels.push(Level { name: name.to_owned(), y: bound });
+            self.levels.push(Level { name: String::new(), y: -bound });
+        }
+        self
+    }
+}

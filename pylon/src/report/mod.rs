@@ -1,0 +1,153 @@
+//! `pylon report`: flights, where the model holds and where it fails, as one page to look at.
+//!
+//! The page is one HTML file that needs no network: style, uPlot and all data are in it. Long flights are thinned out
+//! (least and greatest of each slot of time), so that it stays small.
+
+mod chart;
+mod dependence;
+mod figures;
+mod page;
+mod recording;
+mod signals;
+mod summary;
+mod table;
+
+use kf_core::sensor::Sensor;
+use model::Model;
+
+use crate::compare::Comparison;
+use crate::replay::{Replay, ReplayError};
+use dependence::Dependence;
+use recording::{ERROR, Recording};
+use signals::{Blocks, signals};
+
+pub use chart::{Band, Chart, Level, Line, Moment, Role, Shade, Values};
+
+/// What the page says of one flight.
+#[derive(Clone, Debug)]
+pub struct FlightReport {
+    /// Its place in the page.
+    id: String,
+    comparison: Comparison,
+    calibration: Vec<Chart>,
+    residuals: Vec<Chart>,
+    free_flight: Vec<Chart>,
+    /// By sensor.
+    measured: Vec<(&'static str, Vec<Chart>)>,
+    dependences: Vec<SensorDependences>,
+}
+
+/// A sensor's error against every signal of the flight.
+#[derive(Clone, Debug)]
+struct SensorDependences {
+    sensor: &'static str,
+    /// Length of the blocks that were averaged over, seconds.
+    block_s: f64,
+    /// By falling share, with that share.
+    charts: Vec<(f64, Chart)>,
+    /// Names of the signals that did not change enough to tell.
+    quiet: Vec<String>,
+}
+
+/// All that a page is made of.
+#[derive(Clone, Copy, Debug)]
+pub struct Report<'a> {
+    /// The flights, in the user's order.
+    pub flights: &'a [FlightReport],
+    /// The model that was flown.
+    pub model: &'a Model,
+    /// Its name: a preset or a file.
+    pub model_name: &'a str,
+}
+
+impl FlightReport {
+    /// Gathers what is drawn. `index` tells the flights of one page apart; `comparison` is that of the replay.
+    ///
+    /// # Errors
+    /// As [`Replay::run`].
+    pub fn new(index: usize, replay: &Replay<'_>, comparison: Comparison) -> Result<Self, ReplayError> {
+        let id = format!("flight-{}", index + 1);
+        let recording = Recording::take(replay, &comparison)?;
+        Ok(Self {
+            calibration: figures::calibration(&id, &recording),
+            residuals: figures::residuals(&id, &recording, &comparison),
+            free_flight: figures::free_flight(&id, &recording, &comparison),
+            measured: figures::measured(&id, &recording, &comparison),
+            dependences: dependences(&id, replay, &recording, &comparison),
+            comparison,
+            id,
+        })
+    }
+
+    /// Every diagram of the flight.
+    pub fn charts(&self) -> impl Iterator<Item = &Chart> {
+        let measured = self.measured.iter().flat_map(|(_, charts)| charts);
+        let dependences =
+            self.dependences.iter().flat_map(|found| found.charts.iter().map(|(_, chart)| chart));
+        self.calibration
+            .iter()
+            .chain(&self.residuals)
+            .chain(&self.free_flight)
+            .chain(measured)
+            .chain(dependences)
+    }
+
+    /// The comparison that the flight's words are taken from.
+    #[must_use]
+    pub const fn comparison(&self) -> &Comparison {
+        &self.comparison
+    }
+}
+
+impl Report<'_> {
+    /// The page, as HTML.
+    #[must_use]
+    pub fn html(&self) -> String {
+        page::page(self)
+    }
+}
+
+/// Of the sensors that fly free in free flight; of all in captive flight, where there was no launch.
+fn dependences(
+    flight: &str,
+    replay: &Replay<'_>,
+    recording: &Recording,
+    comparison: &Comparison,
+) -> Vec<SensorDependences> {
+    let times = || replay.flight().time_s.iter().copied();
+    let end_s = times().fold(0.0, f64::max);
+    let start_s = comparison.launch_s.unwrap_or_else(|| times().fold(end_s, f64::min));
+    let blocks = Blocks::between(start_s, end_s);
+    let time = if comparison.launch_s.is_some() { "time after launch" } else { "time from the start" };
+    let signals = signals(replay.flight(), &blocks, time);
+    let sensors =
+        Sensor::ALL.into_iter().filter(|sensor| comparison.launch_s.is_none() || sensor.flies_free());
+    sensors
+        .filter(|sensor| comparison.sensors.contains_key(sensor.name()))
+        .map(|sensor| {
+            let table = &recording.whole[sensor.index()];
+            let errors = table.mean(ERROR);
+            let timed = table.times_s(0).into_iter().zip(errors).filter_map(|(time_s, y)| Some((time_s, y?)));
+            let error_m = blocks.means(timed);
+            let mut found = Vec::new();
+            let mut quiet = Vec::new();
+            for signal in &signals {
+                match Dependence::of(&error_m, signal) {
+                    Some(dependence) => found.push(dependence),
+                    None => quiet.push(signal.name.clone()),
+                }
+            }
+            found.sort_by(|a, b| b.share.total_cmp(&a.share));
+            let charts = found.iter().enumerate().map(|(rank, dependence)| {
+                let id = format!("{flight}-signal-{}-{rank}", sensor.name());
+                (dependence.share, dependence.chart(id, sensor.name()))
+            });
+            SensorDependences {
+                sensor: sensor.name(),
+                block_s: blocks.length_s(),
+                charts: charts.collect(),
+                quiet,
+            }
+        })
+        .collect()
+}

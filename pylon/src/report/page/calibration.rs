@@ -1,0 +1,118 @@
+//! What was calibrated, and the flags: the paper's Table 1 and section 4, for this flight.
+
+use kf_core::sensor::Sensor;
+use maud::{Markup, html};
+
+use crate::compare::SensorComparison;
+use crate::compare::text::meaning;
+use crate::compare::text::number::{grouped, metres, plain, seconds, signed_m, with_sigma_m};
+use crate::report::FlightReport;
+
+pub(super) fn section(report: &FlightReport) -> Markup {
+    let comparison = &report.comparison;
+    let calibration = &comparison.calibration;
+    let sensors: Vec<(&str, &SensorComparison)> = Sensor::ALL
+        .iter()
+        .filter_map(|sensor| Some((sensor.name(), comparison.sensors.get(sensor.name())?)))
+        .collect();
+    html! {
+        section {
+            h3 { "Calibration, and what became of it" }
+            p {
+                @match calibration.quality {
+                    Some(quality) => { "Calibration: " b { (quality) } ", " (seconds(calibration.duration_s)) " long. " }
+                    None => "Nothing was latched. ",
+                }
+                "What decided when it ended: " (calibration.source) "."
+            }
+            @if !calibration.failed_checks.is_empty() {
+                ul.failed {
+                    @for check in &calibration.failed_checks { li { b { (check) } ": " (meaning(check)) } }
+                }
+            }
+            @if !sensors.is_empty() { (table(&sensors, comparison.launch_s.is_some())) }
+            (effects(report))
+        }
+    }
+}
+
+fn table(sensors: &[(&str, &SensorComparison)], is_launched: bool) -> Markup {
+    type Value = fn(&SensorComparison) -> String;
+    let captive: [(&str, &str, Value); 5] = [
+        ("bias", "what is taken off its readings, and how sure the filter is of it", |s| {
+            with_sigma_m(s.bias_m, s.bias_sigma_m)
+        }),
+        ("spread of the residual", "one standard deviation of what is left", |s| metres(s.residual_sigma_m)),
+        ("rms error under the pylon", "by that bias", |s| metres(s.captive_rms_m)),
+        ("an error keeps its sign for", "readings that come faster do not count as many", |s| {
+            seconds(s.captive.correlation_time_s)
+        }),
+        ("readings", "used, before and after launch", |s| {
+            grouped(s.captive.readings + s.free_flight.readings)
+        }),
+    ];
+    let free: [(&str, &str, Value); 7] =
+        [
+            ("bound of the monitor", "an error beyond it raises a doubt", |s| metres(s.bound_m)),
+            ("mean error in free flight", "", |s| signed_m(s.free_flight.bias_m)),
+            ("rms error in free flight", "", |s| metres(s.free_flight_rms_m)),
+            ("moving average at the end", "", |s| signed_m(s.moving_average_end_m)),
+            ("doubtful", "seconds after launch", |s| flag(s, s.doubtful_after_s)),
+            ("untrustworthy", "seconds after launch", |s| flag(s, s.untrustworthy_after_s)),
+            ("trust at the end", "", |s| {
+                if s.flies_free { s.trust.to_owned() } else { "stays behind".to_owned() }
+            }),
+        ];
+    let rows = captive.iter().chain(free.iter().filter(|_| is_launched));
+    html! {
+        div.scroll {
+            table {
+                thead { tr { th scope="col" { "" } @for (name, _) in sensors { th.number scope="col" { (name) } } } }
+                tbody {
+                    @for (name, explanation, value) in rows {
+                        tr {
+                            th scope="row" { (name) @if !explanation.is_empty() { span.note { (explanation) } } }
+                            @for (_, sensor) in sensors { td.number { (value(sensor)) } }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn flag(sensor: &SensorComparison, after_s: Option<f64>) -> String {
+    match after_s {
+        Some(after_s) => seconds(Some(after_s)),
+        None if sensor.flies_free => "never".to_owned(),
+        None => "-".to_owned(),
+    }
+}
+
+fn effects(report: &FlightReport) -> Markup {
+    let effects = &report.comparison.effects;
+    html! {
+        @if !effects.is_empty() {
+            h4 { "Effects that the model accounts for" }
+            div.scroll {
+                table {
+                    thead { tr {
+                        th scope="col" { "effect" } th.number scope="col" { "coefficient" } th.number scope="col" { "± 1 sigma" }
+                        th scope="col" { "unit" } th scope="col" { "from" }
+                    } }
+                    tbody {
+                        @for effect in effects {
+                            tr {
+                                th scope="row" { (effect.effect) }
+                                td.number { (plain(Some(effect.coefficient))) }
+                                td.number { (plain(Some(effect.sigma))) }
+                                td { (effect.unit) }
+                                td { @if effect.estimated { "estimated in captive flight" } @else { "the model" } }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,42 @@
+//! The words that the page uses.
+
+use maud::{Markup, html};
+
+const WORDS: &[(&str, &str)] = &[
+    (
+        "gps",
+        "the reference: what the other sensors are compared with. It has errors too, which wander over minutes.",
+    ),
+    ("imu_master, imu_slave", "altitude by inertial navigation, of the mother ship and of the UAV."),
+    ("baro", "altitude by static pressure."),
+    (
+        "captive flight, launch, free flight",
+        "the UAV hangs under its mother ship, leaves it, and flies by itself.",
+    ),
+    ("settling", "the first seconds of captive flight, which are ignored."),
+    ("bias", "a constant error; it is estimated in captive flight and taken off in free flight."),
+    ("latch", "at launch the calibration is copied once and never changed again."),
+    ("residual, error", "what a sensor read minus what the model says it should have read, in metres."),
+    ("sigma", "one standard deviation: two thirds of all errors are smaller, if they are Gaussian."),
+    ("rms", "root mean square: the size of errors whatever their sign."),
+    ("bound", "so many sigmas of the residual; the model says how many."),
+    (
+        "doubtful, untrustworthy",
+        "the error has been beyond the bound; after that, its moving average has been too.",
+    ),
+    ("unmonitored", "there is no reference, so nobody knows. Pylon says so instead of guessing."),
+    (
+        "effect",
+        "a physical cause that adds a coefficient times something measured (its regressor) to what a sensor reads.",
+    ),
+    ("held out", "judged on data that the coefficient was not learned from."),
+];
+
+pub(super) fn section() -> Markup {
+    html! {
+        section #words {
+            h2 { "Words" }
+            dl { @for (word, meaning) in WORDS { dt { (word) } dd { (meaning) } } }
+        }
+    }
+}

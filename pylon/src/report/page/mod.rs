@@ -1,0 +1,142 @@
+//! The page's words and tables; `assets/` has its style and what draws its diagrams.
+
+mod calibration;
+mod flight;
+mod glossary;
+mod ladder;
+mod signals;
+
+use std::collections::BTreeMap;
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use super::{Chart, Report};
+
+const STYLE: &str = include_str!("../assets/report.css");
+const CHARTS: &str = include_str!("../assets/charts.js");
+const PAGE: &str = include_str!("../assets/page.js");
+const UPLOT: &str = include_str!(concat!(env!("OUT_DIR"), "/uplot.js"));
+const UPLOT_STYLE: &str = include_str!(concat!(env!("OUT_DIR"), "/uplot.css"));
+const UPLOT_LICENCE: &str = include_str!(concat!(env!("OUT_DIR"), "/uplot-license.txt"));
+
+pub(super) fn page(report: &Report<'_>) -> String {
+    let title = title(report);
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="color-scheme" content="light dark";
+                meta name="generator" content=(format!("pylon {}", env!("CARGO_PKG_VERSION")));
+                // No network: a page that asks for something has a mistake in it, and is not given it.
+                meta http-equiv="Content-Security-Policy"
+                    content="default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:";
+                link rel="icon" href="data:,";
+                title { (title) }
+                style { (PreEscaped(UPLOT_STYLE)) (PreEscaped(STYLE)) }
+            }
+            body {
+                a.skip href="#main" { "Skip to the content" }
+                (header(report, &title))
+                main #main {
+                    (opening(report))
+                    @for found in report.flights { (flight::summary(found, report.flights.len() > 1)) }
+                    (ladder::section(report.model, report.model_name))
+                    @for found in report.flights { (flight::section(found)) }
+                    (glossary::section())
+                }
+                (footer())
+                script #chart-data type="application/json" { (PreEscaped(data(report))) }
+                script { (PreEscaped(UPLOT)) }
+                script { (PreEscaped(CHARTS)) }
+                script { (PreEscaped(PAGE)) }
+            }
+        }
+    }
+    .into_string()
+}
+
+fn title(report: &Report<'_>) -> String {
+    match report.flights {
+        [only] => format!("{}: a flight report", file_name(&only.comparison.flight.file)),
+        flights => format!("{} flights: a report", flights.len()),
+    }
+}
+
+fn header(report: &Report<'_>, title: &str) -> Markup {
+    html! {
+        header.top {
+            div.brand {
+                h1 { (title) }
+                p.sub { "model " b { (report.model_name) } ", by pylon " (env!("CARGO_PKG_VERSION")) }
+            }
+            nav aria-label="Parts of this page" {
+                @for found in report.flights {
+                    a href=(format!("#{}", found.id)) {
+                        @if report.flights.len() > 1 { (file_name(&found.comparison.flight.file)) } @else { "Flight" }
+                    }
+                }
+                a href="#ladder" { "Model" }
+                a href="#words" { "Words" }
+            }
+            button #theme type="button" aria-label="Colours: as the system has them" { "◐ auto" }
+        }
+    }
+}
+
+fn opening(report: &Report<'_>) -> Markup {
+    html! {
+        section.lead {
+            p {
+                "A UAV hangs under its mother ship's pylon until it is launched. While it hangs there, Pylon compares its altitude \
+                 sensors with gps and learns what is wrong with them. From launch on it takes that off, watches the \
+                 sensors, and says when one is not to be trusted any more. This page says how well the model "
+                b { (report.model_name) }
+                " described "
+                @if report.flights.len() == 1 { "one flight" } @else { (report.flights.len()) " flights" }
+                ", and where it did not."
+            }
+        }
+    }
+}
+
+fn footer() -> Markup {
+    html! {
+        footer {
+            p { "Made by pylon " (env!("CARGO_PKG_VERSION")) ". Everything is in this file; it asks for nothing from a network." }
+            details {
+                summary { "The diagrams are drawn by uPlot, under this licence" }
+                pre { (UPLOT_LICENCE) }
+            }
+        }
+    }
+}
+
+/// The diagrams' data, such that no text in them can end the element that they stand in.
+fn data(report: &Report<'_>) -> String {
+    let charts: BTreeMap<&str, &Chart> = report
+        .flights
+        .iter()
+        .flat_map(super::FlightReport::charts)
+        .map(|chart| (chart.id.as_str(), chart))
+        .collect();
+    // Numbers and text only: nothing in them can fail to be written.
+    serde_json::to_string(&charts).unwrap_or_default().replace('<', "\\u003c")
+}
+
+/// Where a diagram is drawn. Without scripts it says so.
+fn place(chart: &Chart, small: bool) -> Markup {
+    html! {
+        div.chart.small[small] data-chart=(chart.id) tabindex="0" role="group"
+            aria-label=(format!("Diagram: {} over {}. Arrow keys move the cursor, plus and minus zoom, zero resets.", chart.y_name, chart.x_name)) {
+            noscript { "This diagram needs JavaScript." }
+        }
+    }
+}
+
+fn file_name(path: &str) -> String {
+    std::path::Path::new(path)
+        .file_name()
+        .map_or_else(|| path.to_owned(), |name| name.to_string_lossy().into_owned())
+}

@@ -1,0 +1,141 @@
+//! What there is to say about a flight, for somebody who never saw Pylon.
+
+use crate::compare::text::number::{metres, seconds, signed_m};
+use crate::compare::{Comparison, SensorComparison, Stretch};
+
+/// How a sensor came out, in one word and its explanation.
+pub(super) struct Outcome {
+    /// The word that `trust` has in Pylon.
+    pub(super) word: &'static str,
+    /// A sign that tells them apart without colour.
+    pub(super) sign: &'static str,
+    /// What it means.
+    pub(super) meaning: &'static str,
+}
+
+/// The outcome that a sensor's trust at the flight's end is.
+pub(super) fn outcome(trust: &str) -> Outcome {
+    let (word, sign, meaning) = match trust {
+        "trusted" => ("trusted", "✓", "its error never passed the bound"),
+        "doubtful" => ("doubtful", "?", "its error has passed the bound, its average has not"),
+        "untrustworthy" => ("untrustworthy", "✗", "its error and then its average passed the bound"),
+        "unmonitored" => ("unmonitored", "–", "there was no reference to watch it by at the end"),
+        _ => ("calibrating", "…", "it was never launched"),
+    };
+    Outcome { word, sign, meaning }
+}
+
+/// What became of the calibration.
+pub(super) fn calibration(comparison: &Comparison) -> String {
+    let facts = &comparison.calibration;
+    let length = seconds(facts.duration_s);
+    match facts.quality {
+        None => format!("Nothing was calibrated: {}.", facts.source),
+        Some("good") => format!(
+            "Before launch the sensors were compared with gps for {length}; every check of that calibration passed."
+        ),
+        Some(_) => format!(
+            "Before launch the sensors were compared with gps for {length}, but that calibration is poor: {} of its \
+             checks failed. What follows is to be read with care.",
+            facts.failed_checks.len()
+        ),
+    }
+}
+
+/// What a sensor did, in sentences.
+pub(super) fn sensor(name: &str, found: &SensorComparison, comparison: &Comparison) -> Vec<String> {
+    let mut said = Vec::new();
+    if let Some(bias_m) = found.bias_m {
+        let side = if bias_m < 0.0 { "low" } else { "high" };
+        let sure =
+            found.bias_sigma_m.map_or_else(String::new, |sigma| format!(" (± {})", metres(Some(sigma))));
+        said.push(format!("Under the pylon {name} read {} too {side}{sure}.", metres(Some(bias_m.abs()))));
+    }
+    if comparison.launch_s.is_none() {
+        return said;
+    }
+    let Some(rms_m) = found.free_flight_rms_m else {
+        said.push("No reading in free flight had a reference to be compared with.".to_owned());
+        return said;
+    };
+    let bound = found
+        .bound_m
+        .map_or_else(String::new, |bound| format!("; the monitor's bound is {}", metres(Some(bound))));
+    said.push(format!(
+        "With that taken off, its error in free flight was {} rms{bound}.",
+        metres(Some(rms_m))
+    ));
+    said.push(match (found.doubtful_after_s, found.untrustworthy_after_s) {
+        (Some(doubtful), Some(untrustworthy)) => format!(
+            "It became doubtful {} after launch and untrustworthy {} later.",
+            seconds(Some(doubtful)),
+            seconds(Some(untrustworthy - doubtful))
+        ),
+        (Some(doubtful), None) => {
+            format!("It became doubtful {} after launch, and never untrustworthy.", seconds(Some(doubtful)))
+        }
+        _ => "It was never doubtful.".to_owned(),
+    });
+    if let Some(worst) = comparison.failures.worst.iter().find(|stretch| stretch.sensor == name) {
+        said.push(worst_stretch(worst));
+    }
+    said
+}
+
+fn worst_stretch(stretch: &Stretch) -> String {
+    format!(
+        "It was worst {}, {:.0} to {:.0} s after launch: {} on average.",
+        stretch.doing.phrase(),
+        stretch.from_s,
+        stretch.to_s,
+        signed_m(Some(stretch.errors.mean_m))
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn flown() -> (SensorComparison, Comparison) {
+        let sensor = SensorComparison {
+            flies_free: true,
+            bias_m: Some(-121.5),
+            bias_sigma_m: Some(1.25),
+            free_flight_rms_m: Some(70.0),
+            bound_m: Some(40.0),
+            doubtful_after_s: Some(7.0),
+            untrustworthy_after_s: Some(9.5),
+            ..SensorComparison::default()
+        };
+        (sensor, Comparison { launch_s: Some(80.0), ..Comparison::default() })
+    }
+
+    #[test]
+    fn a_sensor_is_told_in_sentences() {
+        let (found, comparison) = flown();
+        assert_eq!(
+            sensor("baro", &found, &comparison),
+            [
+                "Under the pylon baro read 121.5 m too low (± 1.25 m).",
+                "With that taken off, its error in free flight was 70.00 m rms; the monitor's bound is 40.00 m.",
+                "It became doubtful 7.00 s after launch and untrustworthy 2.50 s later.",
+            ]
+        );
+    }
+
+    #[test]
+    fn without_a_launch_only_the_bias_is_told() {
+        let (found, comparison) = flown();
+        let comparison = Comparison { launch_s: None, ..comparison };
+        assert_eq!(sensor("baro", &found, &comparison).len(), 1);
+    }
+
+    #[test]
+    fn every_trust_has_its_own_sign() {
+        let signs: std::collections::BTreeSet<&str> =
+            ["calibrating", "trusted", "doubtful", "untrustworthy", "unmonitored"]
+                .map(|trust| outcome(trust).sign)
+                .into();
+        assert_eq!(signs.len(), 5);
+    }
+}
