@@ -1,5 +1,6 @@
 //! Tests of the whole chain, what they compare it with, and what the firmware may cost.
 
 pub mod bench;
+pub mod blind;
 pub mod budget;
 pub mod textbook;

@@ -1,6 +1,7 @@
 //! The workbench of Pylon: it compares what the estimator in [`kf_core`] says with measured flights.
 
 pub mod compare;
+pub mod diagnose;
 pub mod export;
 pub mod flight;
 pub mod fly;

@@ -1,7 +1,8 @@
 //! Flights and models, by what the user wrote.
 
+use std::collections::BTreeSet;
 use std::io::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use model::Model;
 use pylon::flight::{Flight, Note};
@@ -13,6 +14,28 @@ use super::progress::while_busy;
 /// A flight, from its CSV or from any log that can be imported, and what was remarkable about it.
 pub fn flight(file: &Path) -> Result<(Flight, Vec<Note>), Failure> {
     Ok(while_busy("reading", || import::open(file))?)
+}
+
+/// Refuses a flight that is given twice: twice to learn from would count double, and one that is learned
+/// from holds out nothing.
+pub fn refuse_repeats(learned: &[PathBuf], held: &[PathBuf]) -> Result<(), Failure> {
+    let same = |file: &PathBuf| file.canonicalize().unwrap_or_else(|_| file.clone());
+    let mut seen = BTreeSet::new();
+    for file in learned {
+        if !seen.insert(same(file)) {
+            return Err(Failure::input(format!(
+                "{}: given twice, expected different flights",
+                file.display()
+            )));
+        }
+    }
+    for file in held {
+        if !seen.insert(same(file)) {
+            let message = "is learned from or held out already, expected a flight of its own to hold out";
+            return Err(Failure::input(format!("{}: {message}", file.display())));
+        }
+    }
+    Ok(())
 }
 
 /// A model by its preset's name or its file; says on standard error what in it is unlikely.

@@ -4,6 +4,7 @@
 //! status 0: it ran; 1: `fly` found bits that differ; 2: bad usage or bad input.
 
 mod compare;
+mod diagnose;
 mod export;
 mod failure;
 mod fly;
@@ -35,6 +36,7 @@ enum Command {
     Import(import::Arguments),
     Export(export::Arguments),
     Compare(compare::Arguments),
+    Diagnose(diagnose::Arguments),
     Fly(fly::Arguments),
     Report(report::Arguments),
 }
@@ -47,6 +49,7 @@ pub fn main() -> ExitCode {
             Command::Import(arguments) => import::run(&arguments),
             Command::Export(arguments) => export::run(&arguments),
             Command::Compare(arguments) => compare::run(&arguments),
+            Command::Diagnose(arguments) => diagnose::run(&arguments),
             Command::Fly(arguments) => fly::run(&arguments),
             Command::Report(arguments) => report::run(&arguments),
         },

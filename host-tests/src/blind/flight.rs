@@ -1,0 +1,155 @@
+//! A trial's flight.
+
+use anyhow::{Context as _, bail};
+use pylon::flight::{Channel, Column, Flight};
+use pylon::simulate::scenario::{Effect, EffectId, InjectionPhase};
+use pylon::simulate::{Scenario, TruthSample, regressor, simulate};
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+
+use super::draw::{Case, Kind};
+
+/// A flown trial.
+#[derive(Clone, Debug)]
+pub struct Flown {
+    /// What the diagnosis sees.
+    pub flight: Flight,
+    /// The effects that were injected, with the rms in metres that each makes in free flight, the largest
+    /// first.
+    pub effects: Vec<(Effect, f64)>,
+    /// The residual's noise in free flight, rms, metres.
+    pub noise_m: f64,
+}
+
+/// Flies a case; a second flight of the same case has another `flight` number.
+///
+/// # Errors
+/// When the aircraft can't fly the plan, or a column is not there.
+pub fn fly(case: &Case, number: u64) -> anyhow::Result<Flown> {
+    let mut scenario = Scenario::from_toml(&case.scenario, "blind")?;
+    let seed = case.seed.wrapping_mul(1000).wrapping_add(number);
+    let (_, truth) = simulate(&scenario, seed).map_err(|error| anyhow::anyhow!("{error}"))?;
+    let baro = &scenario.sensors.baro.noise;
+    let gps = &scenario.sensors.gps.noise;
+    let imu = &scenario.sensors.imu_slave.noise;
+    let noise = |own: &pylon::simulate::scenario::Noise| {
+        (own.white.powi(2) / 10.0 + own.wander.powi(2) + gps.wander.powi(2) + gps.white.powi(2)).sqrt()
+    };
+    let mut effects = Vec::new();
+    let mut noise_m = noise(baro);
+    match &case.kind {
+        Kind::Effects(drawn) => {
+            let mut random = ChaCha8Rng::seed_from_u64(case.seed ^ 0x5eed);
+            for (id, time_constant_s, size) in drawn {
+                let unit = Effect {
+                    id: *id,
+                    coefficient: 1.0,
+                    phase: phase(*id),
+                    time_constant_s: *time_constant_s,
+                    width_m: None,
+                };
+                noise_m = if id.name().starts_with("imu") { noise(imu) } else { noise(baro) };
+                let spread =
+                    spread(&regressor(&unit, &truth.trajectory, scenario.latitude_deg), &truth.trajectory);
+                if spread < 1e-9 {
+                    continue;
+                }
+                let sign = if random.random::<bool>() { 1.0 } else { -1.0 };
+                // Nature sets a limit; a level flight can't be made to show everything.
+                let size_m = (size * noise_m).min(largest(*id) * spread);
+                effects.push((Effect { coefficient: sign * size_m / spread, ..unit }, size_m));
+            }
+            effects.sort_by(|a, b| b.1.total_cmp(&a.1));
+            scenario.effect = effects.iter().map(|(effect, _)| *effect).collect();
+        }
+        Kind::SmoothedGps(time_s) => scenario.sensors.gps.smoothing_s = *time_s,
+        Kind::Null | Kind::Outside(..) | Kind::Glitch(_) => {}
+    }
+    let (mut flight, truth) = simulate(&scenario, seed).map_err(|error| anyhow::anyhow!("{error}"))?;
+    match &case.kind {
+        Kind::Outside(outside, size) => {
+            let shape = outside.shape(&truth.trajectory);
+            let spread = spread(&shape, &truth.trajectory);
+            if outside.is_inertial() {
+                noise_m = noise(imu);
+            }
+            let scale = if spread > 1e-9 { size * noise_m / spread } else { 0.0 };
+            let channel = if outside.is_inertial() { Channel::ImuSlaveAltM } else { Channel::BaroPa };
+            add(&mut flight, channel, &shape, scale)?;
+        }
+        Kind::Glitch(jump_m) => {
+            let free_s = scenario.duration_s() - scenario.captive.duration_s;
+            let mut random = ChaCha8Rng::seed_from_u64(seed);
+            let start_s = scenario.captive.duration_s + free_s * random.random_range(0.1..0.8);
+            let end_s = start_s + random.random_range(1.0..8.0);
+            let shape: Vec<f64> = truth
+                .trajectory
+                .iter()
+                .map(|sample| f64::from(u8::from((start_s..end_s).contains(&sample.time_s))))
+                .collect();
+            add(&mut flight, Channel::GpsAltM, &shape, *jump_m)?;
+        }
+        Kind::Null | Kind::Effects(_) | Kind::SmoothedGps(_) => {}
+    }
+    flight.channels.retain(|(channel, _)| !case.missing.contains(&channel.name()));
+    Ok(Flown { flight, effects, noise_m })
+}
+
+/// Largest coefficient that is drawn: twice what the catalogue takes for plausible.
+fn largest(id: EffectId) -> f64 {
+    let known = kf_core::effect::EffectId::from_name(id.name());
+    let bounds = known.map_or([-1.0, 1.0], kf_core::effect::EffectId::plausible);
+    2.0 * bounds.iter().fold(0.0_f64, |most, bound| most.max(f64::from(bound.abs())))
+}
+
+/// The phase in which an effect acts by the catalogue's definition of its clock.
+const fn phase(id: EffectId) -> InjectionPhase {
+    match id {
+        EffectId::BaroWarmUp
+        | EffectId::BaroDrift
+        | EffectId::ImuVelocityError
+        | EffectId::ImuAccelBias
+        | EffectId::ImuAccelScale
+        | EffectId::ImuTilt
+        | EffectId::ImuGyroBias
+        | EffectId::ImuVibration
+        | EffectId::ImuGravityGradient
+        | EffectId::ImuEotvos => InjectionPhase::Free,
+        _ => InjectionPhase::Both,
+    }
+}
+
+/// Rms of a shape in free flight about its mean in captive flight.
+fn spread(shape: &[f64], flight: &[TruthSample]) -> f64 {
+    let of = |captive: bool| {
+        shape.iter().zip(flight).filter(move |(_, sample)| sample.captive == captive).map(|(value, _)| *value)
+    };
+    let count = of(true).count().max(1) as f64;
+    let origin = of(true).sum::<f64>() / count;
+    let free = of(false).count().max(1) as f64;
+    (of(false).map(|value| (value - origin).powi(2)).sum::<f64>() / free).sqrt()
+}
+
+/// Adds metres to a column; pressure falls by what the air's weight makes of them.
+fn add(flight: &mut Flight, channel: Channel, shape: &[f64], scale: f64) -> anyhow::Result<()> {
+    let column = flight.channel(channel).with_context(|| channel.name())?;
+    let mut changed = Column::with_capacity(column.len());
+    for (row, metres) in shape.iter().enumerate() {
+        let cell = column.get(row).map(|value| {
+            if channel == Channel::BaroPa {
+                let altitude_m = kf_core::atmosphere::pressure_altitude_m(value).map_or(f64::NAN, f64::from);
+                let target_m = altitude_m + scale * metres;
+                // The standard atmosphere's pressure at an altitude, by its own inverse.
+                (101_325.0 * (1.0 - target_m / 44_330.769).powf(5.255_88)) as f32
+            } else {
+                value + (scale * metres) as f32
+            }
+        });
+        changed.push(cell);
+    }
+    if changed.len() != column.len() {
+        bail!("a shape of {} rows for a column of {}", changed.len(), column.len());
+    }
+    flight.set_channel(channel, changed);
+    Ok(())
+}

@@ -1,0 +1,16 @@
+//! Blind trials: flights with hidden effects, and how often the diagnosis is right about them.
+//!
+//! The generator draws the flight plan, the air, the sensors' noise, which signals are recorded, and what is
+//! wrong: nothing, one to three effects of the catalogue, something outside of it, or a receiver that
+//! misbehaves. The diagnosis sees the flight alone. All flights are simulated.
+
+mod draw;
+mod flight;
+mod outside;
+mod score;
+mod trial;
+
+pub use draw::{Case, Kind, Plan, draw};
+pub use flight::fly;
+pub use score::{Score, table};
+pub use trial::{Trial, run};

@@ -1,0 +1,114 @@
+//! How often the diagnosis is right.
+
+use std::fmt::Write as _;
+
+use pylon::diagnose::Verdict;
+
+use super::draw::{Kind, Plan};
+use super::trial::Trial;
+
+/// A count of trials out of those that it applies to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Share {
+    /// Those in which it was so.
+    pub hits: usize,
+    /// All.
+    pub of: usize,
+}
+
+impl Share {
+    fn count(&mut self, hit: bool) {
+        self.hits += usize::from(hit);
+        self.of += 1;
+    }
+
+    /// As a share; one where there is no trial.
+    #[must_use]
+    pub fn value(&self) -> f64 {
+        if self.of == 0 { 1.0 } else { self.hits as f64 / self.of as f64 }
+    }
+}
+
+/// The rates that the project promises.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Score {
+    /// Strongest effect identified or in a set, of flights in which it moves the residual by more than twice
+    /// its noise.
+    pub strongest_held: Share,
+    /// Of those, identified outright.
+    pub strongest_identified: Share,
+    /// A wrong effect called identified, of all trials.
+    pub wrong: Share,
+    /// Null flights and flights with a glitch that are called quiet.
+    pub null_quiet: Share,
+    /// Causes outside of the catalogue, more than twice the noise, called unknown.
+    pub outside_unknown: Share,
+    /// Causes outside of the catalogue taken for one inside.
+    pub outside_wrong: Share,
+    /// Coefficients within 1.96 sigma of the truth.
+    pub covered: Share,
+    /// Receivers that filter their altitude, and what is said of them is the receiver's.
+    pub smoothed_on_gps: Share,
+}
+
+impl Score {
+    /// Of these trials.
+    #[must_use]
+    pub fn of(trials: &[Trial]) -> Self {
+        let mut score = Self::default();
+        for trial in trials {
+            score.wrong.count(trial.is_wrong());
+            let verdict = trial.diagnosis.verdict;
+            match &trial.case.kind {
+                Kind::Null | Kind::Glitch(_) => score.null_quiet.count(verdict < Verdict::Identified),
+                Kind::Effects(_) => {
+                    if let Some((id, _)) = trial.truth.first().filter(|(_, size)| *size > 2.0)
+                        && trial.case.plan != Plan::Level
+                    {
+                        score.strongest_held.count(trial.holds(id));
+                        score.strongest_identified.count(trial.identified().contains(id));
+                    }
+                }
+                Kind::Outside(_, size) => {
+                    score.outside_wrong.count(trial.is_wrong());
+                    if *size > 2.0 && trial.case.plan != Plan::Level {
+                        score.outside_unknown.count(trial.has_verdict(Verdict::UnknownEffect));
+                    }
+                }
+                Kind::SmoothedGps(_) => {
+                    score.smoothed_on_gps.count(!trial.is_wrong());
+                }
+            }
+            for deviation in &trial.deviations {
+                score.covered.count(deviation.abs() < 1.96);
+            }
+        }
+        score
+    }
+}
+
+/// The score as a table.
+#[must_use]
+pub fn table(trials: &[Trial]) -> String {
+    let score = Score::of(trials);
+    let mut text = String::new();
+    for (what, share, promise) in [
+        ("strongest effect (over twice the noise) identified or in a set", score.strongest_held, ">= 95 %"),
+        ("  of those identified outright", score.strongest_identified, ""),
+        ("a wrong effect identified, of all trials", score.wrong, "<= 2 %"),
+        ("null flights and glitches called quiet", score.null_quiet, ">= 97 %"),
+        ("outside of the catalogue (over twice the noise) called unknown", score.outside_unknown, ">= 80 %"),
+        ("outside of the catalogue, a wrong effect identified", score.outside_wrong, "<= 5 %"),
+        ("coefficients within 1.96 sigma", score.covered, "90 to 98 %"),
+        ("filtered receivers without a wrong effect", score.smoothed_on_gps, ""),
+    ] {
+        let _ = writeln!(
+            text,
+            "{what:<68} {:>6.1} %  ({} of {})  {promise}",
+            100.0 * share.value(),
+            share.hits,
+            share.of
+        );
+    }
+    text
+}

@@ -1,0 +1,83 @@
+//! One trial: fly, diagnose, compare with the truth.
+
+use model::Model;
+use pylon::diagnose::{Diagnosis, NamedReplay, Verdict, diagnose};
+use pylon::replay::Replay;
+use pylon::simulate::scenario::EffectId;
+
+use super::draw::{Case, Kind};
+use super::flight::{Flown, fly};
+
+/// How a trial ended.
+#[derive(Clone, Debug)]
+pub struct Trial {
+    /// What was drawn.
+    pub case: Case,
+    /// Names of the injected effects and their rms in free flight over the residual's noise, the strongest
+    /// first.
+    pub truth: Vec<(&'static str, f64)>,
+    /// The diagnosis.
+    pub diagnosis: Diagnosis,
+    /// Deviations of the coefficients of identified effects from the truth, in their sigmas.
+    pub deviations: Vec<f64>,
+}
+
+impl Trial {
+    /// Ids that the diagnosis is sure of.
+    #[must_use]
+    pub fn identified(&self) -> Vec<&'static str> {
+        self.diagnosis.sensors.values().flat_map(|sensor| sensor.missing.iter().copied()).collect()
+    }
+
+    /// Whether it is sure of an effect that does not act.
+    #[must_use]
+    pub fn is_wrong(&self) -> bool {
+        self.identified().iter().any(|id| !self.truth.iter().any(|(true_id, _)| true_id == id))
+    }
+
+    /// Whether an effect is identified, or in a set that can't be told apart.
+    #[must_use]
+    pub fn holds(&self, id: &str) -> bool {
+        self.identified().contains(&id)
+            || self
+                .diagnosis
+                .sensors
+                .values()
+                .any(|sensor| sensor.indistinguishable.iter().any(|set| set.contains(&id)))
+    }
+
+    /// Whether any sensor's verdict is this.
+    #[must_use]
+    pub fn has_verdict(&self, verdict: Verdict) -> bool {
+        self.diagnosis.sensors.values().any(|sensor| sensor.verdict == verdict)
+    }
+}
+
+/// Runs a case.
+///
+/// # Errors
+/// When the aircraft can't fly the plan.
+pub fn run(case: Case) -> anyhow::Result<Trial> {
+    let Flown { flight, effects, noise_m } = fly(&case, 0)?;
+    let model = Model::default();
+    let replay = Replay::new(&flight, &model, None)?;
+    let named = NamedReplay { file: format!("blind {}", case.seed), replay };
+    let diagnosis = diagnose(&[named], &[], &mut || ());
+    let mut truth: Vec<(&'static str, f64)> =
+        effects.iter().map(|(effect, size_m)| (effect.id.name(), size_m / noise_m)).collect();
+    if let Kind::SmoothedGps(_) = case.kind {
+        // A low pass is, for slow motions, a delay.
+        truth.push((EffectId::GpsLatency.name(), 0.0));
+    }
+    let mut deviations = Vec::new();
+    for sensor in diagnosis.sensors.values() {
+        for candidate in &sensor.candidates {
+            let is_sure = sensor.missing.contains(&candidate.effect) && candidate.time_constant_s.is_none();
+            let injected = effects.iter().find(|(effect, _)| effect.id.name() == candidate.effect);
+            if let (true, Some((effect, _))) = (is_sure, injected) {
+                deviations.push((candidate.coefficient - effect.coefficient) / candidate.sigma);
+            }
+        }
+    }
+    Ok(Trial { case, truth, diagnosis, deviations })
+}

@@ -1,0 +1,91 @@
+//! `pylon diagnose`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use pylon::diagnose::{NamedReplay, diagnose, text};
+use pylon::flight::Flight;
+use pylon::replay::{CalibrationWindow, Replay};
+
+use super::failure::Failure;
+use super::progress::while_busy;
+use super::{load, terminal};
+
+const EXAMPLES: &str = "\
+Examples:
+  pylon diagnose flight.csv
+      which physical effect the default model lacks on this flight
+  pylon diagnose monday.csv tuesday.csv --hold-out friday.csv --model ours.toml
+      learn from two flights, judge on a third
+  pylon diagnose logger.igc --calibrate 60..180
+      a flight that does not say when it was launched: calibrate on 60 s to 180 s
+  pylon diagnose flight.csv --json | jq .sensors.baro.missing
+      for other programs";
+
+/// Find the physical effect that a model lacks, or say that a flight can't tell
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// Flights to learn from: flights' CSV, or logs that `pylon import` reads
+    #[arg(value_name = "FLIGHT", required = true)]
+    flights: Vec<PathBuf>,
+    /// The model: a TOML file, `default` or `paper`
+    #[arg(long, value_name = "MODEL", default_value = "default")]
+    model: String,
+    /// Judge the errors on this flight instead of on held-out manoeuvres (may be repeated)
+    #[arg(long, value_name = "FLIGHT")]
+    hold_out: Vec<PathBuf>,
+    /// Calibrate on this part of the flights (seconds by their own time) and say launch at its end
+    #[arg(long, value_name = "START..END")]
+    calibrate: Option<CalibrationWindow>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let model = load::model(&arguments.model)?;
+    load::refuse_repeats(&arguments.flights, &arguments.hold_out)?;
+    let mut warnings = Vec::new();
+    let mut read = |files: &[PathBuf]| -> Result<Vec<Flight>, Failure> {
+        let mut flights = Vec::new();
+        for file in files {
+            let (flight, notes) = load::flight(file)?;
+            warnings.extend(notes.iter().map(|note| format!("{}: {note}", file.display())));
+            flights.push(flight);
+        }
+        Ok(flights)
+    };
+    let learned = read(&arguments.flights)?;
+    let held = read(&arguments.hold_out)?;
+    let learned = ready(&arguments.flights, &learned, &model, arguments.calibrate)?;
+    let held = ready(&arguments.hold_out, &held, &model, arguments.calibrate)?;
+    let mut diagnosis = while_busy("diagnosing", || diagnose(&learned, &held, &mut || ()));
+    diagnosis.model.clone_from(&arguments.model);
+    diagnosis.warnings.splice(0..0, warnings);
+    if arguments.json {
+        let mut json = serde_json::to_string_pretty(&diagnosis)?;
+        json.push('\n');
+        terminal::put(&json)
+    } else {
+        terminal::put(&text(&diagnosis, terminal::has_colour()))
+    }
+}
+
+fn ready<'a>(
+    files: &[PathBuf],
+    flights: &'a [Flight],
+    model: &model::Model,
+    window: Option<CalibrationWindow>,
+) -> Result<Vec<NamedReplay<'a>>, Failure> {
+    files
+        .iter()
+        .zip(flights)
+        .map(|(file, flight)| {
+            let replay = Replay::new(flight, model, window)
+                .map_err(|error| Failure::input(format!("{}: {error}", file.display())))?;
+            Ok(NamedReplay { file: file.display().to_string(), replay })
+        })
+        .collect()
+}

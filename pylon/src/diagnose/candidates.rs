@@ -1,0 +1,53 @@
+//! The candidates: every effect of the catalogue, and where a time constant is unknown, a grid of it.
+
+use kf_core::effect::{Clock, EffectId, EffectSubject, Regressor};
+use kf_core::sensor::Sensor;
+
+/// Time constants that are tried, seconds: a factor of three apart, between which a fitted exponential
+/// differs from the true one by some per cent of its size.
+const TIME_CONSTANTS_S: [f32; 6] = [3.0, 10.0, 30.0, 90.0, 270.0, 800.0];
+
+/// One column: an effect, with a time constant where it has one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Candidate {
+    /// The effect and the constants of its regressor.
+    pub regressor: Regressor,
+}
+
+impl Candidate {
+    /// The effect.
+    #[must_use]
+    pub const fn effect(&self) -> EffectId {
+        self.regressor.id
+    }
+
+    /// The sensor that it acts on; `None` for the reference, and so for all.
+    #[must_use]
+    pub const fn sensor(&self) -> Option<Sensor> {
+        match self.regressor.id.subject() {
+            EffectSubject::Gps => None,
+            EffectSubject::Sensor(sensor) => Some(sensor),
+        }
+    }
+}
+
+/// Every candidate of the catalogue.
+#[must_use]
+pub fn catalogue() -> Vec<Candidate> {
+    let mut candidates = Vec::new();
+    for id in EffectId::ALL {
+        let mut add = |time_constant_s, since| {
+            candidates.push(Candidate { regressor: Regressor { id, time_constant_s, since } });
+        };
+        if id.has_time_constant() {
+            for since in [Clock::Launch, Clock::Start] {
+                for time_constant_s in TIME_CONSTANTS_S {
+                    add(time_constant_s, since);
+                }
+            }
+        } else {
+            add(0.0, Clock::Launch);
+        }
+    }
+    candidates
+}

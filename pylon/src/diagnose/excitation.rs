@@ -1,0 +1,53 @@
+//! What a flight could have shown.
+
+use super::candidates::Candidate;
+use super::information::Information;
+
+/// An effect is seen when its coefficient exceeds so many sigmas, with the number of candidates tried.
+const SEEN_SIGMAS: f64 = 4.5;
+/// A flight excites a sensor enough if it would have shown this share of the effects that could act on it.
+const ENOUGH: f64 = 0.5;
+
+/// Which of a sensor's effects a flight would have shown at a size that nature allows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Excitation {
+    /// Columns that would have shown.
+    pub seen: Vec<usize>,
+    /// Columns that would not.
+    pub unseen: Vec<usize>,
+}
+
+impl Excitation {
+    /// Whether the flight would have shown enough of the effects.
+    #[must_use]
+    pub fn is_enough(&self) -> bool {
+        let all = self.seen.len() + self.unseen.len();
+        self.seen.len() as f64 >= ENOUGH * all as f64
+    }
+}
+
+/// Judges the candidates among `columns` (with their positions in `information`), each alone beside
+/// what was chosen.
+#[must_use]
+pub fn excitation(
+    information: &Information,
+    candidates: &[Candidate],
+    columns: &[(usize, usize)],
+    chosen: &[usize],
+) -> Excitation {
+    let mut excitation = Excitation::default();
+    for (column, position) in columns {
+        let effect = candidates[*column].effect();
+        let largest = effect.plausible().iter().fold(0.0_f64, |most, bound| most.max(f64::from(bound.abs())));
+        let others: Vec<usize> = chosen.iter().copied().filter(|other| other != position).collect();
+        let picks: Vec<usize> = others.iter().copied().chain([*position]).collect();
+        let sigma =
+            information.solve(&picks).and_then(|solution| solution.covariance.last().map(|v| v.sqrt()));
+        if sigma.is_some_and(|sigma| SEEN_SIGMAS * sigma < largest) {
+            excitation.seen.push(*column);
+        } else {
+            excitation.unseen.push(*column);
+        }
+    }
+    excitation
+}

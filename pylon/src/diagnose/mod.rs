@@ -1,0 +1,44 @@
+//! Which physical effect a model lacks.
+//!
+//! The residuals of all sensors are one likelihood: the reference's wander is in all of them, each has
+//! its own wander and white noise besides, and all of these are estimated together with the effects, anew
+//! for every set of effects that is looked at. That likelihood is a Kalman filter's innovations
+//! (`whitener`), so it is linear in the length of the flight.
+//!
+//! 1. `epochs`: a flight's ticks become block means of residuals and of every candidate's regressor.
+//! 2. `search`: the most probable set of effects.
+//! 3. `repeatability`: whether its coefficients repeat from part to part of the flight.
+//! 4. `rivals`: what could act in its place.
+//! 5. `unknown`: what nothing in the catalogue explains.
+//! 6. `excitation`, `advice`: what the flight could not have shown, and what to fly.
+//! 7. `judge`: the verdicts.
+
+mod advice;
+mod candidates;
+mod diagnosis;
+mod epochs;
+mod excitation;
+mod glitches;
+mod held_out;
+mod information;
+mod judge;
+mod long_run;
+mod manoeuvres;
+mod noise;
+mod problem;
+mod quasi_newton;
+mod reference_path;
+mod repeatability;
+mod rivals;
+mod search;
+mod series;
+mod signals;
+mod text;
+mod unknown;
+mod whitener;
+
+pub use diagnosis::{
+    CandidateFacts, DiagnosedFlight, Diagnosis, Follows, NoiseFacts, SensorDiagnosis, Untested, Verdict,
+};
+pub use judge::{NamedReplay, diagnose};
+pub use text::text;

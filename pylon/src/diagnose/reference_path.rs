@@ -1,0 +1,130 @@
+//! The reference's altitude between its fixes.
+
+/// One accepted fix.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fix {
+    /// When, microseconds.
+    pub time_us: u64,
+    /// Altitude free of the effects that the model knows, metres.
+    pub altitude_m: f64,
+    /// Climb rate, m/s, where the receiver gives it.
+    pub climb_mps: Option<f64>,
+}
+
+/// Fixes longer apart than this many medians of their interval have a gap between them.
+const GAP_INTERVALS: f64 = 4.0;
+
+/// The reference's altitude as a function of time: the cubic through two fixes and their climb rates
+/// (Hermite's), where there are none, through the neighbours' slopes (Catmull and Rom's).
+#[derive(Clone, Debug, Default)]
+pub struct ReferencePath {
+    fixes: Vec<Fix>,
+    climb_mps: Vec<f64>,
+    interval_s: f64,
+    gap_s: f64,
+    next: usize,
+}
+
+impl ReferencePath {
+    /// A path through fixes in time order. No reading is compared across a gap longer than `lost_after_s`.
+    #[must_use]
+    pub fn new(fixes: Vec<Fix>, lost_after_s: f64) -> Self {
+        let mut intervals: Vec<f64> =
+            fixes.windows(2).map(|pair| seconds(pair[0].time_us, pair[1].time_us)).collect();
+        intervals.sort_by(f64::total_cmp);
+        let interval_s = intervals.get(intervals.len() / 2).copied().unwrap_or(0.0);
+        let slope = |a: usize, b: usize| {
+            let (a, b) = (fixes.get(a)?, fixes.get(b)?);
+            let elapsed_s = seconds(a.time_us, b.time_us);
+            (elapsed_s > 0.0).then(|| (b.altitude_m - a.altitude_m) / elapsed_s)
+        };
+        let climb_mps = fixes.iter().enumerate().map(|(k, fix)| {
+            let around = slope(k.saturating_sub(1), (k + 1).min(fixes.len() - 1));
+            fix.climb_mps.or(around).unwrap_or(0.0)
+        });
+        let climb_mps = climb_mps.collect();
+        let gap_s = (GAP_INTERVALS * interval_s).min(lost_after_s).max(1.5 * interval_s);
+        Self { fixes, climb_mps, interval_s, gap_s, next: 1 }
+    }
+
+    /// Median interval of the fixes, seconds.
+    #[must_use]
+    pub const fn interval_s(&self) -> f64 {
+        self.interval_s
+    }
+
+    /// The fixes.
+    #[must_use]
+    pub fn fixes(&self) -> &[Fix] {
+        &self.fixes
+    }
+
+    /// Altitude, and the climb rate between the two receivers' (`None` where they give none), at a time that
+    /// does not lie before the last one asked for; `None` outside of the fixes and in a gap.
+    pub fn at(&mut self, time_us: u64) -> Option<(f64, Option<f64>)> {
+        while self.fixes.get(self.next).is_some_and(|fix| fix.time_us < time_us) {
+            self.next += 1;
+        }
+        let (before, after) = (self.fixes.get(self.next.checked_sub(1)?)?, self.fixes.get(self.next)?);
+        if before.time_us > time_us {
+            return None;
+        }
+        let elapsed_s = seconds(before.time_us, after.time_us);
+        if elapsed_s > self.gap_s || elapsed_s <= 0.0 {
+            return None;
+        }
+        let x = seconds(before.time_us, time_us) / elapsed_s;
+        let (rise, fall) = (self.climb_mps[self.next - 1] * elapsed_s, self.climb_mps[self.next] * elapsed_s);
+        let step = after.altitude_m - before.altitude_m;
+        let cubic = rise + fall - 2.0 * step;
+        let square = 3.0 * step - 2.0 * rise - fall;
+        let climbs = before.climb_mps.zip(after.climb_mps);
+        let climb_mps = climbs.map(|(before, after)| before + x * (after - before));
+        Some((before.altitude_m + x * (rise + x * (square + x * cubic)), climb_mps))
+    }
+}
+
+fn seconds(from_us: u64, to_us: u64) -> f64 {
+    to_us.saturating_sub(from_us) as f64 * 1e-6
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parabola(time_s: f64) -> f64 {
+        100.0 + 20.0 * time_s - 4.0 * time_s * time_s
+    }
+
+    #[test]
+    fn a_parabola_is_met_between_fixes_with_and_without_climb_rates() {
+        for with_climb in [true, false] {
+            let fixes = (0..20).map(|k| {
+                let time_s = f64::from(k) * 0.5;
+                Fix {
+                    time_us: k as u64 * 500_000,
+                    altitude_m: parabola(time_s),
+                    climb_mps: with_climb.then_some(20.0 - 8.0 * time_s),
+                }
+            });
+            let mut path = ReferencePath::new(fixes.collect(), 5.0);
+            for k in 10..170 {
+                let (altitude_m, climb_mps) = path.at(k * 50_000).unwrap();
+                assert_eq!(climb_mps.is_some(), with_climb);
+                let expected = parabola(k as f64 * 0.05);
+                assert!((altitude_m - expected).abs() < 1e-9, "{k}: {altitude_m}, {expected}");
+            }
+            assert_eq!(path.at(9_600_000), None);
+        }
+    }
+
+    #[test]
+    fn nothing_is_compared_across_a_gap() {
+        let fix = |time_us, altitude_m| Fix { time_us, altitude_m, climb_mps: None };
+        let fixes = (0..10).map(|k| fix(k * 200_000, 1.0)).chain((30..40).map(|k| fix(k * 200_000, 1.0)));
+        let mut path = ReferencePath::new(fixes.collect(), 5.0);
+        assert_eq!(path.at(1_700_000), Some((1.0, None)));
+        assert_eq!(path.at(3_000_000), None);
+        assert_eq!(path.at(6_100_000), Some((1.0, None)));
+    }
+}

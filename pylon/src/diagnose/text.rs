@@ -1,0 +1,208 @@
+//! A diagnosis in plain English.
+
+use std::fmt::Write as _;
+
+use comfy_table::{Attribute, Cell, CellAlignment, Color, ContentArrangement, LineStyle, Table, TableStyle};
+
+use super::diagnosis::{CandidateFacts, Diagnosis, SensorDiagnosis, Verdict};
+
+/// A line below the column names and nothing else.
+const STYLE: TableStyle = TableStyle::new().header_separator(LineStyle::new('─', '─', '─', '─'));
+/// Candidates that are listed beside the chosen ones.
+const OTHERS: usize = 5;
+
+/// Writing a line to a string, which can not fail.
+macro_rules! put {
+    ($out:expr, $($arguments:tt)*) => {{
+        let _ = writeln!($out, $($arguments)*);
+    }};
+}
+
+/// The diagnosis as text of some 100 columns, with colours by ANSI codes if `colour`.
+#[must_use]
+pub fn text(diagnosis: &Diagnosis, colour: bool) -> String {
+    let mut out = String::new();
+    for flight in &diagnosis.flights {
+        put!(out, "{}: {} blocks of {:.1} s", flight.file, flight.blocks, flight.block_s);
+        for (from_s, to_s) in &flight.glitches_s {
+            put!(out, "  the reference jumped away from {from_s:.1} s to {to_s:.1} s; left out");
+        }
+        if flight.unreferenced_readings > 0 {
+            put!(
+                out,
+                "  {} readings without a reference around them; left out",
+                flight.unreferenced_readings
+            );
+        }
+    }
+    if !diagnosis.hold_outs.is_empty() {
+        put!(out, "held out: {}", diagnosis.hold_outs.join(", "));
+    }
+    put!(out, "model: {}", diagnosis.model);
+    put!(out, "\n{}", headline(diagnosis));
+    for (name, sensor) in &diagnosis.sensors {
+        // The reference is only worth a paragraph where something is wrong with it.
+        if *name != "gps" || sensor.verdict >= Verdict::Identified {
+            write_sensor(&mut out, name, sensor, colour);
+        }
+    }
+    let noise = &diagnosis.noise;
+    put!(
+        out,
+        "\nNoise beside the effects: the reference wanders by {:.2} m over {:.0} s and each fix adds {:.2} m;",
+        noise.reference_wander_m,
+        noise.reference_time_s,
+        noise.fix_sigma_m
+    );
+    let own: Vec<String> = noise
+        .sensor_wander
+        .iter()
+        .map(|(name, (sigma_m, time_s))| format!("{name} wanders by {sigma_m:.2} m over {time_s:.1} s"))
+        .collect();
+    put!(out, "{}.", own.join(", "));
+    for untested in &diagnosis.untested {
+        put!(out, "not tested: {} (needs {})", untested.effect, untested.needs.join(", "));
+    }
+    for warning in &diagnosis.warnings {
+        put!(out, "warning: {warning}");
+    }
+    out
+}
+
+fn headline(diagnosis: &Diagnosis) -> String {
+    let missing: Vec<&str> =
+        diagnosis.sensors.values().flat_map(|sensor| sensor.missing.iter().copied()).collect();
+    match diagnosis.verdict {
+        Verdict::NoSignificantMisfit => {
+            "The model fits these flights as well as their noise allows: nothing is missing that they could show.".to_owned()
+        }
+        Verdict::InsufficientExcitation => {
+            "The model fits, but these flights could not have shown much of what it may lack.".to_owned()
+        }
+        Verdict::Identified => format!("The model lacks {}.", missing.join(" and ")),
+        Verdict::Indistinguishable => {
+            "The model lacks an effect, and these flights can't tell which of several it is.".to_owned()
+        }
+        Verdict::UnknownEffect => {
+            "The model lacks something that nothing in the catalogue explains.".to_owned()
+        }
+    }
+}
+
+fn say(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::NoSignificantMisfit => "no significant misfit",
+        Verdict::InsufficientExcitation => "not excited enough to tell",
+        Verdict::Identified => "identified",
+        Verdict::Indistinguishable => "can't be told apart",
+        Verdict::UnknownEffect => "unknown effect",
+    }
+}
+
+fn write_sensor(out: &mut String, name: &str, sensor: &SensorDiagnosis, colour: bool) {
+    put!(out, "\n{name}: {}", say(sensor.verdict));
+    if !sensor.missing.is_empty() {
+        put!(out, "  missing, the strongest first: {}", sensor.missing.join(", "));
+    }
+    for set in &sensor.indistinguishable {
+        put!(out, "  one of: {}", set.join(", "));
+    }
+    if let Some(factor) = sensor.free_flight_factor.filter(|factor| *factor > 1.5) {
+        put!(out, "  its own wander is {factor:.1} times larger in free flight than in captive flight");
+    }
+    for follows in &sensor.follows {
+        put!(
+            out,
+            "  the rest follows {} with a lag of {:.0} s ({:.2} m rms)",
+            follows.signal,
+            follows.lag_s,
+            follows.size_m
+        );
+    }
+    let chosen = sensor.candidates.iter().filter(|candidate| candidate.chosen);
+    let others = sensor.candidates.iter().filter(|candidate| !candidate.chosen).take(OTHERS);
+    let rows: Vec<&CandidateFacts> = chosen.chain(others).collect();
+    if !rows.is_empty() {
+        put!(out, "{}", table(&rows, colour));
+    }
+    if !sensor.advice.is_empty() {
+        put!(out, "  {}", sensor.advice);
+    }
+}
+
+fn table(rows: &[&CandidateFacts], colour: bool) -> String {
+    let mut table = Table::new();
+    table.load_style(STYLE).set_content_arrangement(ContentArrangement::Disabled);
+    let heads = ["  candidate", "coefficient", "", "p-value", "held-out rms", "size, rms"];
+    table.set_header(heads.iter().enumerate().map(|(k, head)| {
+        let cell = Cell::new(head).add_attribute(Attribute::Bold);
+        if k == 0 || k == 2 { cell } else { cell.set_alignment(CellAlignment::Right) }
+    }));
+    for row in rows {
+        let mark = if row.chosen { "*" } else { " " };
+        let time = row.time_constant_s.map_or_else(String::new, |tau| format!(" ({tau:.0} s)"));
+        let name = Cell::new(format!("{mark} {}{time}", row.effect));
+        let right = |text: String| Cell::new(text).set_alignment(CellAlignment::Right);
+        table.add_row(vec![
+            if row.chosen { name.fg(Color::Green) } else { name },
+            right(with_sigma(row.coefficient, row.sigma)),
+            Cell::new(row.unit),
+            right(probability(row.p_value)),
+            right(before_after(row.rms_before_m, row.rms_after_m)),
+            right(format!("{:.2} m", row.size_m)),
+        ]);
+    }
+    if colour {
+        table.enforce_styling();
+    } else {
+        table.force_no_tty();
+    }
+    let text = table.to_string();
+    let lines: Vec<&str> = text.lines().map(str::trim_end).collect();
+    lines.join("\n")
+}
+
+/// A value with its sigma, to two digits of the sigma.
+fn with_sigma(value: f64, sigma: f64) -> String {
+    if !(value.is_finite() && sigma.is_finite() && sigma > 0.0) {
+        return "-".to_owned();
+    }
+    let decimals = 1 - sigma.log10().floor() as i32;
+    if decimals > 6 {
+        return format!("{value:+.3e} ± {sigma:.0e}");
+    }
+    let decimals = usize::try_from(decimals).unwrap_or(0);
+    format!("{value:+.decimals$} ± {sigma:.decimals$}")
+}
+
+fn probability(p: f64) -> String {
+    match p {
+        p if p >= 0.1 => format!("{p:.1}"),
+        p if p >= 0.001 => format!("{p:.3}"),
+        p if p >= 1e-12 => format!("{p:.0e}"),
+        _ => "< 1e-12".to_owned(),
+    }
+}
+
+fn before_after(before_m: Option<f64>, after_m: Option<f64>) -> String {
+    match (before_m, after_m) {
+        (Some(before_m), Some(after_m)) => format!("{before_m:.2} m -> {after_m:.2} m"),
+        _ => "-".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_show_two_digits_of_their_sigma() {
+        assert_eq!(with_sigma(-0.043_21, 0.001_3), "-0.0432 ± 0.0013");
+        assert_eq!(with_sigma(12.3, 0.45), "+12.30 ± 0.45");
+        assert_eq!(with_sigma(1234.0, 210.0), "+1234 ± 210");
+        assert_eq!(with_sigma(2.5e-8, 3e-9), "+2.500e-8 ± 3e-9");
+        assert_eq!(probability(0.5), "0.5");
+        assert_eq!(probability(3e-5), "3e-5");
+        assert_eq!(probability(0.0), "< 1e-12");
+    }
+}
