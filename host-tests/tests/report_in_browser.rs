@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use browser::{Mouse, Sheet};
 use model::Model;
 use pylon::compare::{Options, compare};
+use pylon::diagnose::{NamedReplay, diagnose};
 use pylon::replay::Replay;
 use pylon::report::{FlightReport, Report};
 use pylon::simulate::{Scenario, simulate};
@@ -30,7 +31,10 @@ fn report() -> (TempDir, PathBuf) {
     let (mut comparison, _) = compare(&replay, &Options::default(), &mut |_| ()).unwrap();
     comparison.flight.file = "quickstart.csv".into();
     let flights = [FlightReport::new(0, &replay, comparison).unwrap()];
-    let html = Report { flights: &flights, model: &model, model_name: "default" }.html();
+    let named = NamedReplay { file: "quickstart.csv".into(), replay };
+    let diagnosis = diagnose(&[named], &[], &mut || ());
+    let html =
+        Report { flights: &flights, model: &model, model_name: "default", diagnosis: &diagnosis }.html();
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("report.html");
     fs::write(&file, html).unwrap();
@@ -104,6 +108,21 @@ fn every_diagram_is_drawn_and_nothing_complains() {
         assert!(inked > 1_500 && colours > 3, "diagram {index}: {inked} pixels in {colours} colours");
     }
     assert_eq!(sheet.number("pylonCharts.drawn.size") as usize, places);
+    // Lengths are to scale: the error without and with the effect that the scenario hides.
+    let row = "document.querySelector('.candidates .chosen')";
+    assert!(
+        sheet.value(&format!("{row}.textContent")).as_str().unwrap().starts_with("baro.dynamic_pressure")
+    );
+    let length = |kind: &str| {
+        sheet.number(&format!("{row}.querySelector('.bar.{kind} .length').getBoundingClientRect().width"))
+    };
+    let error = |kind: &str| {
+        sheet.number(&format!(
+            "parseFloat({row}.querySelector('.bar.{kind} .value').textContent.match(/[\\d.]+/)[0])"
+        ))
+    };
+    let (lengths, errors) = (length("after") / length("before"), error("after") / error("before"));
+    assert!((lengths - errors).abs() < 0.02 && errors < 0.6, "{lengths} {errors}");
     for width in [1_024, 1_366, 1_920] {
         sheet.resize(width, 768);
         sheet.wait(&format!("innerWidth === {width}"));

@@ -204,10 +204,36 @@ fn a_refused_report_leaves_no_file() {
         &["report", "absent.csv", "-o", "report.html"],
         &["report", "made.csv", "--calibrate", "900..950", "-o", "report.html"],
         &["report", "made.csv", "--model", "absent.toml", "-o", "report.html"],
+        &["report", "made.csv", "--hold-out", "made.csv", "-o", "report.html"],
         &["report", "made.csv", "-o", "no/such/report.html"],
         &["report", "made.csv"],
     ] {
         common::program::refusal(directory.path(), arguments);
         assert_eq!(files(directory.path()), before, "{arguments:?}");
     }
+}
+
+#[test]
+fn the_page_says_what_a_diagnosis_says() {
+    let directory = written(&late_baro());
+    let second = Recipe { seed: 2, ..late_baro() }.make();
+    flight::write(&directory.path().join("second.csv"), &second).unwrap();
+    let arguments = ["made.csv", "--hold-out", "second.csv", "--model", "model.toml"];
+    let page = page(directory.path(), &arguments);
+    let said = stdout(directory.path(), &[&["diagnose"], &arguments[..], &["--json"]].concat());
+    let diagnosis: Value = serde_json::from_str(&said).unwrap();
+    let baro = &diagnosis["sensors"]["baro"];
+    assert!(page.contains(&format!("finding {}", baro["verdict"].as_str().unwrap())));
+    let advice = baro["advice"].as_str().unwrap();
+    assert!(
+        !advice.is_empty() && page.contains(&advice.replace('&', "&amp;").replace('<', "&lt;")),
+        "{advice}"
+    );
+    for candidate in baro["candidates"].as_array().unwrap() {
+        let id = candidate["effect"].as_str().unwrap();
+        assert!(page.contains(&format!("<th scope=\"row\">{id}")), "{id}");
+    }
+    let named = [&baro["missing"], &baro["indistinguishable"]].map(ToString::to_string).concat();
+    assert!(named.contains("baro.lag"), "1.5 s of lag are found, or a set that holds it: {named}");
+    assert!(page.contains("Held-out errors are those on second.csv."));
 }

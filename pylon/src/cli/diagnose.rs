@@ -3,9 +3,8 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use pylon::diagnose::{NamedReplay, diagnose, text};
-use pylon::flight::Flight;
-use pylon::replay::{CalibrationWindow, Replay};
+use pylon::diagnose::{diagnose, text};
+use pylon::replay::CalibrationWindow;
 
 use super::failure::Failure;
 use super::progress::while_busy;
@@ -47,20 +46,17 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let model = load::model(&arguments.model)?;
     load::refuse_repeats(&arguments.flights, &arguments.hold_out)?;
-    let mut warnings = Vec::new();
-    let mut read = |files: &[PathBuf]| -> Result<Vec<Flight>, Failure> {
-        let mut flights = Vec::new();
-        for file in files {
-            let (flight, notes) = load::flight(file)?;
-            warnings.extend(notes.iter().map(|note| format!("{}: {note}", file.display())));
-            flights.push(flight);
-        }
-        Ok(flights)
+    let learned = load::flights(&arguments.flights)?;
+    let held = load::flights(&arguments.hold_out)?;
+    let warnings = |files: &[PathBuf], flights: &[load::Read]| -> Vec<String> {
+        let pairs = files.iter().zip(flights);
+        pairs
+            .flat_map(|(file, (_, notes))| notes.iter().map(|note| format!("{}: {note}", file.display())))
+            .collect()
     };
-    let learned = read(&arguments.flights)?;
-    let held = read(&arguments.hold_out)?;
-    let learned = ready(&arguments.flights, &learned, &model, arguments.calibrate)?;
-    let held = ready(&arguments.hold_out, &held, &model, arguments.calibrate)?;
+    let warnings = [warnings(&arguments.flights, &learned), warnings(&arguments.hold_out, &held)].concat();
+    let learned = load::replays(&arguments.flights, &learned, &model, arguments.calibrate)?;
+    let held = load::replays(&arguments.hold_out, &held, &model, arguments.calibrate)?;
     let mut diagnosis = while_busy("diagnosing", || diagnose(&learned, &held, &mut || ()));
     diagnosis.model.clone_from(&arguments.model);
     diagnosis.warnings.splice(0..0, warnings);
@@ -71,21 +67,4 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     } else {
         terminal::put(&text(&diagnosis, terminal::has_colour()))
     }
-}
-
-fn ready<'a>(
-    files: &[PathBuf],
-    flights: &'a [Flight],
-    model: &model::Model,
-    window: Option<CalibrationWindow>,
-) -> Result<Vec<NamedReplay<'a>>, Failure> {
-    files
-        .iter()
-        .zip(flights)
-        .map(|(file, flight)| {
-            let replay = Replay::new(flight, model, window)
-                .map_err(|error| Failure::input(format!("{}: {error}", file.display())))?;
-            Ok(NamedReplay { file: file.display().to_string(), replay })
-        })
-        .collect()
 }

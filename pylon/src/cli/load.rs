@@ -5,8 +5,10 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use model::Model;
+use pylon::diagnose::NamedReplay;
 use pylon::flight::{Flight, Note};
 use pylon::import;
+use pylon::replay::{CalibrationWindow, Replay};
 
 use super::failure::Failure;
 use super::progress::while_busy;
@@ -36,6 +38,29 @@ pub fn refuse_repeats(learned: &[PathBuf], held: &[PathBuf]) -> Result<(), Failu
         }
     }
     Ok(())
+}
+
+/// A flight as it was read, and what was remarkable about it.
+pub type Read = (Flight, Vec<Note>);
+
+/// The flights of some files, in their order.
+pub fn flights(files: &[PathBuf]) -> Result<Vec<Read>, Failure> {
+    files.iter().map(|file| flight(file)).collect()
+}
+
+/// Those flights ready to be flown by a model, each under its file's name.
+pub fn replays<'a>(
+    files: &[PathBuf],
+    flights: &'a [Read],
+    model: &Model,
+    window: Option<CalibrationWindow>,
+) -> Result<Vec<NamedReplay<'a>>, Failure> {
+    let named = files.iter().zip(flights).map(|(file, (flight, _))| {
+        let replay = Replay::new(flight, model, window)
+            .map_err(|error| Failure::input(format!("{}: {error}", file.display())))?;
+        Ok(NamedReplay { file: file.display().to_string(), replay })
+    });
+    named.collect()
 }
 
 /// A model by its preset's name or its file; says on standard error what in it is unlikely.

@@ -4,12 +4,14 @@ use std::path::PathBuf;
 
 use clap::Args;
 use pylon::compare::{Options, compare};
+use pylon::diagnose::{NamedReplay, diagnose};
+use pylon::flight::Note;
 use pylon::output_file::write_atomically;
-use pylon::replay::{CalibrationWindow, Replay};
+use pylon::replay::CalibrationWindow;
 use pylon::report::{FlightReport, Report};
 
 use super::failure::Failure;
-use super::progress::Progress;
+use super::progress::{Progress, while_busy};
 use super::{load, terminal};
 
 const EXAMPLES: &str = "\
@@ -18,6 +20,8 @@ Examples:
       how well the default model agrees with the flight, as a page to look at
   pylon report first.csv second.csv --model my-uav.toml -o report.html
       several flights, and how the model got where it is
+  pylon report first.csv --hold-out second.csv -o report.html
+      what the model lacks, judged on a flight that it was not learned from
   pylon report logger.igc --calibrate 60..180 -o report.html
       a log that does not say when the UAV was launched";
 
@@ -34,6 +38,9 @@ pub struct Arguments {
     /// Calibrate on this part of every flight (seconds by its own time) and say launch at its end
     #[arg(long, value_name = "START..END")]
     calibrate: Option<CalibrationWindow>,
+    /// Judge what may be missing on this flight instead of on held-out manoeuvres (may be repeated)
+    #[arg(long, value_name = "FLIGHT")]
+    hold_out: Vec<PathBuf>,
     /// The page to write: one HTML file, with everything in it
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -42,23 +49,39 @@ pub struct Arguments {
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let model = load::model(&arguments.model)?;
-    let mut flights = Vec::with_capacity(arguments.flights.len());
-    for (index, file) in arguments.flights.iter().enumerate() {
-        let (flight, notes) = load::flight(file)?;
-        let in_flight =
-            |error: &dyn std::fmt::Display| Failure::input(format!("{}: {error}", file.display()));
-        let replay = Replay::new(&flight, &model, arguments.calibrate).map_err(|error| in_flight(&error))?;
-        let mut progress = Progress::new("flying", flight.rows() as u64);
-        let (mut comparison, _) = compare(&replay, &Options::default(), &mut |rows| progress.show(rows))
-            .map_err(|error| in_flight(&error))?;
-        comparison.flight.file = file.display().to_string();
-        comparison.model.clone_from(&arguments.model);
-        comparison.warnings.splice(0..0, notes.iter().map(ToString::to_string));
-        flights.push(FlightReport::new(index, &replay, comparison).map_err(|error| in_flight(&error))?);
+    load::refuse_repeats(&arguments.flights, &arguments.hold_out)?;
+    let learned = load::flights(&arguments.flights)?;
+    let held = load::flights(&arguments.hold_out)?;
+    let learned_from = load::replays(&arguments.flights, &learned, &model, arguments.calibrate)?;
+    let held_out = load::replays(&arguments.hold_out, &held, &model, arguments.calibrate)?;
+    let mut flights = Vec::with_capacity(learned.len());
+    for (index, (named, (_, notes))) in learned_from.iter().zip(&learned).enumerate() {
+        flights.push(flight(index, named, notes, &arguments.model)?);
     }
-    let html = Report { flights: &flights, model: &model, model_name: &arguments.model }.html();
+    let mut diagnosis = while_busy("diagnosing", || diagnose(&learned_from, &held_out, &mut || ()));
+    diagnosis.model.clone_from(&arguments.model);
+    let html =
+        Report { flights: &flights, model: &model, model_name: &arguments.model, diagnosis: &diagnosis }
+            .html();
     write_atomically(&arguments.output, |out| out.write_all(html.as_bytes()))?;
     let (count, size) = (flights.len(), html.len() as f64 / 1e6);
     let flights = if count == 1 { "1 flight".to_owned() } else { format!("{count} flights") };
     terminal::put(&format!("{}: {flights}, {size:.1} MB\n", arguments.output.display()))
+}
+
+fn flight(
+    index: usize,
+    named: &NamedReplay<'_>,
+    notes: &[Note],
+    model: &str,
+) -> Result<FlightReport, Failure> {
+    let NamedReplay { file, replay } = named;
+    let in_flight = |error: &dyn std::fmt::Display| Failure::input(format!("{file}: {error}"));
+    let mut progress = Progress::new("flying", replay.flight().rows() as u64);
+    let (mut comparison, _) = compare(replay, &Options::default(), &mut |rows| progress.show(rows))
+        .map_err(|error| in_flight(&error))?;
+    comparison.flight.file.clone_from(file);
+    model.clone_into(&mut comparison.model);
+    comparison.warnings.splice(0..0, notes.iter().map(ToString::to_string));
+    FlightReport::new(index, replay, comparison).map_err(|error| in_flight(&error))
 }

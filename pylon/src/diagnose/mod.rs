@@ -33,7 +33,7 @@ mod rivals;
 mod search;
 mod series;
 mod signals;
-mod text;
+pub(crate) mod text;
 mod unknown;
 mod whitener;
 

@@ -69,7 +69,7 @@ pub fn text(diagnosis: &Diagnosis, colour: bool) -> String {
     out
 }
 
-fn headline(diagnosis: &Diagnosis) -> String {
+pub(crate) fn headline(diagnosis: &Diagnosis) -> String {
     let missing: Vec<&str> =
         diagnosis.sensors.values().flat_map(|sensor| sensor.missing.iter().copied()).collect();
     match diagnosis.verdict {
@@ -89,7 +89,7 @@ fn headline(diagnosis: &Diagnosis) -> String {
     }
 }
 
-fn say(verdict: Verdict) -> &'static str {
+pub(crate) fn say(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::NoSignificantMisfit => "no significant misfit",
         Verdict::InsufficientExcitation => "not excited enough to tell",
@@ -163,7 +163,7 @@ fn table(rows: &[&CandidateFacts], colour: bool) -> String {
 }
 
 /// A value with its sigma, to two digits of the sigma.
-fn with_sigma(value: f64, sigma: f64) -> String {
+pub(crate) fn with_sigma(value: f64, sigma: f64) -> String {
     if !(value.is_finite() && sigma.is_finite() && sigma > 0.0) {
         return "-".to_owned();
     }
@@ -175,7 +175,7 @@ fn with_sigma(value: f64, sigma: f64) -> String {
     format!("{value:+.decimals$} ± {sigma:.decimals$}")
 }
 
-fn probability(p: f64) -> String {
+pub(crate) fn probability(p: f64) -> String {
     match p {
         p if p >= 0.1 => format!("{p:.1}"),
         p if p >= 0.001 => format!("{p:.3}"),

@@ -16,6 +16,7 @@ use kf_core::sensor::Sensor;
 use model::Model;
 
 use crate::compare::Comparison;
+use crate::diagnose::Diagnosis;
 use crate::replay::{Replay, ReplayError};
 use dependence::Dependence;
 use recording::{ERROR, Recording};
@@ -58,6 +59,8 @@ pub struct Report<'a> {
     pub model: &'a Model,
     /// Its name: a preset or a file.
     pub model_name: &'a str,
+    /// What the model lacks, by all the flights together.
+    pub diagnosis: &'a Diagnosis,
 }
 
 impl FlightReport {

@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 use model::{Model, Revision};
 
-use crate::compare::text::number::metres;
+use super::bars::bars;
 
 pub(super) fn section(model: &Model, name: &str) -> Markup {
     let greatest = model.revisions.iter().flat_map(errors).flatten().fold(0.0, f64::max);
@@ -44,25 +44,9 @@ fn row(revision: &Revision, greatest: f64) -> Markup {
                 @if let Some(date) = &revision.date { span.note { (date) } }
             }
             td { (revision.learned_from.as_deref().unwrap_or("-")) }
-            td { (bars(before, after, greatest)) }
-            td { (bars(held_before, held_after, greatest)) }
+            td { (bars(("before", before), ("after", after), greatest)) }
+            td { (bars(("before", held_before), ("after", held_after), greatest)) }
         }
-    }
-}
-
-/// Before and after as numbers and as lengths.
-fn bars(before: Option<f64>, after: Option<f64>, greatest: f64) -> Markup {
-    let share = |value: f64| if greatest > 0.0 { 100.0 * value / greatest } else { 0.0 };
-    html! {
-        @for (kind, value) in [("before", before), ("after", after)] {
-            @if let Some(value) = value {
-                div class=(format!("bar {kind}")) {
-                    span.length style=(format!("width: {:.1}%", share(value))) {}
-                    span.value { (kind) " " (metres(Some(value))) }
-                }
-            }
-        }
-        @if before.is_none() && after.is_none() { "-" }
     }
 }
 

@@ -1,6 +1,9 @@
 //! The page's words and tables; `assets/` has its style and what draws its diagrams.
 
+mod bars;
 mod calibration;
+mod diagnosis;
+mod effects;
 mod flight;
 mod glossary;
 mod ladder;
@@ -42,6 +45,7 @@ pub(super) fn page(report: &Report<'_>) -> String {
                 main #main {
                     (opening(report))
                     @for found in report.flights { (flight::summary(found, report.flights.len() > 1)) }
+                    (diagnosis::section(report.diagnosis))
                     (ladder::section(report.model, report.model_name))
                     @for found in report.flights { (flight::section(found)) }
                     (glossary::section())
@@ -72,12 +76,13 @@ fn header(report: &Report<'_>, title: &str) -> Markup {
                 p.sub { "model " b { (report.model_name) } ", by pylon " (env!("CARGO_PKG_VERSION")) }
             }
             nav aria-label="Parts of this page" {
+                a href="#diagnosis" { "What is missing" }
+                a href="#ladder" { "Model" }
                 @for found in report.flights {
                     a href=(format!("#{}", found.id)) {
                         @if report.flights.len() > 1 { (file_name(&found.comparison.flight.file)) } @else { "Flight" }
                     }
                 }
-                a href="#ladder" { "Model" }
                 a href="#words" { "Words" }
             }
             button #theme type="button" aria-label="Colours: as the system has them" { "◐ auto" }
