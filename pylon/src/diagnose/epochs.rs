@@ -10,7 +10,7 @@ use model::Model;
 
 use super::candidates::Candidate;
 use super::glitches;
-use super::reference_path::{Fix, ReferencePath};
+use super::reference_path::{Fix, Reference, ReferencePath};
 use super::series::{BySensor, Series};
 use super::signals::{NAMES, SignalMeans};
 use crate::replay::Replay;
@@ -56,6 +56,8 @@ struct Follower {
     climb: Option<Climb>,
     /// Climb at the start of the calibration, metres.
     climb_base_m: Option<f64>,
+    /// Altitude of the first fix of the calibration, metres.
+    altitude_base_m: Option<f64>,
 }
 
 /// Integral of the climb rate at the last fix.
@@ -89,6 +91,7 @@ impl Follower {
             free: false,
             climb: None,
             climb_base_m: None,
+            altitude_base_m: None,
         }
     }
 
@@ -101,14 +104,17 @@ impl Follower {
 
     /// A candidate's regressor now, metres per unit.
     ///
-    /// The altitude gained is taken from the climb rate where there is one: the fixes' own altitude has
-    /// the reference's error in it, which the residual has too, so that in level flight the one explains
-    /// the other with a coefficient of -1. The climb rate is taken between the fixes: held since the last
-    /// one it is late by half their interval, and that is what an acceleration would look like.
-    fn regressor_m(&self, regressor: Regressor, time_us: u64, climb_mps: Option<f64>) -> Option<f64> {
-        match (regressor.id, self.climbed_m(time_us), climb_mps) {
-            (EffectId::BaroScale, Some(climbed_m), _) => Some(climbed_m),
-            (EffectId::BaroLag | EffectId::GpsLatency, _, Some(climb_mps)) => Some(-climb_mps),
+    /// The altitude gained is taken from the climb rate where there is one, else averaged over some seconds:
+    /// the fixes' own altitude has the reference's error in it, which the residual has too, so that in level
+    /// flight the one explains the other with a coefficient of -1. The climb rate is taken between the fixes:
+    /// held since the last one it is late by half their interval, and that is what an acceleration would look like.
+    fn regressor_m(&self, regressor: Regressor, moment: &Moment) -> Option<f64> {
+        match regressor.id {
+            EffectId::BaroScale => {
+                let gained_m = || Some(moment.reference.smooth_m - self.altitude_base_m?);
+                self.climbed_m(moment.time_us).or_else(gained_m)
+            }
+            EffectId::BaroLag | EffectId::GpsLatency => Some(-moment.reference.climb_mps),
             _ => self.tracker.regressor_m(regressor).map(f64::from),
         }
     }
@@ -132,6 +138,9 @@ impl Follower {
         }
         if self.calibrating && self.climb_base_m.is_none() {
             self.climb_base_m = self.climb.map(|climb| climb.metres);
+        }
+        if self.calibrating && self.altitude_base_m.is_none() {
+            self.altitude_base_m = taken.map(|(fix, _)| f64::from(fix.altitude_m));
         }
         let accepted = taken.is_some();
         if !self.calibrating && input.time_us - first_us >= self.settling_us {
@@ -220,8 +229,7 @@ fn sensor_paths(replay: &Replay<'_>) -> [Vec<(u64, f64)>; SENSORS] {
 /// Readings, and the reference at their time.
 struct Moment {
     time_us: u64,
-    reference_m: f64,
-    climb_mps: Option<f64>,
+    reference: Reference,
     readings: [Option<f64>; SENSORS],
 }
 
@@ -354,11 +362,11 @@ impl Builder {
             if readings.iter().all(Option::is_none) {
                 continue;
             }
-            let Some((reference_m, climb_mps)) = self.path.at(input.time_us) else {
+            let Some(reference) = self.path.at(input.time_us) else {
                 self.unreferenced += readings.iter().flatten().count() as u64;
                 continue;
             };
-            let moment = Moment { time_us: input.time_us, reference_m, climb_mps, readings };
+            let moment = Moment { time_us: input.time_us, reference, readings };
             self.take_readings(&moment, model, &follower, candidates);
         }
         self.close_block();
@@ -398,13 +406,14 @@ impl Builder {
         candidates: &[Candidate],
     ) {
         let Some(open) = &mut self.open else { return };
-        let Moment { time_us, reference_m, climb_mps, readings } = *moment;
+        let Moment { reference, readings, .. } = *moment;
         for (sensor, reading) in Sensor::ALL.into_iter().zip(readings) {
             let Some(reading_m) = reading else { continue };
             let i = sensor.index();
             open.readings[i] += 1;
-            open.residual_sum[i] +=
-                reading_m - known_m(model, &follower.tracker, EffectSubject::Sensor(sensor)) - reference_m;
+            open.residual_sum[i] += reading_m
+                - known_m(model, &follower.tracker, EffectSubject::Sensor(sensor))
+                - reference.altitude_m;
         }
         for (c, candidate) in candidates.iter().enumerate() {
             let acts_on = self.acts_on[c];
@@ -412,7 +421,7 @@ impl Builder {
                 continue;
             }
             self.asked[c] += 1;
-            let regressor_m = follower.regressor_m(candidate.regressor, time_us, climb_mps);
+            let regressor_m = follower.regressor_m(candidate.regressor, moment);
             let Some(regressor_m) = regressor_m.filter(|metres| metres.is_finite()) else {
                 self.missing[c] += 1;
                 continue;

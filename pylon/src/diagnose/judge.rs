@@ -35,9 +35,11 @@ const UNEVEN: f64 = 5.0;
 const HARMFUL: f64 = 0.95;
 /// The share of a coefficient that is unsure beside its noise: signals are measured with delays and scale
 /// errors of their own.
-const SCALE: f64 = 0.015;
+const SCALE: f64 = 0.02;
 /// The same where the airspeed is not measured and the speed over ground stands in: wind.
 const SCALE_WITHOUT_AIRSPEED: f64 = 0.2;
+/// Effects are cancelling each other when each is so many times larger than their sum.
+const CANCELLING: f64 = 2.5;
 /// What remains unexplained makes the verdict when it is more than this share of what was explained.
 const REST: f64 = 0.25;
 
@@ -92,7 +94,9 @@ pub fn diagnose(
             *most = most.max(*noise_m2);
         }
     }
-    let mut search = Search::new(&problem, &candidates, usable, &column_noise_m2);
+    let is_rough: Vec<bool> =
+        candidates.iter().map(|candidate| lacks_airspeed(&epochs, candidate.effect())).collect();
+    let mut search = Search::new(&problem, &candidates, usable, &column_noise_m2, &is_rough);
     let explanation = search.run(progress);
     let judge = Judge {
         problem: &problem,
@@ -105,6 +109,12 @@ pub fn diagnose(
     diagnosis.hold_outs = hold_outs.iter().map(|named| named.file.clone()).collect();
     diagnosis.untested = untested(&candidates, &epochs);
     diagnosis
+}
+
+/// Whether an effect is made of the airspeed and a flight has it not measured.
+fn lacks_airspeed(epochs: &[Epochs], effect: EffectId) -> bool {
+    effect.needs().contains(&"tas_mps")
+        && epochs.iter().any(|epochs| epochs.signals.iter().all(|block| !block[0].is_finite()))
 }
 
 fn facts(named: &NamedReplay<'_>, epochs: &Epochs) -> DiagnosedFlight {
@@ -191,7 +201,8 @@ impl Judge<'_> {
             progress();
             explanation = Explanation { columns, fit };
         }
-        let rivals = rivals(&mut search, self.problem, &explanation);
+        let mut rivals = rivals(&mut search, self.problem, &explanation);
+        self.merge_cancelling(&search, &explanation, &mut rivals);
         let repeat = repeatability(self.problem, &explanation.fit.noise, &explanation.columns);
         let inflation = self.inflation(&explanation, &repeat);
         let information = search.information(&explanation.fit);
@@ -219,6 +230,58 @@ impl Judge<'_> {
             diagnosis.verdict = worst;
         }
         diagnosis
+    }
+
+    /// Two effects that are each far larger than what they add up to are told apart by next to nothing:
+    /// each becomes a rival of the other.
+    fn merge_cancelling(&self, search: &Search<'_>, explanation: &Explanation, rivals: &mut [Rivals]) {
+        let information = search.information(&explanation.fit);
+        let Some(solution) = information.solve(&search.positions(&explanation.columns)) else { return };
+        let terms: Vec<(usize, f64)> =
+            explanation.columns.iter().copied().zip(solution.coefficients).collect();
+        let largest = |sensor: usize| {
+            let on: Vec<&(usize, f64)> = terms
+                .iter()
+                .filter(|(column, _)| {
+                    self.candidates[*column].sensor().is_none_or(|own| own.index() == sensor)
+                })
+                .collect();
+            let together_m = self.made_m(&on, sensor);
+            on.into_iter()
+                .filter(|term| self.made_m(&[*term], sensor) > CANCELLING * together_m)
+                .map(|(column, _)| *column)
+                .collect::<Vec<usize>>()
+        };
+        for sensor in Sensor::ALL {
+            let cancelling = largest(sensor.index());
+            for rival in rivals.iter_mut().filter(|rival| cancelling.contains(&rival.column)) {
+                let others = cancelling.iter().filter(|column| **column != rival.column);
+                rival.others.extend(others);
+            }
+        }
+    }
+
+    /// What some columns with their coefficients make of a sensor's residual in free flight, rms about the
+    /// captive mean, metres.
+    fn made_m(&self, terms: &[&(usize, f64)], sensor: usize) -> f64 {
+        let mut sum = 0.0;
+        let mut count = 0_u32;
+        for epochs in self.epochs {
+            let series = &epochs.series;
+            let made = |block: usize| -> f64 {
+                terms.iter().map(|(column, value)| value * series.columns[*column][block][sensor]).sum()
+            };
+            let of = |free: bool| {
+                (0..series.len()).filter(move |b| series.free[*b] == free && series.readings[*b][sensor] > 0)
+            };
+            let captive = of(false).count();
+            let base = if captive > 0 { of(false).map(made).sum::<f64>() / captive as f64 } else { 0.0 };
+            for block in of(true) {
+                sum += (made(block) - base).powi(2);
+                count += 1;
+            }
+        }
+        (sum / f64::from(count.max(1))).sqrt()
     }
 
     /// The effect among several without which the others predict held-out manoeuvres clearly better.
@@ -353,7 +416,13 @@ impl Judge<'_> {
                     misfit_m.max(noise.free_flight_factor * noise.wander.sigma_m).max(noise.free_white_m);
             }
         }
-        let is_unknown = is_better || unexplained > REST * explained;
+        // Wind makes a formula that lacks the airspeed wrong by more than a signal may be right by chance.
+        let lacks_airspeed = self.lacks_airspeed_for(findings, subject);
+        let is_unknown = if lacks_airspeed {
+            unexplained > explained
+        } else {
+            is_better || unexplained > REST * explained
+        };
         diagnosis.verdict = match strongest {
             Some((_, verdict)) if !is_unknown => verdict,
             _ if is_unknown || uneven => Verdict::UnknownEffect,
@@ -549,7 +618,8 @@ impl Judge<'_> {
         let coefficient = *solution.coefficients.last()?;
         let at = findings.explanation.columns.iter().position(|chosen| *chosen == column);
         let inflation = at.and_then(|at| findings.inflation.get(at)).copied().unwrap_or(1.0);
-        let scale = if self.lacks_airspeed(candidate.effect()) { SCALE_WITHOUT_AIRSPEED } else { SCALE };
+        let scale =
+            if lacks_airspeed(self.epochs, candidate.effect()) { SCALE_WITHOUT_AIRSPEED } else { SCALE };
         let variance = solution.covariance[n * n - 1] * inflation;
         let sigma = (variance + (scale * coefficient) * (scale * coefficient)).sqrt();
         let rms = |errors: HeldOut| match candidate.sensor() {
@@ -592,10 +662,12 @@ impl Judge<'_> {
         own.map(|(column, coefficient)| coefficient * coefficient * search.column_noise_m2(*column)).sum()
     }
 
-    /// Whether an effect is made of the airspeed and no flight has it measured.
-    fn lacks_airspeed(&self, effect: EffectId) -> bool {
-        effect.needs().contains(&"tas_mps")
-            && self.epochs.iter().any(|epochs| epochs.signals.iter().all(|block| !block[0].is_finite()))
+    /// Whether an effect chosen on a sensor is made of an airspeed that was not measured.
+    fn lacks_airspeed_for(&self, findings: &Findings, subject: Option<Sensor>) -> bool {
+        findings.explanation.columns.iter().any(|column| {
+            let candidate = &self.candidates[*column];
+            candidate.sensor() == subject && lacks_airspeed(self.epochs, candidate.effect())
+        })
     }
 
     fn trim(&self) -> Trim {

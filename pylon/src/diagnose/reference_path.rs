@@ -20,6 +20,9 @@ const GAP_INTERVALS: f64 = 4.0;
 pub struct ReferencePath {
     fixes: Vec<Fix>,
     climb_mps: Vec<f64>,
+    /// Slope and altitude of a straight line through the fixes around each, for receivers without a
+    /// climb rate.
+    lines: Vec<(f64, f64)>,
     interval_s: f64,
     gap_s: f64,
     next: usize,
@@ -43,8 +46,9 @@ impl ReferencePath {
             fix.climb_mps.or(around).unwrap_or(0.0)
         });
         let climb_mps = climb_mps.collect();
+        let lines = (0..fixes.len()).map(|k| line(&fixes, k)).collect();
         let gap_s = (GAP_INTERVALS * interval_s).min(lost_after_s).max(1.5 * interval_s);
-        Self { fixes, climb_mps, interval_s, gap_s, next: 1 }
+        Self { fixes, climb_mps, lines, interval_s, gap_s, next: 1 }
     }
 
     /// Median interval of the fixes, seconds.
@@ -59,13 +63,14 @@ impl ReferencePath {
         &self.fixes
     }
 
-    /// Altitude, and the climb rate between the two receivers' (`None` where they give none), at a time that
-    /// does not lie before the last one asked for; `None` outside of the fixes and in a gap.
-    pub fn at(&mut self, time_us: u64) -> Option<(f64, Option<f64>)> {
+    /// The reference at a time that does not lie before the last one asked for; `None` outside of the fixes
+    /// and in a gap.
+    pub fn at(&mut self, time_us: u64) -> Option<Reference> {
         while self.fixes.get(self.next).is_some_and(|fix| fix.time_us < time_us) {
             self.next += 1;
         }
-        let (before, after) = (self.fixes.get(self.next.checked_sub(1)?)?, self.fixes.get(self.next)?);
+        let last = self.next.checked_sub(1)?;
+        let (before, after) = (self.fixes.get(last)?, self.fixes.get(self.next)?);
         if before.time_us > time_us {
             return None;
         }
@@ -74,14 +79,56 @@ impl ReferencePath {
             return None;
         }
         let x = seconds(before.time_us, time_us) / elapsed_s;
-        let (rise, fall) = (self.climb_mps[self.next - 1] * elapsed_s, self.climb_mps[self.next] * elapsed_s);
+        let between = |before: f64, after: f64| before + x * (after - before);
+        let (rise, fall) = (self.climb_mps[last] * elapsed_s, self.climb_mps[self.next] * elapsed_s);
         let step = after.altitude_m - before.altitude_m;
         let cubic = rise + fall - 2.0 * step;
         let square = 3.0 * step - 2.0 * rise - fall;
-        let climbs = before.climb_mps.zip(after.climb_mps);
-        let climb_mps = climbs.map(|(before, after)| before + x * (after - before));
-        Some((before.altitude_m + x * (rise + x * (square + x * cubic)), climb_mps))
+        let (lines, next_lines) = (self.lines[last], self.lines[self.next]);
+        let measured = before.climb_mps.zip(after.climb_mps);
+        Some(Reference {
+            altitude_m: before.altitude_m + x * (rise + x * (square + x * cubic)),
+            climb_mps: measured
+                .map_or_else(|| between(lines.0, next_lines.0), |(before, after)| between(before, after)),
+            smooth_m: between(lines.1, next_lines.1),
+        })
     }
+}
+
+/// The reference at some time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reference {
+    /// Altitude, metres.
+    pub altitude_m: f64,
+    /// Climb rate, m/s: the receiver's, or the slope of its altitude.
+    pub climb_mps: f64,
+    /// Altitude averaged over some seconds around, metres.
+    pub smooth_m: f64,
+}
+
+/// How far around a fix others are taken for its line, seconds.
+const AROUND_S: f64 = 2.0;
+
+/// Slope (m/s) and value at a fix of the straight line through the fixes around it: at least one on
+/// either side.
+fn line(fixes: &[Fix], k: usize) -> (f64, f64) {
+    let time_s = |fix: &Fix| fix.time_us as f64 * 1e-6 - fixes[k].time_us as f64 * 1e-6;
+    let mut first = k.saturating_sub(1);
+    while first > 0 && time_s(&fixes[first - 1]) > -AROUND_S {
+        first -= 1;
+    }
+    let mut last = (k + 1).min(fixes.len() - 1);
+    while last + 1 < fixes.len() && time_s(&fixes[last + 1]) < AROUND_S {
+        last += 1;
+    }
+    let around = &fixes[first..=last];
+    let n = around.len() as f64;
+    let mean_s = around.iter().map(time_s).sum::<f64>() / n;
+    let mean_m = around.iter().map(|fix| fix.altitude_m).sum::<f64>() / n;
+    let spread: f64 = around.iter().map(|fix| (time_s(fix) - mean_s).powi(2)).sum();
+    let product: f64 = around.iter().map(|fix| (time_s(fix) - mean_s) * (fix.altitude_m - mean_m)).sum();
+    let slope = if spread > 0.0 { product / spread } else { 0.0 };
+    (slope, mean_m - slope * mean_s)
 }
 
 fn seconds(from_us: u64, to_us: u64) -> f64 {
@@ -109,8 +156,14 @@ mod tests {
             });
             let mut path = ReferencePath::new(fixes.collect(), 5.0);
             for k in 10..170 {
-                let (altitude_m, climb_mps) = path.at(k * 50_000).unwrap();
-                assert_eq!(climb_mps.is_some(), with_climb);
+                let reference = path.at(k * 50_000).unwrap();
+                let altitude_m = reference.altitude_m;
+                // Between fixes, a line through 4 s of a parabola is off by less than its bend.
+                assert!(
+                    (reference.climb_mps - (20.0 - 8.0 * k as f64 * 0.05)).abs() < 1e-6,
+                    "{k}: {reference:?}"
+                );
+                assert!((reference.smooth_m - altitude_m).abs() < 4.0 * 2.0 * 2.0, "{k}: {reference:?}");
                 let expected = parabola(k as f64 * 0.05);
                 assert!((altitude_m - expected).abs() < 1e-9, "{k}: {altitude_m}, {expected}");
             }
@@ -123,8 +176,8 @@ mod tests {
         let fix = |time_us, altitude_m| Fix { time_us, altitude_m, climb_mps: None };
         let fixes = (0..10).map(|k| fix(k * 200_000, 1.0)).chain((30..40).map(|k| fix(k * 200_000, 1.0)));
         let mut path = ReferencePath::new(fixes.collect(), 5.0);
-        assert_eq!(path.at(1_700_000), Some((1.0, None)));
+        assert_eq!(path.at(1_700_000).map(|reference| reference.altitude_m), Some(1.0));
         assert_eq!(path.at(3_000_000), None);
-        assert_eq!(path.at(6_100_000), Some((1.0, None)));
+        assert_eq!(path.at(6_100_000).map(|reference| reference.altitude_m), Some(1.0));
     }
 }

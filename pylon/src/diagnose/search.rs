@@ -17,10 +17,12 @@ const BEAM: usize = 12;
 /// Subsets proposed in one round.
 const PROPOSALS: usize = 5;
 /// The share (squares) of what a set explains that a smaller one may leave. Measured signals, their
-/// delays and the terms that a formula leaves out make its shape wrong by some 10 %.
-const SHAPE: f64 = 0.01;
+/// delays and the terms that a formula leaves out make its shape wrong by some 14 %.
+const SHAPE: f64 = 0.02;
+/// The same where a regressor is made of the speed over ground for want of an airspeed.
+const ROUGH_SHAPE: f64 = 0.1;
 /// A coefficient so many times beyond its plausible range explains nothing.
-const IMPOSSIBLE: f64 = 30.0;
+const IMPOSSIBLE: f64 = 10.0;
 /// Neighbours of the best set proposed for every change of it.
 const NEIGHBOURS: usize = 3;
 const ROUNDS: usize = 8;
@@ -45,6 +47,8 @@ pub struct Search<'a> {
     usable: Vec<usize>,
     /// Variance of the noise in each candidate's block means.
     column_noise_m2: &'a [f64],
+    /// Candidates whose regressor is only roughly known.
+    is_rough: &'a [bool],
     penalty: f64,
     seen: BTreeMap<Vec<usize>, NoiseFit>,
 }
@@ -57,11 +61,12 @@ impl<'a> Search<'a> {
         candidates: &'a [Candidate],
         usable: Vec<usize>,
         column_noise_m2: &'a [f64],
+        is_rough: &'a [bool],
     ) -> Self {
         let mut effects: Vec<_> = usable.iter().map(|column| candidates[*column].effect()).collect();
         effects.dedup();
         let penalty = 2.0 * (effects.len().max(1) as f64).ln() + EVIDENCE;
-        Self { problem, candidates, usable, column_noise_m2, penalty, seen: BTreeMap::new() }
+        Self { problem, candidates, usable, column_noise_m2, is_rough, penalty, seen: BTreeMap::new() }
     }
 
     /// The candidates' columns that take part.
@@ -228,13 +233,18 @@ impl<'a> Search<'a> {
             let is_own = |column: &usize| is_joint || sensor(column) == subject;
             let own = chosen.columns.iter().filter(|column| is_own(column)).count();
             let others: Vec<usize> = chosen.columns.iter().copied().filter(|c| !is_own(c)).collect();
+            let is_rough = chosen
+                .columns
+                .iter()
+                .any(|column| is_own(column) && self.is_rough.get(*column) == Some(&true));
+            let shape = if is_rough { ROUGH_SHAPE } else { SHAPE };
             let Some(total) = rest(&others).map(|rest| rest - best) else { continue };
             let mut level = vec![others];
             for _ in 1..own {
                 let next = self.extended(&information, &level);
                 let first = next.first().map(|(_, set)| set.clone());
                 if let Some(set) = first
-                    && rest(&set).is_some_and(|rest| rest - best < (SHAPE * total).max(self.penalty))
+                    && rest(&set).is_some_and(|rest| rest - best < (shape * total).max(self.penalty))
                 {
                     return Some(set);
                 }

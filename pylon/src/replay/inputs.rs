@@ -22,7 +22,7 @@ pub struct InputCounters {
 ///
 /// Time is microseconds of the flight's own time axis, rounded. A fix is a row's `gps_` cells and needs
 /// `gps_alt_m`; of two barometer cells the pressure is taken; attitude and inertial samples are
-/// complete or not there. The launch discrete holds its last value; with a window it is 0 up to the
+/// complete or not there, but for a flight without any gyro (body rates of zero) or any heading (zero). The launch discrete holds its last value; with a window it is 0 up to the
 /// window's end and 1 from there on.
 #[derive(Clone, Debug)]
 pub struct TickInputs<'a> {
@@ -171,7 +171,12 @@ impl<'a> TickInputs<'a> {
     #[inline]
     fn imu(&mut self, row: usize) -> Option<ImuSample> {
         let (accel, some_accel) = triple(&self.columns.accel, row);
-        let (gyro, some_gyro) = triple(&self.columns.gyro, row);
+        let (mut gyro, some_gyro) = triple(&self.columns.gyro, row);
+        // In a flight without a gyro the accelerometer still says the load factor; attitudes are then held
+        // from one to the next.
+        if accel.is_some() && self.columns.gyro.iter().all(|cells| cells.0.is_none()) {
+            gyro = Some([0.0; 3]);
+        }
         if let (Some(accel_mps2), Some(gyro_radps)) = (accel, gyro) {
             return Some(ImuSample { accel_mps2, gyro_radps });
         }
@@ -183,7 +188,12 @@ impl<'a> TickInputs<'a> {
     #[inline]
     fn signals(&mut self, row: usize) -> Signals {
         let columns = &self.columns;
-        let (attitude_rad, some) = triple(&columns.attitude, row);
+        let (mut attitude_rad, mut some) = triple(&columns.attitude, row);
+        // Nothing that is made of an attitude needs its heading, where the flight has none.
+        let [roll, pitch, yaw] = columns.attitude;
+        if let (None, Some(roll), Some(pitch)) = (yaw.0, roll.get(row), pitch.get(row)) {
+            (attitude_rad, some) = (Some([roll, pitch, 0.0]), false);
+        }
         self.counters.partial_attitudes += u32::from(some);
         Signals {
             true_airspeed_mps: columns.airspeed.get(row),
