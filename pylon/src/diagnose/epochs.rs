@@ -1,5 +1,7 @@
 //! A flight's ticks as block means of residuals and regressors.
 
+use std::collections::VecDeque;
+
 use kf_core::atmosphere::pressure_altitude_m;
 use kf_core::config::ReferenceConfig;
 use kf_core::effect::{EffectId, EffectSubject, Regressor, SignalTracker};
@@ -21,6 +23,7 @@ const MOST_BLOCKS: f64 = 2000.0;
 /// noise of the signals that regressors are made of: a regressor with noise in it fits worse than a
 /// wrong one without, the sharper the likelihood looks at fast errors.
 const SHORTEST_BLOCK_S: f64 = 1.0;
+const GRAVITY_MPS2: f64 = kf_core::atmosphere::STANDARD_GRAVITY_MPS2 as f64;
 /// A column that lacks more than this share of its values is not available.
 const MOST_MISSING: f64 = 0.1;
 
@@ -58,7 +61,22 @@ struct Follower {
     climb_base_m: Option<f64>,
     /// Altitude of the first fix of the calibration, metres.
     altitude_base_m: Option<f64>,
+    /// The climb at launch.
+    launch: Option<LaunchClimb>,
+    /// The last climb rates, m/s, from which the one at launch is averaged.
+    recent_mps: VecDeque<(u64, f64)>,
 }
+
+/// The climb at launch.
+#[derive(Clone, Copy)]
+struct LaunchClimb {
+    time_us: u64,
+    climbed_m: f64,
+    rate_mps: f64,
+}
+
+/// Climb rates of that long before launch are averaged, microseconds.
+const BEFORE_LAUNCH_US: u64 = 1_000_000;
 
 /// Integral of the climb rate at the last fix.
 #[derive(Clone, Copy)]
@@ -92,6 +110,8 @@ impl Follower {
             climb: None,
             climb_base_m: None,
             altitude_base_m: None,
+            launch: None,
+            recent_mps: VecDeque::new(),
         }
     }
 
@@ -115,6 +135,16 @@ impl Follower {
                 self.climbed_m(moment.time_us).or_else(gained_m)
             }
             EffectId::BaroLag | EffectId::GpsLatency => Some(-moment.reference.climb_mps),
+            // The second integral of the vertical acceleration since launch: what was climbed, but for the climb
+            // rate at launch. The receiver's own says it without the attitude's error in it.
+            EffectId::ImuAccelScale => match (self.launch, self.climbed_m(moment.time_us)) {
+                (None, Some(_)) => Some(0.0),
+                (Some(launch), Some(climbed_m)) => {
+                    let since_s = moment.time_us.saturating_sub(launch.time_us) as f64 * 1e-6;
+                    Some(climbed_m - launch.climbed_m - launch.rate_mps * since_s)
+                }
+                (_, None) => self.tracker.regressor_m(regressor).map(f64::from),
+            },
             _ => self.tracker.regressor_m(regressor).map(f64::from),
         }
     }
@@ -136,6 +166,14 @@ impl Follower {
                 rate_mps: -f64::from(down_mps),
             });
         }
+        if let (false, Some((fix, _))) = (self.free, taken)
+            && let Some(down_mps) = fix.velocity_down_mps
+        {
+            self.recent_mps.push_back((input.time_us, -f64::from(down_mps)));
+            while self.recent_mps.front().is_some_and(|(at, _)| input.time_us - at > BEFORE_LAUNCH_US) {
+                self.recent_mps.pop_front();
+            }
+        }
         if self.calibrating && self.climb_base_m.is_none() {
             self.climb_base_m = self.climb.map(|climb| climb.metres);
         }
@@ -149,6 +187,12 @@ impl Follower {
         }
         if input.launch && !self.free {
             self.free = true;
+            self.launch = self.climbed_m(input.time_us).map(|climbed_m| LaunchClimb {
+                time_us: input.time_us,
+                climbed_m,
+                rate_mps: self.recent_mps.iter().map(|(_, rate)| rate).sum::<f64>()
+                    / self.recent_mps.len().max(1) as f64,
+            });
             self.tracker.begin_free_flight(input.time_us);
         }
         self.tracker.take(input, input.gps.as_ref().filter(|_| accepted));
@@ -346,14 +390,15 @@ impl Builder {
                 continue;
             }
             self.enter_block(&input, phase == Phase::Free, candidates.len());
-            let load_factor = follower.tracker.regressor_m(Regressor::new(EffectId::BaroAcceleration));
-            if let (Some(open), Some(regressor_m)) =
-                (&mut self.open, load_factor.filter(|_| input.imu.is_some()))
+            if let (Some(open), Some(imu)) =
+                (&mut self.open, input.imu.filter(|imu| imu.accel_mps2[2].is_finite()))
             {
-                open.load_factor.0 += f64::from(regressor_m);
+                // Body axes point down: a level flight has a specific force of -g along z.
+                let excess = -f64::from(imu.accel_mps2[2]) / GRAVITY_MPS2 - 1.0;
+                open.load_factor.0 += excess;
                 open.load_factor.1 += 1;
                 if let Some(column) = self.load_factor_column {
-                    self.roughness[column].take(f64::from(regressor_m));
+                    self.roughness[column].take(excess);
                 }
             }
             let climbed_m = follower.climbed_m(input.time_us).map(|metres| metres as f32);

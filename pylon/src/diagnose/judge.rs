@@ -36,6 +36,8 @@ const HARMFUL: f64 = 0.95;
 /// The share of a coefficient that is unsure beside its noise: signals are measured with delays and scale
 /// errors of their own.
 const SCALE: f64 = 0.02;
+/// The same where a regressor is integrated twice from what accelerometers and attitudes say.
+const SCALE_INTEGRATED: f64 = 0.05;
 /// The same where the airspeed is not measured and the speed over ground stands in: wind.
 const SCALE_WITHOUT_AIRSPEED: f64 = 0.2;
 /// Effects are cancelling each other when each is so many times larger than their sum.
@@ -95,7 +97,7 @@ pub fn diagnose(
         }
     }
     let is_rough: Vec<bool> =
-        candidates.iter().map(|candidate| lacks_airspeed(&epochs, candidate.effect())).collect();
+        candidates.iter().map(|candidate| is_rough(&epochs, candidate.effect())).collect();
     let mut search = Search::new(&problem, &candidates, usable, &column_noise_m2, &is_rough);
     let explanation = search.run(progress);
     let judge = Judge {
@@ -109,6 +111,16 @@ pub fn diagnose(
     diagnosis.hold_outs = hold_outs.iter().map(|named| named.file.clone()).collect();
     diagnosis.untested = untested(&candidates, &epochs);
     diagnosis
+}
+
+/// Whether an effect's regressor is known only to some ten per cent: the airspeed is not measured, or it is
+/// integrated twice from specific forces and attitudes, whose small errors grow.
+fn is_rough(epochs: &[Epochs], effect: EffectId) -> bool {
+    let is_integrated = matches!(
+        effect,
+        EffectId::ImuAccelScale | EffectId::ImuTilt | EffectId::ImuGyroBias | EffectId::ImuVibration
+    );
+    is_integrated || lacks_airspeed(epochs, effect)
 }
 
 /// Whether an effect is made of the airspeed and a flight has it not measured.

@@ -2,7 +2,7 @@
 
 use super::information::Information;
 use super::problem::Problem;
-use super::search::{Explanation, Search};
+use super::search::{Explanation, ROUGH_SHAPE, Search};
 use super::series::BySensor;
 
 /// A candidate stands in for another where it explains all but this share of what the other explains
@@ -79,7 +79,8 @@ fn is_rival(
         return None;
     }
     let worse = search.rest_but_noise(information, weights, &set)? - best_rest;
-    if worse < SHAPE * explained || worse < CLEARLY_WORSE {
+    let shape = if search.is_rough(other) { ROUGH_SHAPE } else { SHAPE };
+    if worse < shape * explained || worse < CLEARLY_WORSE {
         return Some(worse);
     }
     // Its own noise may suit it better; what that can gain is less than what is missing by far if

@@ -19,10 +19,10 @@ const PROPOSALS: usize = 5;
 /// The share (squares) of what a set explains that a smaller one may leave. Measured signals, their
 /// delays and the terms that a formula leaves out make its shape wrong by some 14 %.
 const SHAPE: f64 = 0.02;
-/// The same where a regressor is made of the speed over ground for want of an airspeed.
-const ROUGH_SHAPE: f64 = 0.1;
+/// The same where a regressor is only roughly known.
+pub const ROUGH_SHAPE: f64 = 0.1;
 /// A coefficient so many times beyond its plausible range explains nothing.
-const IMPOSSIBLE: f64 = 10.0;
+const IMPOSSIBLE: f64 = 100.0;
 /// Neighbours of the best set proposed for every change of it.
 const NEIGHBOURS: usize = 3;
 const ROUNDS: usize = 8;
@@ -283,6 +283,12 @@ impl<'a> Search<'a> {
     #[must_use]
     pub fn positions(&self, columns: &[usize]) -> Vec<usize> {
         columns.iter().filter_map(|column| self.position(*column)).collect()
+    }
+
+    /// Whether a candidate's regressor is only roughly known.
+    #[must_use]
+    pub fn is_rough(&self, column: usize) -> bool {
+        self.is_rough.get(column) == Some(&true)
     }
 
     /// Variance of the noise in a candidate's block means.
