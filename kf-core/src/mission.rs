@@ -322,7 +322,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
     fn output(&self, time_us: u64) -> TickOutput {
         let estimator = self.calibration.estimator();
         let has_reference = self.tracker.is_fresh(time_us);
-        let sensors = Sensor::ALL.map(|sensor| SensorOutput {
+        let nothing_new = |sensor| SensorOutput {
             bias_m: estimator.bias_m(sensor),
             bias_variance_m2: estimator.bias_variance_m2(sensor),
             innovation_m: None,
@@ -334,7 +334,10 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
                 .as_ref()
                 .map_or(Trust::Calibrating, |watch| watch.trust(sensor, time_us, has_reference)),
             rejection: None,
-        });
+        };
+        // One by one: `map` on the array moves every one of them through memory twice.
+        let [master, slave, baro] = Sensor::ALL;
+        let sensors = [nothing_new(master), nothing_new(slave), nothing_new(baro)];
         let coefficients =
             collected(estimator.coefficients().into_iter().enumerate().map(|(j, coefficient)| {
                 CoefficientOutput { coefficient, variance: estimator.coefficient_variance(j) }
