@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::statistics::{
-    Fault, MonitorRule, ResidualModel, RuleQuality, RuleSearch, assess_rule, recommend_rule,
+    Fault, HealthyLaunches, MonitorRule, ResidualModel, RuleQuality, RuleSearch, assess_rule, recommend_rule,
 };
 
 /// Shortest and longest moving average that is recommended, seconds.
@@ -88,18 +88,23 @@ pub(super) fn judge(
     let sigma_m = residual.variance().sqrt();
     let step = Fault::Step { size_m: wishes.step_m.unwrap_or(STEP_SIGMAS * sigma_m) };
     let ramp = Fault::Ramp { rate_mps: wishes.ramp_mps.unwrap_or(sigma_m / RAMP_SECONDS_PER_SIGMA) };
-    let set = bound_m
-        .and_then(|threshold_m| assess_rule(&residual, MonitorRule { threshold_m, window_s }, &[step, ramp]));
     let search =
         RuleSearch { false_alarms_per_hour: wishes.false_alarms_per_hour, fault: step, windows_s: WINDOWS_S };
-    let recommended = recommend_rule(&residual, &search).and_then(|choice| {
+    let mut windows_s = search.lengths_s(&residual);
+    if bound_m.is_some() {
+        windows_s.push(window_s);
+    }
+    let launches = HealthyLaunches::draw(&residual, &windows_s);
+    let set = bound_m
+        .and_then(|threshold_m| assess_rule(&launches, MonitorRule { threshold_m, window_s }, &[step, ramp]));
+    let recommended = recommend_rule(&launches, &search).and_then(|choice| {
         let monitor_sigma_m = bound_m.map_or(sigma_m, |bound| bound / multiplier);
         Some(Recommendation {
             multiplier: choice.rule.threshold_m / monitor_sigma_m,
             window_s: choice.rule.window_s,
             detects_step: choice.detects_fault,
             smallest_step_m: choice.smallest_step_m,
-            quality: assess_rule(&residual, choice.rule, &[step, ramp])?,
+            quality: assess_rule(&launches, choice.rule, &[step, ramp])?,
         })
     });
     SensorRules { residual, set, recommended, wished_false_alarms_per_hour: wishes.false_alarms_per_hour }

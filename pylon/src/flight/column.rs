@@ -21,20 +21,26 @@ impl Column {
         Self(Vec::with_capacity(rows))
     }
 
+    /// A column of cells as [`Self::cell`] makes them.
+    pub(super) const fn from_cells(cells: Vec<f32>) -> Self {
+        Self(cells)
+    }
+
+    /// What a column holds for a cell.
+    #[inline]
+    pub(super) fn cell(cell: Option<f32>) -> f32 {
+        cell.unwrap_or(f32::from_bits(EMPTY))
+    }
+
     /// Appends a cell.
     #[inline]
     pub fn push(&mut self, cell: Option<f32>) {
-        self.0.push(cell.unwrap_or(f32::from_bits(EMPTY)));
-    }
-
-    /// Appends every cell of another column.
-    pub fn append(&mut self, mut other: Self) {
-        self.0.append(&mut other.0);
+        self.0.push(Self::cell(cell));
     }
 
     /// Sets the cell of a row that exists; says whether it does.
     pub fn set(&mut self, row: usize, cell: Option<f32>) -> bool {
-        self.0.get_mut(row).map(|slot| *slot = cell.unwrap_or(f32::from_bits(EMPTY))).is_some()
+        self.0.get_mut(row).map(|slot| *slot = Self::cell(cell)).is_some()
     }
 
     /// The cell of a row: `None` when it is empty or there is no such row.

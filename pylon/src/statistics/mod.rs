@@ -8,6 +8,7 @@ mod batch_means;
 mod chi_squared;
 mod correlator;
 mod first_passage;
+mod healthy_launches;
 mod moments;
 mod monitor_rule;
 mod residual_model;
@@ -17,6 +18,7 @@ mod whiteness;
 pub use batch_means::BatchMeans;
 pub use chi_squared::{Consistency, NisSummary};
 pub use correlator::{Autocovariance, Correlator, Lag};
+pub use healthy_launches::HealthyLaunches;
 pub use moments::Moments;
 pub use monitor_rule::{
     Delay, Fault, MonitorRule, RuleChoice, RuleQuality, RuleSearch, assess_rule, recommend_rule,

@@ -10,12 +10,10 @@ use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::ResidualModel;
 use super::first_passage::{Excursions, Passages, Resolution};
+use super::healthy_launches::HealthyLaunches;
 
 /// Draws of a fault, and of the first doubt.
 const DRAWS: usize = 256;
-/// Draws of launches, and readings in each at most.
-const FIRST_DRAWS: u64 = 512;
-const FIRST_SAMPLES: u64 = 1_000;
 /// Share of healthy launches that a recommended rule may call untrustworthy in the first window.
 const FIRST_WINDOW_ALARMS: f64 = 0.01;
 /// A delay's quantile that a rule is chosen by.
@@ -106,7 +104,7 @@ pub struct RuleQuality {
     pub delays: Vec<Delay>,
 }
 
-fn samples_of(model: &ResidualModel, window_s: f64) -> u64 {
+pub(super) fn samples_of(model: &ResidualModel, window_s: f64) -> u64 {
     (window_s / model.sample_interval_s).round().max(1.0) as u64
 }
 
@@ -114,7 +112,12 @@ fn samples_of(model: &ResidualModel, window_s: f64) -> u64 {
 ///
 /// `None` for a residual without spread or a rule without a positive threshold and window.
 #[must_use]
-pub fn assess_rule(model: &ResidualModel, rule: MonitorRule, faults: &[Fault]) -> Option<RuleQuality> {
+pub fn assess_rule(
+    launches: &HealthyLaunches<'_>,
+    rule: MonitorRule,
+    faults: &[Fault],
+) -> Option<RuleQuality> {
+    let model = launches.model();
     let positive = |value: f64| value.is_finite() && value > 0.0;
     if !positive(rule.threshold_m) || !positive(rule.window_s) || !positive(model.variance()) {
         return None;
@@ -128,7 +131,7 @@ pub fn assess_rule(model: &ResidualModel, rule: MonitorRule, faults: &[Fault]) -
         healthy_share_beyond,
         healthy_first_doubt_s: first_doubt_s(model, rule.threshold_m, healthy_share_beyond),
         false_alarms_per_hour: rate * 3_600.0,
-        healthy_alarm_in_first_window: alarm_in_first_window(model, rule.threshold_m, window),
+        healthy_alarm_in_first_window: launches.alarms(rule.threshold_m, window),
         delays: faults.iter().map(|&fault| delay(model, rule, fault)).collect(),
     })
 }
@@ -157,40 +160,6 @@ fn first_doubt_s(model: &ResidualModel, threshold_m: f64, share_beyond: f64) -> 
     (median < HORIZON_S).then_some(median)
 }
 
-/// For each window (in ascending order), and each of `draws` healthy launches, the threshold below
-/// which the sensor would be called untrustworthy before the window is full.
-///
-/// Reading by reading from the first on, that takes one beyond the threshold and after it an average
-/// of all so far beyond it: the largest of min(largest reading before, average). Only the first
-/// [`FIRST_SAMPLES`] readings are drawn: averages of more are in the steady rate.
-fn first_window_barriers(model: &ResidualModel, windows: &[u64], draws: u64) -> Vec<Vec<f64>> {
-    let mut barriers = vec![Vec::new(); windows.len()];
-    let longest = windows.last().copied().unwrap_or(0).min(FIRST_SAMPLES);
-    for seed in 0..draws {
-        let (mut sum, mut largest, mut barrier) = (0.0, 0.0_f64, 0.0_f64);
-        let mut next = 0;
-        for (index, error) in model.simulate(1, seed).take(longest as usize).enumerate() {
-            let count = index as u64 + 1;
-            while windows.get(next).is_some_and(|window| count > *window) {
-                barriers[next].push(barrier);
-                next += 1;
-            }
-            sum += error;
-            barrier = barrier.max(largest.min(f64::abs(sum / count as f64)));
-            largest = largest.max(error.abs());
-        }
-        barriers.iter_mut().skip(next).for_each(|slot| slot.push(barrier));
-    }
-    barriers
-}
-
-/// Share of healthy launches that end untrustworthy before the window is full.
-fn alarm_in_first_window(model: &ResidualModel, threshold_m: f64, window: u64) -> f64 {
-    let barriers = first_window_barriers(model, &[window], FIRST_DRAWS);
-    let alarms = barriers.iter().flatten().filter(|barrier| **barrier > threshold_m).count();
-    alarms as f64 / FIRST_DRAWS as f64
-}
-
 fn delay(model: &ResidualModel, rule: MonitorRule, fault: Fault) -> Delay {
     let window = samples_of(model, rule.window_s);
     let margin = 3.0 * model.variance_of_mean(window).sqrt();
@@ -210,6 +179,18 @@ pub struct RuleSearch {
     pub fault: Fault,
     /// Shortest and longest window to consider, seconds.
     pub windows_s: (f64, f64),
+}
+
+impl RuleSearch {
+    /// The windows that are tried, seconds: none longer than what the residual's record shows.
+    #[must_use]
+    pub fn lengths_s(&self, model: &ResidualModel) -> Vec<f64> {
+        let longest_s = self.windows_s.1.min(WINDOW_PER_LONGEST_LAG * model.longest_lag_s);
+        let shortest_s = self.windows_s.0.max(model.sample_interval_s);
+        std::iter::successors(Some(shortest_s), |window_s| Some(window_s * WINDOW_RATIO))
+            .take_while(|window_s| *window_s <= longest_s)
+            .collect()
+    }
 }
 
 /// A rule that was found.
@@ -233,20 +214,16 @@ pub struct RuleChoice {
 /// the residual's record shows are not considered, since nobody knows what they average over.
 /// `None` when the residual has no spread, or its record is too short for any window.
 #[must_use]
-pub fn recommend_rule(model: &ResidualModel, search: &RuleSearch) -> Option<RuleChoice> {
+pub fn recommend_rule(launches: &HealthyLaunches<'_>, search: &RuleSearch) -> Option<RuleChoice> {
+    let model = launches.model();
     let normal = Normal::new(0.0, 1.0).ok()?;
     let target_per_s = search.false_alarms_per_hour / 3_600.0;
-    let longest_s = search.windows_s.1.min(WINDOW_PER_LONGEST_LAG * model.longest_lag_s);
-    let shortest_s = search.windows_s.0.max(model.sample_interval_s);
-    let windows_s: Vec<f64> =
-        std::iter::successors(Some(shortest_s), |window_s| Some(window_s * WINDOW_RATIO))
-            .take_while(|window_s| *window_s <= longest_s)
-            .collect();
-    let windows: Vec<u64> = windows_s.iter().map(|window_s| samples_of(model, *window_s)).collect();
-    let first_barriers = first_window_barriers(model, &windows, FIRST_DRAWS);
+    let windows_s = search.lengths_s(model);
     let mut soonest: Option<(f64, RuleChoice)> = None;
     let mut finest: Option<RuleChoice> = None;
-    for ((&window_s, &window), mut first) in windows_s.iter().zip(&windows).zip(first_barriers) {
+    for window_s in windows_s {
+        let window = samples_of(model, window_s);
+        let mut first = launches.barriers(window);
         first.sort_by(f64::total_cmp);
         let launch_m =
             first.get(((1.0 - FIRST_WINDOW_ALARMS) * first.len() as f64) as usize).copied().unwrap_or(0.0);
@@ -307,7 +284,17 @@ fn threshold_of_rate(excursions: &Excursions, sigma_m: f64, rate_per_s: f64) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// With launches drawn for these rules alone.
+    fn assess_rule(model: &ResidualModel, rule: MonitorRule, faults: &[Fault]) -> Option<RuleQuality> {
+        super::assess_rule(&HealthyLaunches::draw(model, &[]), rule, faults)
+    }
+
+    fn recommend_rule(model: &ResidualModel, search: &RuleSearch) -> Option<RuleChoice> {
+        super::recommend_rule(&HealthyLaunches::draw(model, &search.lengths_s(model)), search)
+    }
     use crate::statistics::Component;
+    use crate::statistics::healthy_launches::FIRST_DRAWS;
 
     fn residual() -> ResidualModel {
         ResidualModel {
@@ -372,7 +359,7 @@ mod tests {
                 2.0 * density * (normal.sf(2.0 - x) + normal.sf(2.0 + x)) * 9.0 / f64::from(steps)
             })
             .sum();
-        let got = alarm_in_first_window(&model, sigma, 2);
+        let got = HealthyLaunches::draw(&model, &[2.0 * model.sample_interval_s]).alarms(sigma, 2);
         let error = (expected * (1.0 - expected) / FIRST_DRAWS as f64).sqrt();
         assert!((got - expected).abs() < 4.0 * error, "{got} {expected}");
     }

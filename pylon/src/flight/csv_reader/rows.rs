@@ -24,37 +24,103 @@ pub(super) struct Layout<'a> {
     pub meanings: &'a [Meaning],
 }
 
-/// One part of the rows: its times, and its cells by column (the time axis has an unused column).
-pub(super) type Part = (Vec<f64>, Vec<Column>);
+/// The rows: their times, and their cells by column (the time axis has an unused column).
+pub(super) type Rows = (Vec<f64>, Vec<Column>);
 
 /// Every row of the text; the first line of it is line `first_row` of the file.
-pub(super) fn parse_rows(text: &[u8], layout: &Layout<'_>, first_row: u64) -> Result<Part, Problem> {
+///
+/// The columns are made as long as there are lines, and each part of the text fills its own piece of them.
+pub(super) fn parse_rows(text: &[u8], layout: &Layout<'_>, first_row: u64) -> Result<Rows, Problem> {
     let threads = thread::available_parallelism().map_or(1, usize::from);
     let parts = split_at_lines(text, threads.min(text.len() / SHORTEST_PART).max(1));
-    let results: Vec<_> = thread::scope(|scope| {
-        let handles: Vec<_> =
-            parts.iter().map(|part| scope.spawn(move || parse_part(part, layout))).collect();
+    let width = layout.meanings.len();
+    let room = in_threads(parts.iter().map(|part| move || most_rows(part, width)));
+    let rows = room.iter().sum();
+    let mut time_s = vec![0.0; rows];
+    let mut columns: Vec<Vec<f32>> = layout
+        .meanings
+        .iter()
+        .map(|meaning| vec![0.0; if *meaning == Meaning::Time { 0 } else { rows }])
+        .collect();
+    let mut pieces =
+        Pieces { time_s: &mut time_s, columns: columns.iter_mut().map(Vec::as_mut_slice).collect() };
+    let pieces: Vec<Pieces<'_>> = room.iter().map(|rows| pieces.split_off(*rows)).collect();
+    let jobs = parts.iter().zip(pieces).map(|(part, pieces)| move || parse_part(part, layout, pieces));
+    let mut row = first_row;
+    let mut filled = Vec::with_capacity(parts.len());
+    for (part, result) in parts.iter().zip(in_threads(jobs)) {
+        filled.push(result.map_err(|problem| problem.in_file(row))?);
+        row += count_lines(part);
+    }
+    close_gaps(&mut time_s, &room, &filled);
+    let columns = columns.into_iter().map(|mut cells| {
+        close_gaps(&mut cells, &room, &filled);
+        Column::from_cells(cells)
+    });
+    Ok((time_s, columns.collect()))
+}
+
+/// Results of jobs, in their order, each done in a thread of its own.
+fn in_threads<T: Send>(jobs: impl Iterator<Item = impl FnOnce() -> T + Send>) -> Vec<T> {
+    thread::scope(|scope| {
+        let handles: Vec<_> = jobs.map(|job| scope.spawn(job)).collect();
         handles
             .into_iter()
             .map(|handle| handle.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
             .collect()
-    });
-    let mut row = first_row;
-    let mut whole: Option<Part> = None;
-    for (part, result) in parts.into_iter().zip(results) {
-        let (time_s, columns) = result.map_err(|problem| problem.in_file(row))?;
-        match &mut whole {
-            None => whole = Some((time_s, columns)),
-            Some((all_times, all_columns)) => {
-                all_times.extend(time_s);
-                for (all, column) in all_columns.iter_mut().zip(columns) {
-                    all.append(column);
-                }
-            }
-        }
-        row += count_lines(part);
+    })
+}
+
+/// Rows that a text can hold at most: one a line, and none is shorter than one byte a cell, whatever the
+/// line ends say.
+fn most_rows(text: &[u8], width: usize) -> usize {
+    let count = |byte| memchr::memchr_iter(byte, text).count();
+    let mut ends = count(b'\n');
+    // A line may end as on old Macs; both together are one end.
+    let returns = count(b'\r');
+    if returns > 0 {
+        ends += returns - memchr::memmem::find_iter(text, b"\r\n").count();
     }
-    Ok(whole.unwrap_or_default())
+    let lines = ends + usize::from(!text.ends_with(b"\n"));
+    lines.min(text.len() / width + 1)
+}
+
+/// Moves what each part has filled of its room together, where lines were blank.
+fn close_gaps<T: Copy>(cells: &mut Vec<T>, room: &[usize], filled: &[usize]) {
+    if cells.is_empty() {
+        return;
+    }
+    let (mut from, mut to) = (0, 0);
+    for (room, filled) in room.iter().zip(filled) {
+        if from != to {
+            cells.copy_within(from..from + filled, to);
+        }
+        from += room;
+        to += filled;
+    }
+    cells.truncate(to);
+}
+
+/// What one part of the text fills: its rows of every column.
+struct Pieces<'a> {
+    time_s: &'a mut [f64],
+    columns: Vec<&'a mut [f32]>,
+}
+
+impl<'a> Pieces<'a> {
+    /// Takes the first rows away.
+    fn split_off(&mut self, rows: usize) -> Pieces<'a> {
+        fn first<'a, T>(cells: &mut &'a mut [T], rows: usize) -> &'a mut [T] {
+            let whole = std::mem::take(cells);
+            let (first, rest) = whole.split_at_mut(rows.min(whole.len()));
+            *cells = rest;
+            first
+        }
+        Pieces {
+            time_s: first(&mut self.time_s, rows),
+            columns: self.columns.iter_mut().map(|cells| first(cells, rows)).collect(),
+        }
+    }
 }
 
 /// The text in about equal parts, each but the last ending with a line end.
@@ -72,40 +138,26 @@ pub(super) fn split_at_lines(text: &[u8], parts: usize) -> Vec<&[u8]> {
     split
 }
 
-fn parse_part(text: &[u8], layout: &Layout<'_>) -> Result<Part, Problem> {
+/// Fills the rows of a part, and says how many there are.
+fn parse_part(text: &[u8], layout: &Layout<'_>, pieces: Pieces<'_>) -> Result<usize, Problem> {
     let width = layout.meanings.len();
-    // No row is shorter than one byte a cell, whatever the line ends say.
-    let rows = (memchr::memchr_iter(b'\n', text).count() + 1).min(text.len() / width + 1);
-    let mut time_s = Vec::with_capacity(rows);
-    let mut columns: Vec<_> = layout
-        .meanings
-        .iter()
-        .map(
-            |meaning| if *meaning == Meaning::Time { Column::default() } else { Column::with_capacity(rows) },
-        )
-        .collect();
+    let Pieces { time_s, mut columns } = pieces;
     let mut cells = Cells { rest: text };
+    let mut rows = 0;
     while cells.skip_line_ends() {
         let row = cells.rest;
         for (index, (column, meaning)) in columns.iter_mut().zip(layout.meanings).enumerate() {
             let before = cells.rest;
             let good = match meaning {
                 Meaning::Time => match cells.number() {
-                    Cell::Number(time) if (0.0..=MAX_TIME_S).contains(&time) => {
-                        time_s.push(time);
-                        true
-                    }
+                    Cell::Number(time) if (0.0..=MAX_TIME_S).contains(&time) => put(time_s, rows, time),
                     _ => false,
                 },
                 _ => match cells.number::<f32>() {
                     Cell::Number(value) => {
-                        column.push(Some(value));
-                        is_possible(meaning, value)
+                        put(column, rows, Column::cell(Some(value))) && is_possible(meaning, value)
                     }
-                    Cell::Empty => {
-                        column.push(None);
-                        true
-                    }
+                    Cell::Empty => put(column, rows, Column::cell(None)),
                     Cell::Text => false,
                 },
             };
@@ -115,8 +167,15 @@ fn parse_part(text: &[u8], layout: &Layout<'_>) -> Result<Part, Problem> {
                 return Err(bad_row(line, row, before, index, layout));
             }
         }
+        rows += 1;
     }
-    Ok((time_s, columns))
+    Ok(rows)
+}
+
+/// Puts a value in its place; there is one for every row that is whole.
+#[inline]
+fn put<T>(cells: &mut [T], row: usize, value: T) -> bool {
+    cells.get_mut(row).map(|cell| *cell = value).is_some()
 }
 
 /// What a number's column demands of it.

@@ -155,6 +155,29 @@ fn rows_are_the_same_however_many_parts_they_are_read_in() {
     assert!(message(&bad).starts_with(&format!("row {line}, column gps_alt_m: 'oops'")), "{}", message(&bad));
 }
 
+/// Of every kind and with blank lines between, in a text of several parts.
+#[test]
+fn line_ends_make_no_rows_and_lose_none() {
+    let rows = 80_000;
+    let row = |row: usize| {
+        format!("{row},{}.25,{},{},{row}.5", 2000 + row % 97, 80_000 + row % 1013, u8::from(row > 9))
+    };
+    for ends in [&["\n"][..], &["\r\n"], &["\r"], &["\n\n\n"], &["\r", "\n", "\r\n", "\n\r", "\n\n"]] {
+        let mut text = String::from(HEAD);
+        for index in 0..rows {
+            text += &row(index);
+            text += ends[index % ends.len()];
+        }
+        assert!(text.len() > 2 * SHORTEST_PART);
+        let (flight, _) = parse(text.as_bytes()).unwrap();
+        assert_eq!(flight.rows(), rows, "{ends:?}");
+        assert!(flight.time_s.iter().enumerate().all(|(row, time_s)| *time_s == row as f64), "{ends:?}");
+        let extra = &flight.extra[0].1;
+        assert!((0..rows).all(|row| extra.get(row) == Some(row as f32 + 0.5)), "{ends:?}");
+        assert_eq!(extra.len(), rows, "{ends:?}");
+    }
+}
+
 fn cell() -> impl Strategy<Value = Option<f32>> {
     prop_oneof![
         2 => Just(None),
