@@ -103,3 +103,13 @@ fn a_second_flight_is_held_out_and_never_the_one_learned_from() {
     assert!(refused.contains("a.csv: is learned from or held out already"), "{refused}");
     assert!(refusal(directory, &["diagnose", "a.csv", "a.csv"]).contains("a.csv: given twice"));
 }
+
+#[test]
+fn a_flight_without_launch_and_without_a_quiet_stretch_is_diagnosed_as_it_is() {
+    let (mut flight, _) = simulate(&scenario("quickstart.toml"), 7).unwrap();
+    flight.channels.retain(|(channel, _)| channel.name() != "launch");
+    let model = Model::default();
+    let replay = Replay::uncalibrated(&flight, &model).unwrap();
+    let diagnosis = diagnose(&[NamedReplay { file: "flight".to_owned(), replay }], &[], &mut || ());
+    assert_eq!(diagnosis.sensors["baro"].missing, ["baro.dynamic_pressure"], "{diagnosis:?}");
+}

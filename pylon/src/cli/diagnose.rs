@@ -55,8 +55,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             .collect()
     };
     let warnings = [warnings(&arguments.flights, &learned), warnings(&arguments.hold_out, &held)].concat();
-    let learned = load::replays(&arguments.flights, &learned, &model, arguments.calibrate)?;
-    let held = load::replays(&arguments.hold_out, &held, &model, arguments.calibrate)?;
+    let learned = load::replays_calibrated_or_not(&arguments.flights, &learned, &model, arguments.calibrate)?;
+    let held = load::replays_calibrated_or_not(&arguments.hold_out, &held, &model, arguments.calibrate)?;
     let mut diagnosis = while_busy("diagnosing", || diagnose(&learned, &held, &mut || ()));
     diagnosis.model.clone_from(&arguments.model);
     diagnosis.warnings.splice(0..0, warnings);

@@ -8,7 +8,7 @@ use model::Model;
 use pylon::diagnose::NamedReplay;
 use pylon::flight::{Flight, Note};
 use pylon::import;
-use pylon::replay::{CalibrationWindow, Replay};
+use pylon::replay::{CalibrationWindow, Replay, ReplayError};
 
 use super::failure::Failure;
 use super::progress::while_busy;
@@ -58,6 +58,25 @@ pub fn replays<'a>(
     let named = files.iter().zip(flights).map(|(file, (flight, _))| {
         let replay = Replay::new(flight, model, window)
             .map_err(|error| Failure::input(format!("{}: {error}", file.display())))?;
+        Ok(NamedReplay { file: file.display().to_string(), replay })
+    });
+    named.collect()
+}
+
+/// As [`replays`], but a flight that has nothing to calibrate on is taken as it is: a diagnosis estimates the
+/// biases beside everything else.
+pub fn replays_calibrated_or_not<'a>(
+    files: &[PathBuf],
+    flights: &'a [Read],
+    model: &Model,
+    window: Option<CalibrationWindow>,
+) -> Result<Vec<NamedReplay<'a>>, Failure> {
+    let named = files.iter().zip(flights).map(|(file, (flight, _))| {
+        let replay = match Replay::new(flight, model, window) {
+            Err(ReplayError::NoQuietStretch { .. }) => Replay::uncalibrated(flight, model),
+            other => other,
+        };
+        let replay = replay.map_err(|error| Failure::input(format!("{}: {error}", file.display())))?;
         Ok(NamedReplay { file: file.display().to_string(), replay })
     });
     named.collect()

@@ -134,5 +134,6 @@ fn has_launch(replay: &Replay<'_>) -> bool {
             launch.is_some_and(|column| column.samples().any(|(_, value)| value != 0.0))
         }
         CalibrationSource::Given(_) | CalibrationSource::Quiet(_) => true,
+        CalibrationSource::Uncalibrated(_) => false,
     }
 }

@@ -123,6 +123,8 @@ pub struct Follows {
 pub struct DiagnosedFlight {
     /// The file.
     pub file: String,
+    /// Where captive flight ends and free flight begins, and why.
+    pub calibration: String,
     /// Blocks of residuals that were worked on.
     pub blocks: usize,
     /// Their length, s.

@@ -132,6 +132,7 @@ fn lacks_airspeed(epochs: &[Epochs], effect: EffectId) -> bool {
 fn facts(named: &NamedReplay<'_>, epochs: &Epochs) -> DiagnosedFlight {
     DiagnosedFlight {
         file: named.file.clone(),
+        calibration: named.replay.source().to_string(),
         blocks: epochs.series.len(),
         block_s: epochs.series.block_s,
         glitches_s: epochs.glitches_s.clone(),
@@ -793,14 +794,24 @@ impl Judge<'_> {
                         " To separate them fly {} (they would differ by {:.0} sigma).",
                         advice.manoeuvre, advice.sigmas
                     )
-                } else {
+                } else if advice.sigmas >= 0.5 {
                     format!(
                         " No manoeuvre separates them well; the best is {} ({:.1} sigma).",
                         advice.manoeuvre, advice.sigmas
                     )
+                } else {
+                    " No manoeuvre separates them.".to_owned()
                 }
             });
-            return format!("One of {} acts.{why}{fly}{record}", names.join(", "));
+            // What one sensor alone shows may be its own or the reference's.
+            let is_of_reference = |effect: &&EffectId| effect.subject().name() == "gps";
+            let sensors = Sensor::ALL.iter().filter(|s| self.epochs.iter().any(|e| e.series.has(s.index())));
+            let other = if sensors.count() == 1 && set.iter().any(|effect| is_of_reference(&effect)) {
+                " Record another altitude sensor: an error that both show is the reference's."
+            } else {
+                ""
+            };
+            return format!("One of {} acts.{why}{fly}{other}{record}", names.join(", "));
         }
         String::new()
     }

@@ -23,7 +23,14 @@ macro_rules! put {
 pub fn text(diagnosis: &Diagnosis, colour: bool) -> String {
     let mut out = String::new();
     for flight in &diagnosis.flights {
-        put!(out, "{}: {} blocks of {:.1} s", flight.file, flight.blocks, flight.block_s);
+        put!(
+            out,
+            "{}: {}; {} blocks of {:.1} s",
+            flight.file,
+            flight.calibration,
+            flight.blocks,
+            flight.block_s
+        );
         for (from_s, to_s) in &flight.glitches_s {
             put!(out, "  the reference jumped away from {from_s:.1} s to {to_s:.1} s; left out");
         }

@@ -35,6 +35,8 @@ pub enum CalibrationSource {
     Given(CalibrationWindow),
     /// The flight's first quiet stretch.
     Quiet(QuietStretch),
+    /// Nothing: the whole flight is free flight, from its first row on.
+    Uncalibrated(CalibrationWindow),
 }
 
 impl CalibrationSource {
@@ -43,7 +45,7 @@ impl CalibrationSource {
     pub const fn window(&self) -> Option<CalibrationWindow> {
         match self {
             Self::LaunchColumn => None,
-            Self::Given(window) => Some(*window),
+            Self::Given(window) | Self::Uncalibrated(window) => Some(*window),
             Self::Quiet(stretch) => Some(stretch.window),
         }
     }
@@ -55,6 +57,12 @@ impl fmt::Display for CalibrationSource {
             Self::LaunchColumn => write!(formatter, "captive flight until the launch column says 1"),
             Self::Given(window) => write!(formatter, "calibrated on {window}, as given"),
             Self::Quiet(stretch) => write!(formatter, "calibrated on {stretch}"),
+            Self::Uncalibrated(_) => {
+                write!(
+                    formatter,
+                    "no launch column and no quiet stretch: not calibrated, all of it taken as one"
+                )
+            }
         }
     }
 }
@@ -133,6 +141,21 @@ impl<'a> Replay<'a> {
         }
         model.latitude_deg = latitude_deg(flight)?.unwrap_or(model.latitude_deg);
         Ok(Self { flight, model, source })
+    }
+
+    /// A flight without captive flight: launch is at its first row. What needs no calibration, such as a
+    /// diagnosis, can work on it.
+    ///
+    /// # Errors
+    /// A flight without reference or second altitude, or a header's latitude that is none.
+    pub fn uncalibrated(flight: &'a Flight, model: &Model) -> Result<Self, ReplayError> {
+        flight.require_altitudes()?;
+        let first_s = flight.time_s.first().copied().unwrap_or(0.0);
+        let window = CalibrationWindow { start_s: first_s, end_s: first_s };
+        let mut model = model.clone();
+        model.latitude_deg = latitude_deg(flight)?.unwrap_or(model.latitude_deg);
+        model.settling_s = 0.0;
+        Ok(Self { flight, model, source: CalibrationSource::Uncalibrated(window) })
     }
 
     /// The flight.
