@@ -631,8 +631,13 @@ impl Judge<'_> {
         let coefficient = *solution.coefficients.last()?;
         let at = findings.explanation.columns.iter().position(|chosen| *chosen == column);
         let inflation = at.and_then(|at| findings.inflation.get(at)).copied().unwrap_or(1.0);
-        let scale =
-            if lacks_airspeed(self.epochs, candidate.effect()) { SCALE_WITHOUT_AIRSPEED } else { SCALE };
+        let scale = if lacks_airspeed(self.epochs, candidate.effect()) {
+            SCALE_WITHOUT_AIRSPEED
+        } else if is_rough(self.epochs, candidate.effect()) {
+            SCALE_INTEGRATED
+        } else {
+            SCALE
+        };
         let variance = solution.covariance[n * n - 1] * inflation;
         let sigma = (variance + (scale * coefficient) * (scale * coefficient)).sqrt();
         let rms = |errors: HeldOut| match candidate.sensor() {
