@@ -1,0 +1,49 @@
+//! A part of the blind trials (`cargo run --release -p host-tests --bin blind` flies more): simulated flights with hidden
+//! effects, and how often the diagnosis is right about them.
+//!
+//! `cargo test -p host-tests --release --test blind_trials -- --nocapture` prints the table.
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use host_tests::blind::{Score, draw, run, table};
+
+const FIRST_SEED: u64 = 9_001;
+const TRIALS: u64 = 60;
+
+#[test]
+fn the_diagnosis_is_right_as_often_as_promised() {
+    let next = AtomicU64::new(FIRST_SEED);
+    let trials = Mutex::new(Vec::new());
+    std::thread::scope(|scope| {
+        for _ in 0..2 {
+            scope.spawn(|| {
+                loop {
+                    let seed = next.fetch_add(1, Ordering::Relaxed);
+                    if seed >= FIRST_SEED + TRIALS {
+                        break;
+                    }
+                    // A plan that the aircraft can't fly is no trial.
+                    if let Ok(trial) = run(draw(seed)) {
+                        trials.lock().unwrap().push(trial);
+                    }
+                }
+            });
+        }
+    });
+    let trials = trials.into_inner().unwrap();
+    println!("{}", table(&trials));
+    assert!(trials.len() as u64 > TRIALS * 8 / 10, "{} flown", trials.len());
+    let score = Score::of(&trials);
+    // Each bound is what a rate as promised exceeds less than once in a hundred sets of this size.
+    // At 2 % of 60, five or more wrong ones: 0.6 %.
+    assert!(score.wrong.hits <= 4, "{score:?}");
+    // At 97 % of some 15, three or more not quiet: 1 %.
+    assert!(score.null_quiet.of - score.null_quiet.hits <= 2, "{score:?}");
+    // At 95 % of some 22, five or more missed: 0.5 %.
+    assert!(score.strongest_held.of - score.strongest_held.hits <= 4, "{score:?}");
+    assert!(score.strongest_held.of >= 12, "too few trials have an effect that shows: {score:?}");
+    // At 90 % of some 22, seven or more outside: 0.7 %.
+    assert!(score.covered.of - score.covered.hits <= 6, "{score:?}");
+}
