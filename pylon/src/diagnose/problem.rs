@@ -8,7 +8,7 @@ use super::information::Information;
 use super::noise::{Noise, NoisePrior};
 use super::quasi_newton::minimise;
 use super::series::{BySensor, Series};
-use super::whitener::whiten;
+use super::whitener::{LANES, whiten, whiten_by_groups};
 
 /// Twice the log likelihood that an iteration of the noise's fit must gain to go on.
 const GAIN: f64 = 0.02;
@@ -99,17 +99,26 @@ impl<'a> Problem<'a> {
         used: &Used<'_>,
     ) -> FlightProducts {
         let width = columns.len();
-        let mut products = vec![0.0; width * width];
+        let groups = width.div_ceil(LANES);
+        // The upper triangle in squares of a group by a group.
+        let mut tiles = vec![[[0.0; LANES]; LANES]; groups * groups];
         let mut rows = 0;
-        let log_determinant = whiten(flight, noise, columns, used, &mut |_, _, row| {
+        let log_determinant = whiten_by_groups(flight, noise, columns, used, &mut |_, _, row| {
             rows += 1;
-            for (products, a) in products.chunks_exact_mut(width).zip(row) {
-                for (product, b) in products.iter_mut().zip(row) {
-                    *product += a * b;
+            for (k, (tiles, left)) in tiles.chunks_exact_mut(groups).zip(row).enumerate() {
+                for (tile, right) in tiles.iter_mut().zip(row).skip(k) {
+                    for (tile, left) in tile.iter_mut().zip(left) {
+                        for (product, right) in tile.iter_mut().zip(right) {
+                            *product += left * right;
+                        }
+                    }
                 }
             }
         });
-        let mut products = DMatrix::from_row_slice(width, width, &products);
+        let mut products = DMatrix::from_fn(width, width, |r, c| {
+            let (r, c) = (r.min(c), r.max(c));
+            tiles[(r / LANES) * groups + c / LANES][r % LANES][c % LANES]
+        });
         self.add_prior(&mut products);
         FlightProducts { products, rows, log_determinant }
     }
@@ -164,7 +173,7 @@ impl<'a> Problem<'a> {
     #[must_use]
     pub fn fit_noise(&self, prior: &NoisePrior, picks: &[usize], start: &[f64]) -> NoiseFit {
         let all: Vec<usize> = (0..picks.len()).collect();
-        let objective = |values: &[f64]| {
+        let objective = |values: &[f64]| -> f64 {
             let noise = prior.noise(values);
             let likelihood =
                 self.information(&noise, picks).twice_log_likelihood(&all).unwrap_or(f64::NEG_INFINITY);

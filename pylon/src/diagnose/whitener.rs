@@ -12,6 +12,12 @@ use super::series::{BySensor, Series};
 const STATES: usize = 2 + SENSORS;
 type State = [f64; STATES];
 
+/// Columns that the filter takes together: they are in one another's neighbourhood in memory, and the
+/// processor works on several at once.
+pub const LANES: usize = 4;
+/// The filter's means for some columns, by state.
+type Means = [[f64; LANES]; STATES];
+
 /// Runs the noise's filter over a flight. `columns` are the residuals first and then whatever is
 /// regressed on; `sink` is given block, sensor and the whitened values of all columns, a row a reading.
 /// Blocks that `used` refuses are passed over as if they had no reading.
@@ -24,19 +30,38 @@ pub fn whiten(
     used: &dyn Fn(usize) -> bool,
     sink: &mut dyn FnMut(usize, usize, &[f64]),
 ) -> f64 {
-    let mut means: Vec<State> = vec![[0.0; STATES]; columns.len()];
+    whiten_by_groups(series, noise, columns, used, &mut |block, sensor, row| {
+        sink(block, sensor, &row.as_flattened()[..columns.len()]);
+    })
+}
+
+/// As [`whiten`], with the columns in groups of [`LANES`]; the last group is filled up with zeros.
+pub fn whiten_by_groups<S: FnMut(usize, usize, &[[f64; LANES]])>(
+    series: &Series,
+    noise: &Noise,
+    columns: &[&[BySensor]],
+    used: &dyn Fn(usize) -> bool,
+    sink: &mut S,
+) -> f64 {
+    let groups = columns.len().div_ceil(LANES);
+    let mut means: Vec<Means> = vec![[[0.0; LANES]; STATES]; groups];
     let mut covariance = [[0.0; STATES]; STATES];
     covariance[0][0] = square(noise.reference.sigma_m);
     for i in 0..SENSORS {
         covariance[2 + i][2 + i] = square(noise.sensors[i].wander.sigma_m);
     }
-    let mut row = vec![0.0; columns.len()];
-    let mut log_determinant = 0.0;
+    let mut row = vec![[0.0; LANES]; groups];
+    let mut log_determinant = LogarithmOfProduct::default();
     let mut last_s: Option<f64> = None;
+    let mut decay = Decay::over(noise, 0.0, false);
     for (block, time_s) in series.time_s.iter().enumerate() {
-        let elapsed_s = last_s.map_or(0.0, |last_s| time_s - last_s);
+        let elapsed_s = last_s.map_or(0.0, |last_s| to_microseconds(time_s - last_s));
         last_s = Some(*time_s);
-        propagate(noise, elapsed_s, series.free[block], &mut covariance, &mut means);
+        let free = series.free[block];
+        if decay.elapsed_s != elapsed_s || decay.free != free {
+            decay = Decay::over(noise, elapsed_s, free);
+        }
+        decay.propagate(&mut covariance, &mut means);
         covariance[1][1] = square(noise.fix_sigma_m) / series.fixes[block];
         if !used(block) {
             continue;
@@ -47,7 +72,7 @@ pub fn whiten(
             }
             let readings = f64::from(series.readings[block][sensor]);
             let own = &noise.sensors[sensor];
-            let white_m = if series.free[block] { own.free_white_m } else { own.captive_white_m };
+            let white_m = if free { own.free_white_m } else { own.captive_white_m };
             let white = square(white_m) * series.full_block[sensor] / readings;
             // The measurement's row is [1, 1, ..., 1 at the sensor's wander, ...].
             let own = 2 + sensor;
@@ -58,13 +83,20 @@ pub fn whiten(
             let variance = gain[0] + gain[1] + gain[own] + white;
             let inverse = 1.0 / variance;
             let scale = inverse.sqrt();
-            for ((value, mean), column) in row.iter_mut().zip(&mut means).zip(columns) {
-                let innovation = column[block][sensor] - mean[0] - mean[1] - mean[own];
-                let weighted = innovation * inverse;
-                for (mean, gain) in mean.iter_mut().zip(&gain) {
-                    *mean += gain * weighted;
+            for (value, column) in row.as_flattened_mut().iter_mut().zip(columns) {
+                *value = column[block][sensor];
+            }
+            for (values, means) in row.iter_mut().zip(&mut means) {
+                let own = means[own];
+                let innovations: [f64; LANES] =
+                    std::array::from_fn(|lane| values[lane] - means[0][lane] - means[1][lane] - own[lane]);
+                let weighted = innovations.map(|innovation| innovation * inverse);
+                *values = innovations.map(|innovation| innovation * scale);
+                for (means, gain) in means.iter_mut().zip(&gain) {
+                    for (mean, weighted) in means.iter_mut().zip(&weighted) {
+                        *mean += gain * weighted;
+                    }
                 }
-                *value = innovation * scale;
             }
             for j in 0..STATES {
                 let weighted = gain[j] * inverse;
@@ -72,43 +104,91 @@ pub fn whiten(
                     covariance[j][k] -= weighted * gain[k];
                 }
             }
-            log_determinant += variance.ln();
+            log_determinant.multiply(variance);
             sink(block, sensor, &row);
         }
     }
-    log_determinant
+    log_determinant.value()
 }
 
-/// Carries the processes to the next block; the white noise of the fixes starts anew.
-fn propagate(
-    noise: &Noise,
+/// Times are whole microseconds; so are the differences of their means, as near as makes no difference. Blocks
+/// of one length then have one decay.
+fn to_microseconds(seconds: f64) -> f64 {
+    (seconds * 1e6).round() * 1e-6
+}
+
+/// The sum of logarithms as the logarithm of a product, which is taken as rarely as its range allows.
+struct LogarithmOfProduct {
+    product: f64,
+    sum: f64,
+}
+
+impl Default for LogarithmOfProduct {
+    fn default() -> Self {
+        Self { product: 1.0, sum: 0.0 }
+    }
+}
+
+impl LogarithmOfProduct {
+    /// Factors within these bounds leave the product of two within what a double can hold.
+    const WITHIN: std::ops::Range<f64> = 1e-100..1e100;
+
+    fn multiply(&mut self, factor: f64) {
+        if !Self::WITHIN.contains(&factor) {
+            self.sum += factor.ln();
+            return;
+        }
+        self.product *= factor;
+        if !Self::WITHIN.contains(&self.product) {
+            self.sum += self.product.ln();
+            self.product = 1.0;
+        }
+    }
+
+    fn value(&self) -> f64 {
+        self.sum + self.product.ln()
+    }
+}
+
+/// What is left of the processes after some time, and what is new; the white noise of the fixes starts anew.
+struct Decay {
     elapsed_s: f64,
     free: bool,
-    covariance: &mut [State; STATES],
-    means: &mut [State],
-) {
-    let mut keep = [0.0; STATES];
-    let mut added = [0.0; STATES];
-    let mut process = |state: usize, sigma_m: f64, time_s: f64| {
-        let kept = (-elapsed_s / time_s).exp();
-        keep[state] = kept;
-        added[state] = square(sigma_m) * (1.0 - kept * kept);
-    };
-    process(0, noise.reference.sigma_m, noise.reference.time_s);
-    for (i, sensor) in noise.sensors.iter().enumerate() {
-        let factor = if free { sensor.free_flight_factor } else { 1.0 };
-        process(2 + i, sensor.wander.sigma_m * factor, sensor.wander.time_s);
-    }
-    for mean in means {
-        for (mean, keep) in mean.iter_mut().zip(&keep) {
-            *mean *= keep;
+    keep: State,
+    added: State,
+}
+
+impl Decay {
+    fn over(noise: &Noise, elapsed_s: f64, free: bool) -> Self {
+        let mut decay = Self { elapsed_s, free, keep: [0.0; STATES], added: [0.0; STATES] };
+        let mut process = |state: usize, sigma_m: f64, time_s: f64| {
+            let kept = (-elapsed_s / time_s).exp();
+            decay.keep[state] = kept;
+            decay.added[state] = square(sigma_m) * (1.0 - kept * kept);
+        };
+        process(0, noise.reference.sigma_m, noise.reference.time_s);
+        for (i, sensor) in noise.sensors.iter().enumerate() {
+            let factor = if free { sensor.free_flight_factor } else { 1.0 };
+            process(2 + i, sensor.wander.sigma_m * factor, sensor.wander.time_s);
         }
+        decay
     }
-    for j in 0..STATES {
-        for k in 0..STATES {
-            covariance[j][k] *= keep[j] * keep[k];
+
+    /// Carries the processes to the next block.
+    fn propagate(&self, covariance: &mut [State; STATES], means: &mut [Means]) {
+        for means in means {
+            for (means, keep) in means.iter_mut().zip(&self.keep) {
+                for mean in means {
+                    *mean *= keep;
+                }
+            }
         }
-        covariance[j][j] += added[j];
+        for (j, row) in covariance.iter_mut().enumerate() {
+            for (entry, keep) in row.iter_mut().zip(&self.keep) {
+                *entry *= self.keep[j] * keep;
+            }
+            row[j] += self.added[j];
+        }
     }
 }
 

@@ -47,6 +47,8 @@ pub struct Flight {
     pub parse: Cost,
     /// `pylon compare`.
     pub compare: Cost,
+    /// `pylon diagnose`, over the whole catalogue.
+    pub diagnose: Cost,
 }
 
 /// What the host's benchmarks found.
@@ -97,7 +99,7 @@ fn simulate(folder: &Path, hours: u32, echo: bool) -> anyhow::Result<PathBuf> {
     Ok(flight)
 }
 
-/// The three ways through a file in turn, so that what disturbs one disturbs all.
+/// The ways through a file in turn, so that what disturbs one disturbs all.
 fn measure_flight(bench: &Path, file: &Path, hours: u32) -> anyhow::Result<Flight> {
     let command = |program: &Path, arguments: &[&str]| {
         let mut command = Command::new(program);
@@ -108,8 +110,9 @@ fn measure_flight(bench: &Path, file: &Path, hours: u32) -> anyhow::Result<Fligh
         command(bench, &["csv"]),
         command(bench, &["parse"]),
         command(&workspace::workbench(), &["compare", "--json"]),
+        command(&workspace::workbench(), &["diagnose", "--json"]),
     ];
-    let mut best = [Cost { seconds: f64::INFINITY, cpu_seconds: f64::INFINITY, peak_bytes: 0 }; 3];
+    let mut best = [Cost { seconds: f64::INFINITY, cpu_seconds: f64::INFINITY, peak_bytes: 0 }; 4];
     for _ in 0..ROUNDS {
         for (best, command) in best.iter_mut().zip(&commands) {
             let Cost { seconds, cpu_seconds, peak_bytes } = measure::cost(command)?;
@@ -120,8 +123,8 @@ fn measure_flight(bench: &Path, file: &Path, hours: u32) -> anyhow::Result<Fligh
             };
         }
     }
-    let [csv, parse, compare] = best;
-    Ok(Flight { hours, file_bytes: fs::metadata(file)?.len(), csv, parse, compare })
+    let [csv, parse, compare, diagnose] = best;
+    Ok(Flight { hours, file_bytes: fs::metadata(file)?.len(), csv, parse, compare, diagnose })
 }
 
 fn figures(replays: &[Replay], flights: &[Flight]) -> Vec<Figure> {
@@ -133,7 +136,7 @@ fn figures(replays: &[Replay], flights: &[Flight]) -> Vec<Figure> {
         figures.push(Figure::at_least(name, replay.replay_ticks_per_s / 1e6, 2.0, " million ticks/s"));
     }
     if let Some(flight) = flights.first() {
-        let Flight { csv, parse, compare, .. } = flight;
+        let Flight { csv, parse, compare, diagnose, .. } = flight;
         for (name, ratio) in [
             ("compare / parsing every cell with the csv crate, time", compare.seconds / parse.seconds),
             ("the same, time of all cores", compare.cpu_seconds / parse.cpu_seconds),
@@ -141,11 +144,23 @@ fn figures(replays: &[Replay], flights: &[Flight]) -> Vec<Figure> {
         ] {
             figures.push(Figure::at_most(name, ratio, 3.0, ""));
         }
+        let hours = f64::from(flight.hours);
+        figures.push(Figure::at_most(
+            "diagnose, time per hour of flight",
+            diagnose.seconds / hours,
+            5.0,
+            " s",
+        ));
+        // A comparison holds the parsed flight and little else, and is the measure of it.
+        let memory = diagnose.peak_bytes as f64 / compare.peak_bytes as f64;
+        figures.push(Figure::at_most("diagnose / compare, memory", memory, 4.0, ""));
     }
     if let [short, long] = flights {
         let memory = long.compare.peak_bytes as f64 / short.compare.peak_bytes as f64;
         let file = long.file_bytes as f64 / short.file_bytes as f64;
         figures.push(Figure::at_most("compare: growth of memory / growth of file", memory / file, 1.0, ""));
+        let time = long.diagnose.seconds / short.diagnose.seconds;
+        figures.push(Figure::at_most("diagnose: growth of time / growth of file", time / file, 1.1, ""));
     }
     figures
 }
@@ -168,6 +183,7 @@ impl HostBench {
                 ("cut into cells by the csv crate", flight.csv),
                 ("and every cell parsed", flight.parse),
                 ("pylon compare", flight.compare),
+                ("pylon diagnose", flight.diagnose),
             ];
             for (what, cost) in ways {
                 table.add_row([
@@ -195,13 +211,25 @@ mod tests {
         let csv = Cost { seconds: 0.8, cpu_seconds: 0.8, peak_bytes: 1 };
         let parse = Cost { seconds: 1.0, cpu_seconds: 1.0, peak_bytes: 1 };
         let compare = Cost { seconds, cpu_seconds: 1.5 * seconds, peak_bytes };
-        Flight { hours: 1, file_bytes, csv, parse, compare }
+        let diagnose = Cost { seconds: 2.0 * seconds, cpu_seconds: 2.0, peak_bytes: 2 * peak_bytes };
+        Flight { hours: 1, file_bytes, csv, parse, compare, diagnose }
     }
 
     #[test]
     fn figures_are_ratios_of_one_run() {
         let figures = figures(&[], &[flight(100, 2.5, 50), flight(200, 9.0, 110)]);
         let measured: Vec<_> = figures.iter().map(|figure| (figure.measured.as_str(), figure.met)).collect();
-        assert_eq!(measured, [("2.50", true), ("3.75", false), ("3.12", false), ("1.10", false)]);
+        assert_eq!(
+            measured,
+            [
+                ("2.50", true),
+                ("3.75", false),
+                ("3.12", false),
+                ("5.00 s", true),
+                ("2.00", true),
+                ("1.10", false),
+                ("1.80", false)
+            ]
+        );
     }
 }
