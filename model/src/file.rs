@@ -159,6 +159,15 @@ enum Since {
     Start,
 }
 
+impl From<Since> for Clock {
+    fn from(since: Since) -> Self {
+        match since {
+            Since::Launch => Self::Launch,
+            Since::Start => Self::Start,
+        }
+    }
+}
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RevisionTable {
@@ -167,6 +176,12 @@ struct RevisionTable {
     date: Option<String>,
     effect: Option<Spanned<String>>,
     learned_from: Option<String>,
+    coefficient: Option<f32>,
+    sigma: Option<f32>,
+    estimate: Option<bool>,
+    time_constant_s: Option<f32>,
+    since: Option<Since>,
+    replaced_coefficient: Option<f32>,
     rms_before_m: Option<f64>,
     rms_after_m: Option<f64>,
     held_out_before_m: Option<f64>,
@@ -306,10 +321,7 @@ impl EffectTable {
         let mut regressor = Regressor::new(id);
         if id.has_time_constant() {
             regressor.time_constant_s = required("time_constant_s", self.time_constant_s, None)?;
-            regressor.since = match self.since {
-                Some(Since::Start) => Clock::Start,
-                Some(Since::Launch) | None => Clock::Launch,
-            };
+            regressor.since = self.since.map_or(Clock::Launch, Clock::from);
         } else if self.time_constant_s.is_some() || self.since.is_some() {
             let key = if self.since.is_some() { "since" } else { "time_constant_s" };
             return Err(ModelError::Value {
@@ -356,11 +368,21 @@ fn revisions(tables: Vec<RevisionTable>, text: &str) -> Result<Vec<Revision>, Mo
             }),
             value => Ok(value),
         };
+        let single = |key: &str, value: Option<f32>| {
+            finite(key, value.map(f64::from))?;
+            Ok(value)
+        };
         revisions.push(Revision {
             number,
             date: table.date,
             effect,
             learned_from: table.learned_from,
+            coefficient: single("coefficient", table.coefficient)?,
+            sigma: single("sigma", table.sigma)?,
+            estimate: table.estimate,
+            time_constant_s: single("time_constant_s", table.time_constant_s)?,
+            since: table.since.map(Clock::from),
+            replaced_coefficient: single("replaced_coefficient", table.replaced_coefficient)?,
             rms_before_m: finite("rms_before_m", table.rms_before_m)?,
             rms_after_m: finite("rms_after_m", table.rms_after_m)?,
             held_out_before_m: finite("held_out_before_m", table.held_out_before_m)?,

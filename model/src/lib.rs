@@ -8,12 +8,13 @@ mod codegen;
 mod error;
 mod file;
 mod presets;
+mod rebuild;
 mod validate;
 
 use kf_core::config::{
     MissionConfig, MonitorConfig, QualityConfig, ReferenceConfig, SecondCorrection, SensorConfig,
 };
-use kf_core::effect::{EffectId, EffectTerm};
+use kf_core::effect::{Clock, EffectId, EffectTerm};
 use kf_core::sensor::SENSORS;
 
 pub use codegen::codegen;
@@ -44,6 +45,18 @@ pub struct Revision {
     pub effect: Option<EffectId>,
     /// The flight that its coefficient was learned from.
     pub learned_from: Option<String>,
+    /// The effect's coefficient as this revision left it; what else the effect has is with the effect.
+    pub coefficient: Option<f32>,
+    /// That coefficient's sigma.
+    pub sigma: Option<f32>,
+    /// Whether it was a state of the filter.
+    pub estimate: Option<bool>,
+    /// The time constant of its regressor, seconds, where it has one.
+    pub time_constant_s: Option<f32>,
+    /// When that regressor's clock starts, where it has a time constant.
+    pub since: Option<Clock>,
+    /// The coefficient that this one took the place of, where the model had the effect before.
+    pub replaced_coefficient: Option<f32>,
     /// Root mean square error on that flight with the revision before this one, metres.
     pub rms_before_m: Option<f64>,
     /// The same with this revision, metres.

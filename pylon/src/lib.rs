@@ -6,6 +6,7 @@ pub mod export;
 pub mod flight;
 pub mod fly;
 pub mod import;
+pub mod learn;
 pub mod output_file;
 pub mod plots;
 pub mod replay;

@@ -79,6 +79,12 @@ fn every_key_reaches_its_field() {
         date = 2026-11-21
         effect = "baro.warm_up"
         learned_from = "flight.csv"
+        coefficient = 35
+        sigma = 36
+        estimate = true
+        time_constant_s = 37
+        since = "start"
+        replaced_coefficient = 38
         rms_before_m = 31
         rms_after_m = 32
         held_out_before_m = 33
@@ -148,6 +154,12 @@ fn every_key_reaches_its_field() {
                 date: Some("2026-11-21".into()),
                 effect: Some(EffectId::BaroWarmUp),
                 learned_from: Some("flight.csv".into()),
+                coefficient: Some(35.0),
+                sigma: Some(36.0),
+                estimate: Some(true),
+                time_constant_s: Some(37.0),
+                since: Some(Clock::Start),
+                replaced_coefficient: Some(38.0),
                 rms_before_m: Some(31.0),
                 rms_after_m: Some(32.0),
                 held_out_before_m: Some(33.0),
@@ -158,6 +170,12 @@ fn every_key_reaches_its_field() {
                 date: None,
                 effect: None,
                 learned_from: None,
+                coefficient: None,
+                sigma: None,
+                estimate: None,
+                time_constant_s: None,
+                since: None,
+                replaced_coefficient: None,
                 rms_before_m: None,
                 rms_after_m: None,
                 held_out_before_m: None,

@@ -82,6 +82,11 @@ pub fn replays_calibrated_or_not<'a>(
     named.collect()
 }
 
+/// Those flights, each under its file's name.
+pub fn named<'a>(files: &[PathBuf], flights: &'a [Read]) -> Vec<(String, &'a Flight)> {
+    files.iter().zip(flights).map(|(file, (flight, _))| (file.display().to_string(), flight)).collect()
+}
+
 /// A model by its preset's name or its file; says on standard error what in it is unlikely.
 pub fn model(name: &str) -> Result<Model, Failure> {
     let model = Model::load(name)?;

@@ -3,12 +3,14 @@
 //! Standard output carries the result, standard error the progress and one line for an error. Exit
 //! status 0: it ran; 1: `fly` found bits that differ; 2: bad usage or bad input.
 
+mod add;
 mod compare;
 mod diagnose;
 mod export;
 mod failure;
 mod fly;
 mod import;
+mod ladder;
 mod load;
 mod progress;
 mod report;
@@ -37,6 +39,8 @@ enum Command {
     Export(export::Arguments),
     Compare(compare::Arguments),
     Diagnose(diagnose::Arguments),
+    Add(add::Arguments),
+    Ladder(ladder::Arguments),
     Fly(fly::Arguments),
     Report(report::Arguments),
 }
@@ -50,6 +54,8 @@ pub fn main() -> ExitCode {
             Command::Export(arguments) => export::run(&arguments),
             Command::Compare(arguments) => compare::run(&arguments),
             Command::Diagnose(arguments) => diagnose::run(&arguments),
+            Command::Add(arguments) => add::run(&arguments),
+            Command::Ladder(arguments) => ladder::run(&arguments),
             Command::Fly(arguments) => fly::run(&arguments),
             Command::Report(arguments) => report::run(&arguments),
         },

@@ -48,8 +48,8 @@ pub struct Epochs {
 }
 
 /// Follows the ticks the way the mission does: settling, calibration, free flight.
-struct Follower {
-    tracker: SignalTracker,
+pub(super) struct Follower {
+    pub(super) tracker: SignalTracker,
     reference: ReferenceTracker,
     settling_us: u64,
     first_us: Option<u64>,
@@ -88,14 +88,14 @@ struct Climb {
 
 /// Where a tick stands.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Phase {
+pub(super) enum Phase {
     Ignored,
     Captive,
     Free,
 }
 
 impl Follower {
-    fn new(model: &Model) -> Self {
+    pub(super) fn new(model: &Model) -> Self {
         let reference = ReferenceConfig { lost_after_s: model.reference.lost_after_s, ..model.reference };
         let mut tracker = SignalTracker::default();
         tracker.set_latitude_deg(model.latitude_deg);
@@ -150,7 +150,7 @@ impl Follower {
     }
 
     /// Takes a tick; says its phase and whether its fix is a measurement.
-    fn take(&mut self, input: &TickInput) -> (Phase, bool) {
+    pub(super) fn take(&mut self, input: &TickInput) -> (Phase, bool) {
         if self.last_us.is_some_and(|last_us| input.time_us <= last_us) {
             return (Phase::Ignored, false);
         }

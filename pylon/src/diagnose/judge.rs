@@ -15,6 +15,7 @@ use super::epochs::{Epochs, epochs};
 use super::excitation::excitation;
 use super::held_out::{self, HeldOut};
 use super::information::Information;
+use super::lesson::{Lesson, Wish};
 use super::long_run;
 use super::manoeuvres::Trim;
 use super::noise::NoisePrior;
@@ -60,9 +61,22 @@ pub fn diagnose(
     hold_outs: &[NamedReplay<'_>],
     progress: &mut dyn FnMut(),
 ) -> Diagnosis {
-    let Some(first) = flights.first() else { return Diagnosis::default() };
+    work(flights, hold_outs, None, progress).0
+}
+
+/// A diagnosis, and what one effect's coefficient is learned from.
+pub(super) fn work(
+    flights: &[NamedReplay<'_>],
+    hold_outs: &[NamedReplay<'_>],
+    wish: Option<Wish>,
+    progress: &mut dyn FnMut(),
+) -> (Diagnosis, Option<Lesson>) {
+    let Some(first) = flights.first() else { return (Diagnosis::default(), None) };
     let model = first.replay.model();
     let mut candidates = catalogue();
+    if let Some(wish) = wish {
+        wish.narrow(&mut candidates);
+    }
     let known_ids: Vec<EffectId> = model.effects.iter().map(|effect| effect.term.regressor.id).collect();
     candidates.retain(|candidate| !known_ids.contains(&candidate.effect()));
     let tried = candidates.len();
@@ -106,11 +120,12 @@ pub fn diagnose(
         candidates: &candidates,
         epochs: &epochs,
     };
-    let mut diagnosis = judge.verdicts(search, explanation, progress);
+    let (mut diagnosis, findings) = judge.verdicts(&mut search, explanation, progress);
     diagnosis.flights = flights.iter().zip(&epochs).map(|(named, epochs)| facts(named, epochs)).collect();
     diagnosis.hold_outs = hold_outs.iter().map(|named| named.file.clone()).collect();
     diagnosis.untested = untested(&candidates, &epochs);
-    diagnosis
+    let lesson = wish.and_then(|wish| judge.lesson(&mut search, findings, wish.effect));
+    (diagnosis, lesson)
 }
 
 /// Whether an effect's regressor is known only to some ten per cent: the airspeed is not measured, or it is
@@ -165,21 +180,21 @@ const STAND_INS: [(EffectId, EffectId); 4] = [
     (EffectId::ImuAccelBias, EffectId::ImuVibration),
 ];
 
-struct Judge<'a> {
-    problem: &'a Problem<'a>,
+pub(super) struct Judge<'a> {
+    pub(super) problem: &'a Problem<'a>,
     held: Option<&'a Problem<'a>>,
-    candidates: &'a [Candidate],
-    epochs: &'a [Epochs],
+    pub(super) candidates: &'a [Candidate],
+    pub(super) epochs: &'a [Epochs],
 }
 
 /// What the verdicts of all sensors rest on.
-struct Findings {
-    explanation: Explanation,
-    information: Information,
-    rivals: Vec<Rivals>,
-    repeat: Vec<Repeatability>,
+pub(super) struct Findings {
+    pub(super) explanation: Explanation,
+    pub(super) information: Information,
+    pub(super) rivals: Vec<Rivals>,
+    pub(super) repeat: Vec<Repeatability>,
     /// By how much the variance of each chosen coefficient is larger than its fit's.
-    inflation: Vec<f64>,
+    pub(super) inflation: Vec<f64>,
 }
 
 impl Findings {
@@ -191,10 +206,10 @@ impl Findings {
 impl Judge<'_> {
     fn verdicts(
         &self,
-        mut search: Search<'_>,
+        search: &mut Search<'_>,
         mut explanation: Explanation,
         progress: &mut dyn FnMut(),
-    ) -> Diagnosis {
+    ) -> (Diagnosis, Findings) {
         // The weakest goes while it may be chance, and several effects while fewer explain as much; the
         // others are fitted anew.
         loop {
@@ -203,7 +218,7 @@ impl Judge<'_> {
             };
             let columns = if let Some(simpler) = search.simpler(&explanation) {
                 simpler
-            } else if let Some(weakest) = self.weakest(&search, &explanation) {
+            } else if let Some(weakest) = self.weakest(search, &explanation) {
                 without(weakest)
             } else if let Some(harmful) = self.harmful(&explanation) {
                 without(harmful)
@@ -214,8 +229,8 @@ impl Judge<'_> {
             progress();
             explanation = Explanation { columns, fit };
         }
-        let mut rivals = rivals(&mut search, self.problem, &explanation);
-        self.merge_cancelling(&search, &explanation, &mut rivals);
+        let mut rivals = rivals(search, self.problem, &explanation);
+        self.merge_cancelling(search, &explanation, &mut rivals);
         let repeat = repeatability(self.problem, &explanation.fit.noise, &explanation.columns);
         let inflation = self.inflation(&explanation, &repeat);
         let information = search.information(&explanation.fit);
@@ -228,7 +243,7 @@ impl Judge<'_> {
             if subject.is_some_and(|sensor| !self.epochs.iter().any(|e| e.series.has(sensor.index()))) {
                 continue;
             }
-            let (sensor, misfit_m) = self.sensor(&search, &findings, subject);
+            let (sensor, misfit_m) = self.sensor(search, &findings, subject);
             progress();
             if misfit_m > largest && sensor.verdict >= Verdict::Identified {
                 largest = misfit_m;
@@ -242,7 +257,7 @@ impl Judge<'_> {
         if diagnosis.verdict < Verdict::Identified {
             diagnosis.verdict = worst;
         }
-        diagnosis
+        (diagnosis, findings)
     }
 
     /// Two effects that are each far larger than what they add up to are told apart by next to nothing:
@@ -315,7 +330,7 @@ impl Judge<'_> {
     }
 
     /// The larger of what the spread over the parts and what the residual's autocorrelation say.
-    fn inflation(&self, explanation: &Explanation, repeat: &[Repeatability]) -> Vec<f64> {
+    pub(super) fn inflation(&self, explanation: &Explanation, repeat: &[Repeatability]) -> Vec<f64> {
         let long_run = long_run::inflation(self.problem, &explanation.fit.noise, &explanation.columns);
         let repeat = repeat.iter().map(|repeat| repeat.inflation).chain(std::iter::repeat(1.0));
         long_run.iter().zip(repeat).map(|(a, b)| a.max(b)).collect()
@@ -541,7 +556,7 @@ impl Judge<'_> {
     }
 
     /// Positions of the chosen columns of other effects, and last of this one.
-    fn beside(&self, search: &Search<'_>, findings: &Findings, column: usize) -> Vec<usize> {
+    pub(super) fn beside(&self, search: &Search<'_>, findings: &Findings, column: usize) -> Vec<usize> {
         let others = findings.explanation.columns.iter().filter(|other| !search.same_effect(**other, column));
         let picks: Vec<usize> = others.copied().chain([column]).collect();
         search.positions(&picks)
@@ -616,7 +631,7 @@ impl Judge<'_> {
         facts
     }
 
-    fn candidate(
+    pub(super) fn candidate(
         &self,
         search: &Search<'_>,
         findings: &Findings,
@@ -631,13 +646,7 @@ impl Judge<'_> {
         let coefficient = *solution.coefficients.last()?;
         let at = findings.explanation.columns.iter().position(|chosen| *chosen == column);
         let inflation = at.and_then(|at| findings.inflation.get(at)).copied().unwrap_or(1.0);
-        let scale = if lacks_airspeed(self.epochs, candidate.effect()) {
-            SCALE_WITHOUT_AIRSPEED
-        } else if is_rough(self.epochs, candidate.effect()) {
-            SCALE_INTEGRATED
-        } else {
-            SCALE
-        };
+        let scale = self.scale(candidate.effect());
         let variance = solution.covariance[n * n - 1] * inflation;
         let sigma = (variance + (scale * coefficient) * (scale * coefficient)).sqrt();
         let rms = |errors: HeldOut| match candidate.sensor() {
@@ -666,6 +675,17 @@ impl Judge<'_> {
             size_m: coefficient.abs() * spread_m,
             envelope_m,
         })
+    }
+
+    /// The share of an effect's coefficient that is unsure beside its noise.
+    pub(super) fn scale(&self, effect: EffectId) -> f64 {
+        if lacks_airspeed(self.epochs, effect) {
+            SCALE_WITHOUT_AIRSPEED
+        } else if is_rough(self.epochs, effect) {
+            SCALE_INTEGRATED
+        } else {
+            SCALE
+        }
     }
 
     /// Variance of the noise that the regressors of the effects found bring to a sensor's blocks, m^2.

@@ -12,16 +12,19 @@
 //! 5. `unknown`: what nothing in the catalogue explains.
 //! 6. `excitation`, `advice`: what the flight could not have shown, and what to fly.
 //! 7. `judge`: the verdicts.
+//! 8. `lesson`: what one effect's coefficient is learned from (by `crate::learn`).
 
 mod advice;
 mod candidates;
 mod diagnosis;
+mod envelope;
 mod epochs;
 mod excitation;
 mod glitches;
 mod held_out;
 mod information;
 mod judge;
+mod lesson;
 mod long_run;
 mod manoeuvres;
 mod noise;
@@ -40,5 +43,9 @@ mod whitener;
 pub use diagnosis::{
     CandidateFacts, DiagnosedFlight, Diagnosis, Follows, NoiseFacts, SensorDiagnosis, Untested, Verdict,
 };
+pub use envelope::envelope_m;
 pub use judge::{NamedReplay, diagnose};
+pub use lesson::{Lesson, Term, Wish, study};
+pub use noise::{GaussMarkov, Noise, SensorNoise};
+pub use series::{BySensor, Series};
 pub use text::text;

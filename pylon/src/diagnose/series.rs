@@ -37,6 +37,12 @@ impl Series {
         self.time_s.len()
     }
 
+    /// Whether there is none.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.time_s.is_empty()
+    }
+
     /// Whether the sensor has any block.
     #[must_use]
     pub fn has(&self, sensor: usize) -> bool {

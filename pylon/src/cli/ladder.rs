@@ -1,0 +1,57 @@
+//! `pylon ladder`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use pylon::learn::{ladder, ladder_text};
+use pylon::replay::CalibrationWindow;
+
+use super::failure::Failure;
+use super::progress::Progress;
+use super::{load, terminal};
+
+const EXAMPLES: &str = "\
+Examples:
+  pylon ladder --model ours.toml monday.csv friday.csv
+      how the errors fell, and when flags were raised, with every revision of the model
+  pylon ladder --model ours.toml flight.csv --json | jq '.revisions[].flights[0].sensors.baro.free_flight_rms_m'
+      for other programs";
+
+/// The error of every revision of a model on every flight
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// Flights: flights' CSV, or logs that `pylon import` reads
+    #[arg(value_name = "FLIGHT", required = true)]
+    flights: Vec<PathBuf>,
+    /// The model: a TOML file, `default` or `paper`
+    #[arg(long, value_name = "MODEL")]
+    model: String,
+    /// Calibrate on this part of the flights (seconds by their own time) and say launch at its end
+    #[arg(long, value_name = "START..END")]
+    calibrate: Option<CalibrationWindow>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let model = load::model(&arguments.model)?;
+    load::refuse_repeats(&arguments.flights, &[])?;
+    let flights = load::flights(&arguments.flights)?;
+    let flights = load::named(&arguments.flights, &flights);
+    let mut progress =
+        Progress::new("flying", (model.revisions.len() as u64 + 1) * arguments.flights.len() as u64);
+    let mut ladder = ladder(&model, &flights, arguments.calibrate, &mut |done| progress.show(done))
+        .map_err(|(file, error)| Failure::input(format!("{file}: {error}")))?;
+    drop(progress);
+    ladder.model.clone_from(&arguments.model);
+    if arguments.json {
+        let mut json = serde_json::to_string_pretty(&ladder)?;
+        json.push('\n');
+        terminal::put(&json)
+    } else {
+        terminal::put(&ladder_text(&ladder))
+    }
+}

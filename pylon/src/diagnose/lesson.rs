@@ -1,0 +1,158 @@
+//! What one effect's coefficient is learned from: the flights' block means, the noise that goes with
+//! them, and the terms that must be estimated beside it.
+
+use kf_core::effect::{Clock, EffectId, Regressor};
+
+use super::candidates::Candidate;
+use super::diagnosis::{CandidateFacts, Diagnosis};
+use super::judge::{Findings, Judge, NamedReplay, work};
+use super::noise::Noise;
+use super::search::{Explanation, Search};
+use super::series::Series;
+
+/// The effect whose coefficient is wanted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wish {
+    /// Which.
+    pub effect: EffectId,
+    /// Its time constant, seconds; `None`: that of the grid that fits best.
+    pub time_constant_s: Option<f32>,
+    /// Where its clock starts; `None`: whichever fits best.
+    pub since: Option<Clock>,
+}
+
+impl Wish {
+    /// Leaves only what is wished for of the effect's candidates.
+    pub(super) fn narrow(&self, candidates: &mut Vec<Candidate>) {
+        if !self.effect.has_time_constant() {
+            return;
+        }
+        let is_other = |candidate: &Candidate| {
+            candidate.effect() == self.effect
+                && self.since.is_some_and(|since| candidate.regressor.since != since)
+        };
+        candidates.retain(|candidate| !is_other(candidate));
+        if let Some(time_constant_s) = self.time_constant_s {
+            for candidate in candidates.iter_mut().filter(|candidate| candidate.effect() == self.effect) {
+                candidate.regressor.time_constant_s = time_constant_s;
+            }
+            let mut seen: Vec<Candidate> = Vec::new();
+            candidates.retain(|candidate| {
+                let is_new = !seen.contains(candidate);
+                seen.push(*candidate);
+                is_new
+            });
+        }
+    }
+}
+
+/// A term of the residual: an effect with its column in every [`Series`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Term {
+    /// The effect and the constants of its regressor.
+    pub regressor: Regressor,
+    /// Its column.
+    pub column: usize,
+    /// What the model knows of its coefficient, as a sigma about what was taken off already; `None`: nothing.
+    pub known_sigma: Option<f64>,
+}
+
+/// What an effect's coefficient is learned from.
+#[derive(Clone, Debug)]
+pub struct Lesson {
+    /// The flights' block means.
+    pub flights: Vec<Series>,
+    /// The noise fitted beside the terms.
+    pub noise: Noise,
+    /// The effect first; then what else acts, and what the model has already.
+    pub terms: Vec<Term>,
+    /// By how much the coefficient's variance is larger than a fit with this noise says: the spread over
+    /// the parts of the flights, and the autocorrelation that is left.
+    pub inflation: f64,
+    /// The share of the coefficient that is unsure beside its noise: signals have scale errors of their own.
+    pub scale: f64,
+    /// What the diagnosis itself makes of the coefficient, in f64, and the held-out errors.
+    pub facts: CandidateFacts,
+}
+
+/// A diagnosis of flights with a model that lacks the effect, and what the effect's coefficient is to be
+/// learned from; no lesson where the flights lack its signals ([`Diagnosis::untested`]) or its regressor
+/// does not move in them.
+#[must_use]
+pub fn study(
+    flights: &[NamedReplay<'_>],
+    hold_outs: &[NamedReplay<'_>],
+    wish: Wish,
+    progress: &mut dyn FnMut(),
+) -> (Diagnosis, Option<Lesson>) {
+    work(flights, hold_outs, Some(wish), progress)
+}
+
+impl Judge<'_> {
+    /// The lesson for an effect. Whatever the diagnosis found to act stays beside it, but for what this
+    /// effect could stand in the place of.
+    pub(super) fn lesson(
+        &self,
+        search: &mut Search<'_>,
+        findings: Findings,
+        effect: EffectId,
+    ) -> Option<Lesson> {
+        let is_wished = |column: &usize| self.candidates[*column].effect() == effect;
+        let found = findings.explanation.columns.iter().copied().find(is_wished);
+        let (findings, column) = match found {
+            Some(column) => (findings, column),
+            None => self.beside_the_others(search, findings, &is_wished)?,
+        };
+        let columns = &findings.explanation.columns;
+        let others: Vec<usize> = columns.iter().copied().filter(|other| *other != column).collect();
+        let facts = self.candidate(search, &findings, column, &others, columns)?;
+        let at = columns.iter().position(|chosen| *chosen == column)?;
+        let term = |column: usize, known_sigma| Term {
+            regressor: self.candidates[column].regressor,
+            column,
+            known_sigma,
+        };
+        let known = self.problem.known.iter().map(|known| term(known.column, Some(known.sigma)));
+        let free = std::iter::once(column).chain(others).map(|column| term(column, None));
+        Some(Lesson {
+            flights: self.problem.flights.to_vec(),
+            noise: findings.explanation.fit.noise,
+            terms: free.chain(known).collect(),
+            inflation: findings.inflation.get(at).copied().unwrap_or(1.0),
+            scale: self.scale(effect),
+            facts,
+        })
+    }
+
+    /// The findings with the best column of a wished effect that was not chosen, and that column.
+    fn beside_the_others(
+        &self,
+        search: &mut Search<'_>,
+        findings: Findings,
+        is_wished: &dyn Fn(&usize) -> bool,
+    ) -> Option<(Findings, usize)> {
+        let replaced = |column: &usize| {
+            findings
+                .rivals
+                .iter()
+                .any(|rivals| rivals.column == *column && rivals.others.iter().any(is_wished))
+        };
+        let others: Vec<usize> =
+            findings.explanation.columns.iter().copied().filter(|column| !replaced(column)).collect();
+        let wished: Vec<usize> = search.usable().iter().copied().filter(is_wished).collect();
+        let fits = wished.into_iter().map(|column| {
+            let mut columns = others.clone();
+            columns.push(column);
+            columns.sort_unstable();
+            let fit = search.fit(&columns, &findings.explanation.fit.values);
+            (Explanation { columns, fit }, column)
+        });
+        let (explanation, column) =
+            fits.max_by(|a, b| a.0.fit.twice_log_posterior.total_cmp(&b.0.fit.twice_log_posterior))?;
+        let repeat =
+            super::repeatability::repeatability(self.problem, &explanation.fit.noise, &explanation.columns);
+        let inflation = self.inflation(&explanation, &repeat);
+        let information = search.information(&explanation.fit);
+        Some((Findings { explanation, information, rivals: Vec::new(), repeat, inflation }, column))
+    }
+}

@@ -1,0 +1,282 @@
+//! A model's text with one effect more, everything else in it as it was.
+
+use model::Effect;
+use thiserror::Error;
+use time::Date;
+use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, Value, value};
+
+/// Why a model's text can not be changed.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum DocumentError {
+    /// It is not TOML.
+    #[error("{0}")]
+    Syntax(String),
+    /// Its effects or revisions are written in another way.
+    #[error("{0} is not written as [[{0}]] tables, expected these")]
+    NotTables(&'static str),
+}
+
+/// What a revision has beside its effect: root mean square errors in metres.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RevisionErrors {
+    /// On the flights learned from, before and after.
+    pub learning: [Option<f64>; 2],
+    /// On what was held out, before and after.
+    pub held_out: [Option<f64>; 2],
+}
+
+/// The text with an effect added, or changed if it was there.
+///
+/// # Errors
+/// See [`DocumentError`].
+pub fn with_effect(text: &str, effect: &Effect, date: Date) -> Result<String, DocumentError> {
+    let mut document = parse(text)?;
+    let is_first = !document.contains_key("effect");
+    let trailing = take_trailing(&mut document, is_first);
+    let id = effect.term.id().name();
+    let effects = tables(&mut document, "effect")?;
+    let at = effects.iter().position(|table| table.get("id").and_then(Item::as_str) == Some(id));
+    match at.and_then(|at| effects.get_mut(at)) {
+        Some(table) => fill(table, effect, date),
+        None => {
+            let mut table = Table::new();
+            set(&mut table, "id", id);
+            fill(&mut table, effect, date);
+            append(effects, table, &trailing, text.trim().is_empty());
+        }
+    }
+    Ok(document.to_string())
+}
+
+/// The text with a further revision.
+///
+/// # Errors
+/// See [`DocumentError`].
+pub fn with_revision(
+    text: &str,
+    number: u32,
+    effect: &Effect,
+    date: Date,
+    replaced: Option<f32>,
+    errors: &RevisionErrors,
+) -> Result<String, DocumentError> {
+    let mut document = parse(text)?;
+    let trailing = take_trailing(&mut document, true);
+    let mut table = Table::new();
+    set(&mut table, "number", i64::from(number));
+    set(&mut table, "date", datetime(date));
+    set(&mut table, "effect", effect.term.id().name());
+    if let Some(learned_from) = &effect.learned_from {
+        set(&mut table, "learned_from", learned_from.as_str());
+    }
+    set(&mut table, "coefficient", decimal(effect.term.coefficient));
+    set(&mut table, "sigma", decimal(effect.term.sigma));
+    set(&mut table, "estimate", effect.estimate);
+    put_time_constant(&mut table, effect);
+    if let Some(replaced) = replaced {
+        set(&mut table, "replaced_coefficient", decimal(replaced));
+    }
+    let [before, after] = errors.learning;
+    let [held_before, held_after] = errors.held_out;
+    for (key, metres) in [
+        ("rms_before_m", before),
+        ("rms_after_m", after),
+        ("held_out_before_m", held_before),
+        ("held_out_after_m", held_after),
+    ] {
+        if let Some(metres) = metres {
+            set(&mut table, key, (metres * 1e4).round() / 1e4);
+        }
+    }
+    append(tables(&mut document, "revision")?, table, &trailing, false);
+    Ok(document.to_string())
+}
+
+fn parse(text: &str) -> Result<DocumentMut, DocumentError> {
+    text.parse().map_err(|error: toml_edit::TomlError| DocumentError::Syntax(error.message().to_owned()))
+}
+
+/// Comments at the text's end, which must stay before a table that is added there.
+fn take_trailing(document: &mut DocumentMut, is_at_end: bool) -> String {
+    let trailing = document.trailing().as_str().unwrap_or_default().to_owned();
+    if is_at_end {
+        document.set_trailing("");
+        trailing
+    } else {
+        String::new()
+    }
+}
+
+/// The `[[key]]` tables, made if there are none.
+fn tables<'a>(
+    document: &'a mut DocumentMut,
+    key: &'static str,
+) -> Result<&'a mut ArrayOfTables, DocumentError> {
+    let item = document.entry(key).or_insert(Item::ArrayOfTables(ArrayOfTables::new()));
+    item.as_array_of_tables_mut().ok_or(DocumentError::NotTables(key))
+}
+
+/// Adds a table, with an empty line before it unless it is alone, after the comments that stood at the text's end.
+fn append(tables: &mut ArrayOfTables, mut table: Table, trailing: &str, is_alone: bool) {
+    let gap = if is_alone { "" } else { "\n" };
+    table.decor_mut().set_prefix(format!("{}{gap}", trailing));
+    tables.push(table);
+}
+
+fn fill(table: &mut Table, effect: &Effect, date: Date) {
+    let term = &effect.term;
+    set(table, "coefficient", decimal(term.coefficient));
+    set(table, "sigma", decimal(term.sigma));
+    set(table, "estimate", effect.estimate);
+    if let Some(learned_from) = &effect.learned_from {
+        set(table, "learned_from", learned_from.as_str());
+    }
+    set(table, "date", datetime(date));
+    put_time_constant(table, effect);
+    match term.envelope_m {
+        Some(envelope_m) => set(table, "envelope_m", Array::from_iter(envelope_m.map(decimal))),
+        None => drop(table.remove("envelope_m")),
+    }
+}
+
+fn put_time_constant(table: &mut Table, effect: &Effect) {
+    let regressor = &effect.term.regressor;
+    if regressor.id.has_time_constant() {
+        set(table, "time_constant_s", decimal(regressor.time_constant_s));
+        set(table, "since", regressor.since.name());
+    }
+}
+
+/// Sets a key; the comment behind a value that was there stays.
+fn set(table: &mut Table, key: &str, new: impl Into<Value>) {
+    match table.get_mut(key) {
+        Some(Item::Value(old)) => {
+            let decor = old.decor().clone();
+            *old = new.into();
+            *old.decor_mut() = decor;
+        }
+        _ => drop(table.insert(key, value(new))),
+    }
+}
+
+/// The shortest decimal number that is this one in single precision.
+fn decimal(single: f32) -> f64 {
+    single.to_string().parse().unwrap_or_else(|_| f64::from(single))
+}
+
+fn datetime(date: Date) -> toml_edit::Datetime {
+    let year = u16::try_from(date.year()).unwrap_or_default();
+    let date = toml_edit::Date { year, month: date.month().into(), day: date.day() };
+    toml_edit::Datetime { date: Some(date), time: None, offset: None }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use kf_core::effect::{EffectId, EffectTerm};
+    use model::Model;
+    use time::Month;
+
+    use super::*;
+
+    fn effect(coefficient: f32) -> Effect {
+        let term = EffectTerm {
+            envelope_m: Some([-0.5, 63.25]),
+            ..EffectTerm::new(EffectId::BaroDynamicPressure, coefficient, 0.002)
+        };
+        Effect { term, estimate: false, learned_from: Some("a.csv".to_owned()), date: None }
+    }
+
+    fn day() -> Date {
+        Date::from_calendar_date(2026, Month::November, 21).unwrap()
+    }
+
+    fn added(text: &str, coefficient: f32) -> String {
+        let errors = RevisionErrors { learning: [Some(4.0), Some(1.23456)], held_out: [Some(5.0), None] };
+        let with = with_effect(text, &effect(coefficient), day()).unwrap();
+        let number = Model::parse(&with).unwrap().next_revision();
+        with_revision(&with, number, &effect(coefficient), day(), None, &errors).unwrap()
+    }
+
+    #[test]
+    fn an_empty_file_gets_the_effect_and_its_revision() {
+        let text = added("", 0.06);
+        let expected = "\
+[[effect]]
+id = \"baro.dynamic_pressure\"
+coefficient = 0.06
+sigma = 0.002
+estimate = false
+learned_from = \"a.csv\"
+date = 2026-11-21
+envelope_m = [-0.5, 63.25]
+
+[[revision]]
+number = 1
+date = 2026-11-21
+effect = \"baro.dynamic_pressure\"
+learned_from = \"a.csv\"
+coefficient = 0.06
+sigma = 0.002
+estimate = false
+rms_before_m = 4.0
+rms_after_m = 1.2346
+held_out_before_m = 5.0
+";
+        assert_eq!(text, expected);
+        let model = Model::parse(&text).unwrap();
+        assert_eq!(model.effects[0].term, effect(0.06).term);
+    }
+
+    #[test]
+    fn every_line_that_was_there_stays_and_in_its_order() {
+        let text = "\
+# our aircraft
+settling_s = 12   # a slow mother ship
+
+[[effect]]
+# of the installation
+id = \"baro.lag\"
+coefficient = 0.3
+
+[monitor]   # strict
+multiplier = 2.5
+
+[[revision]]
+number = 4
+# the end
+";
+        let changed = added(text, 0.061);
+        let mut rest = changed.lines();
+        for line in text.lines() {
+            assert!(rest.any(|other| other == line), "{line}\n{changed}");
+        }
+        let model = Model::parse(&changed).unwrap();
+        assert_eq!(model.effects.len(), 2);
+        assert_eq!(model.revision_numbers(), [4, 5]);
+
+        // Learned anew: the effect's own lines change, the comments behind its values stay.
+        let again = changed.replace(
+            "coefficient = 0.061\nsigma = 0.002\nest",
+            "coefficient = 0.061 # ours\nsigma = 0.002\nest",
+        );
+        let again = added(&again, 0.0625);
+        assert!(again.contains("coefficient = 0.0625 # ours\n"), "{again}");
+        let model = Model::parse(&again).unwrap();
+        assert_eq!((model.effects.len(), model.effects[1].term.coefficient), (2, 0.0625));
+        assert_eq!(model.revisions[1].coefficient, Some(0.061));
+    }
+
+    #[test]
+    fn comments_of_a_file_without_tables_stay_at_its_head() {
+        let changed = added("# our aircraft\n", 0.06);
+        assert!(changed.starts_with("# our aircraft\n\n[[effect]]\n"), "{changed}");
+    }
+
+    #[test]
+    fn effects_in_another_form_are_refused() {
+        let text = "effect = [{ id = \"baro.lag\", coefficient = 0.3 }]\n";
+        let refused = with_effect(text, &effect(0.06), day());
+        assert_eq!(refused, Err(DocumentError::NotTables("effect")));
+    }
+}

@@ -1,0 +1,153 @@
+//! An addition and a ladder in plain English.
+
+use std::fmt::Write as _;
+
+use comfy_table::{Cell, CellAlignment, ContentArrangement, LineStyle, Table, TableStyle};
+
+use super::addition::{Addition, FlightChange, JudgedOn};
+use super::ladder::Ladder;
+use super::score::SensorScore;
+
+/// A line below the column names and nothing else.
+const STYLE: TableStyle = TableStyle::new().header_separator(LineStyle::new('─', '─', '─', '─'));
+
+/// Writing a line to a string, which can not fail.
+macro_rules! put {
+    ($out:expr, $($arguments:tt)*) => {{
+        let _ = writeln!($out, $($arguments)*);
+    }};
+}
+
+fn number(value: Option<f64>, digits: usize) -> String {
+    value.map_or_else(|| "-".to_owned(), |value| format!("{value:.digits$}"))
+}
+
+/// When a flag was raised: seconds after launch.
+fn flag(after_s: Option<f64>) -> String {
+    after_s.map_or_else(|| "never".to_owned(), |after_s| format!("{after_s:.1}"))
+}
+
+fn table(heads: &[&str]) -> Table {
+    let mut table = Table::new();
+    table.load_style(STYLE).set_content_arrangement(ContentArrangement::Disabled);
+    table.set_header(heads.iter().map(Cell::new));
+    table
+}
+
+/// The table's lines, the columns from `first` on right-aligned.
+fn rendered(mut table: Table, first: usize) -> String {
+    for (k, column) in table.column_iter_mut().enumerate() {
+        if k >= first {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table.force_no_tty();
+    let text = table.to_string();
+    let lines: Vec<&str> = text.lines().map(str::trim_end).collect();
+    lines.join("\n")
+}
+
+/// What was added to which file.
+#[must_use]
+pub fn addition_text(addition: &Addition, file: &str) -> String {
+    let mut out = String::new();
+    let unit = if addition.unit == "1" { String::new() } else { format!(" {}", addition.unit) };
+    let how = if addition.estimate { "a state of the filter, with this as its prior" } else { "a constant" };
+    put!(
+        out,
+        "{}: coefficient {} +- {}{unit} (1 sigma), {how}",
+        addition.effect,
+        addition.coefficient,
+        addition.sigma
+    );
+    if let Some(time_constant_s) = addition.time_constant_s {
+        let since = if addition.since == Some("start") { "the first tick" } else { "launch" };
+        put!(out, "  time constant {time_constant_s} s, since {since}");
+    }
+    if let Some([least, largest]) = addition.envelope_m {
+        put!(
+            out,
+            "  learned where its regressor is {least:.4} to {largest:.4} m per unit; beyond, the core says so"
+        );
+    }
+    if let Some(replaced) = addition.replaced_coefficient {
+        put!(out, "  the model had it already, with {replaced}{unit}: learned anew");
+    }
+    put!(out, "written to {file} as revision {}", addition.revision);
+    put!(out, "\nError in free flight (rms, eq. 16) and flags (s after launch), before -> after:\n");
+    let mut rows = table(&["flight", "", "sensor", "error, m", "doubtful", "untrustworthy"]);
+    for (kind, flights) in [("learned from", &addition.learning), ("held out", &addition.held_out)] {
+        for flight in flights {
+            add_rows(&mut rows, kind, flight);
+        }
+    }
+    put!(out, "{}", rendered(rows, 3));
+    if addition.judged_on == JudgedOn::HeldOutManoeuvres {
+        put!(
+            out,
+            "\nOn held-out manoeuvres of the learning flights: {} m without the effect, {} m with it.\n\
+             Check it on another flight (--hold-out).",
+            number(addition.rms_before_m, 2),
+            number(addition.rms_after_m, 2)
+        );
+    }
+    for concern in &addition.concerns {
+        put!(out, "\nwritten all the same (--force): {concern}");
+    }
+    for warning in &addition.warnings {
+        put!(out, "\nwarning: {warning}");
+    }
+    out
+}
+
+fn add_rows(rows: &mut Table, kind: &str, flight: &FlightChange) {
+    for (name, change) in &flight.sensors {
+        let (before, after) = (&change.before, &change.after);
+        if before.free_flight_rms_m.is_none() && after.free_flight_rms_m.is_none() {
+            continue;
+        }
+        let both = |show: &dyn Fn(&SensorScore) -> String| format!("{} -> {}", show(before), show(after));
+        rows.add_row([
+            flight.file.clone(),
+            kind.to_owned(),
+            (*name).to_owned(),
+            both(&|score| number(score.free_flight_rms_m, 2)),
+            both(&|score| flag(score.doubtful_after_s)),
+            both(&|score| flag(score.untrustworthy_after_s)),
+        ]);
+    }
+}
+
+/// Every revision on every flight.
+#[must_use]
+pub fn ladder_text(ladder: &Ladder) -> String {
+    let mut out = String::new();
+    put!(out, "model: {}", ladder.model);
+    put!(out, "Errors are rms (eq. 16); flags are seconds after launch.\n");
+    let heads =
+        ["revision", "added", "flight", "sensor", "captive, m", "free, m", "doubtful", "untrustworthy"];
+    let mut rows = table(&heads);
+    for rung in &ladder.revisions {
+        for flight in &rung.flights {
+            for (name, score) in &flight.sensors {
+                let is_free = score.free_flight_rms_m.is_some();
+                let flag_of = |after_s: Option<f64>| if is_free { flag(after_s) } else { "-".to_owned() };
+                rows.add_row([
+                    rung.number.to_string(),
+                    rung.effect.unwrap_or("-").to_owned(),
+                    flight.file.clone(),
+                    (*name).to_owned(),
+                    number(score.captive_rms_m, 2),
+                    number(score.free_flight_rms_m, 2),
+                    flag_of(score.doubtful_after_s),
+                    flag_of(score.untrustworthy_after_s),
+                ]);
+            }
+        }
+    }
+    put!(out, "{}", rendered(rows, 4));
+    if ladder.revisions.len() == 1 {
+        put!(out, "\nThe model has no revisions: `pylon add` writes one for each effect that it learns.");
+    }
+    out
+}
