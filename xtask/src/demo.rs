@@ -1,4 +1,5 @@
-//! `cargo xtask demo`: the paper's flight, simulated, flown in the emulator and compared.
+//! `cargo xtask demo`: the paper's flight, simulated, flown in the emulator and compared; then a flight that
+//! fails, what its model lacks, and the next flight, which holds.
 
 use std::fs;
 use std::path::PathBuf;
@@ -8,6 +9,7 @@ use anyhow::{Context, bail};
 use serde::de::DeserializeOwned;
 
 use crate::child;
+use crate::improvement::{Addition, Diagnosis, Improvement};
 use crate::setup::{self, Need, Provided};
 use crate::steps::Done;
 use crate::story::{Comparison, Flown, Story};
@@ -17,6 +19,10 @@ use crate::workspace;
 const SCENARIO: &str = "flights/paper-reconstruction.toml";
 /// The model.
 const MODEL: &str = "paper";
+/// A flight with a hidden effect that raises a flag.
+const HIDDEN: &str = "flights/hidden-static-port.toml";
+/// Another plan with the same effect.
+const SECOND: &str = "flights/hidden-static-port-second.toml";
 
 /// Sets up what is missing, flies and tells the story on standard output.
 pub fn run(echo: bool) -> anyhow::Result<()> {
@@ -27,13 +33,21 @@ pub fn run(echo: bool) -> anyhow::Result<()> {
         }
     }
     print!("{}", fly(echo)?);
+    print!("{}", improve(echo)?);
     Ok(())
 }
 
 /// The demo as a test: that it comes to its end, with pictures.
 pub fn test(echo: bool) -> anyhow::Result<Done> {
     let story = fly(echo)?;
-    Ok(Done::all(format!("{} ticks bit for bit, {} pictures", story.flown.ticks, story.pictures.len())))
+    let improvement = improve(echo)?;
+    Ok(Done::all(format!(
+        "{} and {} ticks bit for bit, {} pictures, {} found and added",
+        story.flown.ticks,
+        improvement.ticks,
+        story.pictures.len(),
+        improvement.effect
+    )))
 }
 
 /// Does all there is to tell about.
@@ -56,6 +70,36 @@ fn fly(echo: bool) -> anyhow::Result<Story> {
     compare.arg(&flight).args(["--model", MODEL, "--json", "--plots"]).arg(&pictures);
     let comparison: Comparison = json(&mut compare, echo)?;
     Ok(Story { flown, comparison, flight, pictures: drawn(&pictures)? })
+}
+
+/// A flight with a hidden effect, the diagnosis, the improved model and a flight that was held out. The
+/// workbench must have been built.
+fn improve(echo: bool) -> anyhow::Result<Improvement> {
+    let folder = workspace::target_folder().join("demo");
+    let simulated = |scenario: &str, file: &str| -> anyhow::Result<PathBuf> {
+        let flight = folder.join(file);
+        eprintln!("simulating {scenario}");
+        child::run(pylon("simulate").arg(scenario).arg("-o").arg(&flight), echo)?;
+        Ok(flight)
+    };
+    let first = simulated(HIDDEN, "first.csv")?;
+    let second = simulated(SECOND, "second.csv")?;
+    eprintln!("diagnosing the first flight");
+    let diagnosis: Diagnosis = json(pylon("diagnose").arg(&first).arg("--json"), echo)?;
+    let missing = diagnosis.missing();
+    let [effect] = missing.as_slice() else {
+        bail!("the diagnosis says {}: {}", diagnosis.verdict, missing.join(", "));
+    };
+    let model = folder.join("improved.toml");
+    let (sensor, _) = effect.split_once('.').context("an effect's id is SENSOR.EFFECT")?;
+    eprintln!("adding {effect} and flying the second flight with it, in QEMU");
+    let mut add = pylon("add");
+    add.arg(effect).args(["--model", "default", "--from"]).arg(&first);
+    add.arg("--hold-out").arg(&second).arg("-o").arg(&model).arg("--json");
+    let addition: Addition = json(&mut add, echo)?;
+    let flown: Flown = json(pylon("fly").arg(&second).arg("--model").arg(&model).arg("--json"), echo)?;
+    let (effect, sensor) = ((*effect).to_owned(), sensor.to_owned());
+    Ok(Improvement { effect, sensor, addition, ticks: flown.ticks, model })
 }
 
 /// The workbench, which must have been built, with a command of its.

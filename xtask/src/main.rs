@@ -6,6 +6,7 @@ mod bench;
 mod child;
 mod cli;
 mod demo;
+mod improvement;
 mod setup;
 mod steps;
 mod story;
