@@ -24,6 +24,7 @@ use super::repeatability::{Repeatability, repeatability};
 use super::rivals::{Rivals, rivals};
 use super::search::{Explanation, Search};
 use super::series::Series;
+use super::signals;
 use super::unknown;
 use crate::replay::Replay;
 
@@ -86,12 +87,15 @@ pub(super) fn work(
         candidates.push(Candidate { regressor: effect.term.regressor });
     }
     let prepare = |named: &NamedReplay<'_>| epochs(&named.replay, &candidates);
-    let epochs: Vec<Epochs> = flights.iter().map(prepare).collect();
-    let held: Vec<Series> = hold_outs.iter().map(prepare).map(|epochs| epochs.series).collect();
+    let mut epochs: Vec<Epochs> = flights.iter().map(prepare).collect();
+    let mut held: Vec<Epochs> = hold_outs.iter().map(prepare).collect();
+    let wind = wind(&mut epochs, &mut held);
+    let held: Vec<Series> = held.into_iter().map(|epochs| epochs.series).collect();
     let series: Vec<Series> = epochs.iter().map(|epochs| epochs.series.clone()).collect();
 
     let available = |column: usize| epochs.iter().all(|epochs| epochs.available[column]);
     known.retain(|known| available(known.column));
+    known.extend(wind);
     let prior = NoisePrior::new(&series, &model.reference, &model.sensors);
     let problem = Problem::new(&series, prior.clone(), known.clone());
     let held_problem = Problem::new(&held, prior.clone(), known);
@@ -128,6 +132,37 @@ pub(super) fn work(
     (diagnosis, lesson)
 }
 
+/// Sigma of what the wind adds to the barometer per m/s over ground where the airspeed is not measured: a port
+/// that reads a third of the dynamic pressure, in 10 m/s of wind.
+const WIND_M_PER_MPS: f64 = 0.3;
+
+/// Where a flight has no airspeed, the two columns that its square lacks.
+///
+/// With the velocity v over ground and the wind w the airspeed's square is `|v|^2 - 2 v.w + |w|^2`: to the
+/// squared speed over ground that stands in for it belong the two components of v, with a coefficient of each
+/// flight's own. Load factor and angle of attack would have to do for them otherwise.
+fn wind(epochs: &mut [Epochs], held: &mut [Epochs]) -> Vec<Known> {
+    let lacks = |epochs: &Epochs| epochs.signals.iter().all(|block| !block[0].is_finite());
+    if !epochs.iter().any(&lacks) {
+        return Vec::new();
+    }
+    let mut known = Vec::new();
+    for signal in signals::GROUND_VELOCITY {
+        for epochs in epochs.iter_mut().chain(held.iter_mut()) {
+            let is_needed = lacks(epochs);
+            let component = epochs.signals.iter().map(|block| {
+                let value = if is_needed && block[signal].is_finite() { block[signal] } else { 0.0 };
+                std::array::from_fn(|i| if i == Sensor::Baro.index() { value } else { 0.0 })
+            });
+            let component = component.collect();
+            epochs.series.columns.push(component);
+        }
+        let column = epochs.first().map_or(0, |epochs| epochs.series.columns.len() - 1);
+        known.push(Known { column, sigma: WIND_M_PER_MPS });
+    }
+    known
+}
+
 /// Whether an effect's regressor is known only to some ten per cent: the airspeed is not measured, or it is
 /// integrated twice from specific forces and attitudes, whose small errors grow.
 fn is_rough(epochs: &[Epochs], effect: EffectId) -> bool {
@@ -135,7 +170,9 @@ fn is_rough(epochs: &[Epochs], effect: EffectId) -> bool {
         effect,
         EffectId::ImuAccelScale | EffectId::ImuTilt | EffectId::ImuGyroBias | EffectId::ImuVibration
     );
-    is_integrated || lacks_airspeed(epochs, effect)
+    // A receiver that is late often filters as well, which is a delay for slow motions only.
+    let is_filter = effect == EffectId::GpsLatency;
+    is_integrated || is_filter || lacks_airspeed(epochs, effect)
 }
 
 /// Whether an effect is made of the airspeed and a flight has it not measured.

@@ -112,7 +112,9 @@ impl Judge<'_> {
             column,
             known_sigma,
         };
-        let known = self.problem.known.iter().map(|known| term(known.column, Some(known.sigma)));
+        // What has a column but is no effect, the wind's share of the airspeed, is not learned.
+        let effects = self.problem.known.iter().filter(|known| known.column < self.candidates.len());
+        let known = effects.map(|known| term(known.column, Some(known.sigma)));
         let free = std::iter::once(column).chain(others).map(|column| term(column, None));
         Some(Lesson {
             flights: self.problem.flights.to_vec(),

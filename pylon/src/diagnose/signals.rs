@@ -5,7 +5,7 @@ use kf_core::input::TickInput;
 use crate::flight::Column;
 
 /// The names of the signals, by [`SignalMeans`]' order; the flight's unknown columns come after them.
-pub const NAMES: [&str; 19] = [
+pub const NAMES: [&str; 21] = [
     "tas_mps",
     "climb rate",
     "altitude",
@@ -25,7 +25,12 @@ pub const NAMES: [&str; 19] = [
     "baro_temp_c",
     "oat_c",
     "ground speed",
+    "ground velocity north",
+    "ground velocity east",
 ];
+
+/// Where the velocity over ground stands among the signals: north, east.
+pub const GROUND_VELOCITY: [usize; 2] = [19, 20];
 
 /// Means of the signals over the block that is being filled; a signal without a sample keeps its last mean.
 #[derive(Clone, Debug)]
@@ -85,6 +90,8 @@ impl SignalMeans {
             signals.baro_temperature_c,
             signals.outside_air_temperature_c,
             north.zip(east).map(|(north, east)| libm::hypotf(north, east)),
+            north,
+            east,
         ];
         let extra = extra.iter().map(|(_, column)| column.get(row));
         for (k, value) in values.into_iter().chain(extra).enumerate() {
