@@ -3,4 +3,5 @@
 pub mod bench;
 pub mod blind;
 pub mod budget;
+pub mod confusion;
 pub mod textbook;

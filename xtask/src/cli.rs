@@ -14,6 +14,7 @@ Examples:
   cargo xtask test           set up what is missing and run every test of every kind
   cargo xtask test budgets   only the steps whose name contains `budgets`, with what they need
   cargo xtask bench          how fast, how small, beside whom
+  cargo xtask blind 400      how often a diagnosis is right, on 400 simulated flights
 
 Missing tools are installed by rustup and apt-get, and what is installed is said first."
 )]
@@ -49,6 +50,27 @@ pub enum Job {
         json: bool,
         /// Only this part: `target` (instructions, in QEMU) or `host` (time and memory).
         part: Option<BenchPart>,
+    },
+    /// Fly simulated flights with hidden effects, diagnose them blind, and count how often that is right.
+    Blind {
+        /// How many trials.
+        #[arg(default_value_t = 200)]
+        trials: u64,
+        /// The first trial's seed; each further one's is one more.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+    },
+    /// Give the blind trials' residuals to least squares and the LASSO as well, and compare.
+    Baselines {
+        /// How many trials.
+        #[arg(default_value_t = 200)]
+        trials: u64,
+        /// The first trial's seed; each further one's is one more.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+        /// Write the tables into docs/blind-trials.md as well.
+        #[arg(long)]
+        write: bool,
     },
     /// Run a command and print its wall time and its peak memory as JSON (for `bench`).
     #[command(hide = true)]

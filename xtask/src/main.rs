@@ -3,6 +3,7 @@
 #[cfg(test)]
 mod architecture;
 mod bench;
+mod blind;
 mod child;
 mod cli;
 mod demo;
@@ -51,6 +52,8 @@ fn run(job: Job, verbose: bool) -> anyhow::Result<bool> {
         Job::Demo => demo::run(verbose)?,
         Job::Test { words, list } => return test_job::run(&words, list, verbose),
         Job::Bench { json, part } => bench::run(part, json, verbose)?,
+        Job::Blind { trials, seed } => blind::run(trials, seed, verbose)?,
+        Job::Baselines { trials, seed, write } => blind::baselines(trials, seed, write, verbose)?,
         Job::Measure { command } => bench::measure::print(&command)?,
     }
     Ok(true)

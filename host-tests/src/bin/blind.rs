@@ -1,72 +1,154 @@
 //! Blind trials: `cargo xtask blind`.
 
+use std::fs::{self, File};
+use std::io::{BufWriter, Write as _};
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use anyhow::bail;
-use host_tests::blind::{Trial, draw, run, table};
+use anyhow::Context as _;
+use clap::Parser;
+use host_tests::blind::{Case, Kind, Plan, Trial, draw, fly, run, table};
+use host_tests::confusion::confusion;
+use indicatif::{ProgressBar, ProgressStyle};
+use model::Model;
+use pylon::replay::Replay;
+use serde::Serialize;
+
+/// Fly simulated flights with hidden effects, diagnose them blind, and count how often that is right.
+#[derive(Debug, Parser)]
+#[command(name = "blind")]
+struct Arguments {
+    /// How many trials.
+    #[arg(default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    trials: u64,
+    /// The first trial's seed; each further one's is one more.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Print every trial's scenario and diagnosis as well.
+    #[arg(long, short)]
+    verbose: bool,
+    /// Only the tables, not a line for every trial.
+    #[arg(long, short)]
+    quiet: bool,
+    /// Write what the diagnosis worked on, and what was true, to this folder: for other methods to try.
+    #[arg(long, value_name = "FOLDER")]
+    dump: Option<PathBuf>,
+}
+
+/// A trial as other methods need it.
+#[derive(Serialize)]
+struct Dumped<'a> {
+    seed: u64,
+    /// The effects that acted.
+    truth: Vec<&'a str>,
+    /// The strongest of them, if it counts: over twice the noise, on a flight that excites.
+    strongest: Option<&'a str>,
+    /// Whether nothing was wrong with a sensor.
+    is_null: bool,
+    /// What Pylon is sure of.
+    identified: Vec<&'a str>,
+    /// Whether Pylon names the strongest, or a set that holds it.
+    is_held: bool,
+}
 
 fn main() -> anyhow::Result<()> {
-    let verbose = std::env::args().any(|argument| argument == "--verbose");
-    let numbers: Result<Vec<u64>, _> = std::env::args()
-        .skip(1)
-        .filter(|argument| argument != "--verbose")
-        .map(|argument| argument.parse())
-        .collect();
-    let (count, first) = match numbers.as_deref() {
-        Ok([]) => (200, 1),
-        Ok([count]) => (*count, 1),
-        Ok([count, first]) => (*count, *first),
-        _ => bail!("usage: blind [TRIALS] [FIRST_SEED]"),
-    };
-    let next = AtomicU64::new(first);
-    let trials: Mutex<Vec<Trial>> = Mutex::new(Vec::new());
-    let unflown = AtomicU64::new(0);
+    let arguments = Arguments::parse();
+    if let Some(folder) = &arguments.dump {
+        fs::create_dir_all(folder).with_context(|| format!("{} can not be made", folder.display()))?;
+    }
+    let bar = ProgressBar::new(arguments.trials)
+        .with_message("blind trials")
+        .with_style(ProgressStyle::with_template("{msg} {wide_bar} {pos} of {len}, {eta} left")?);
+    let end = arguments.seed.saturating_add(arguments.trials);
+    let next = AtomicU64::new(arguments.seed);
+    let results: Mutex<Vec<(u64, anyhow::Result<Trial>)>> = Mutex::new(Vec::new());
     std::thread::scope(|scope| {
         for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
             scope.spawn(|| {
                 loop {
                     let seed = next.fetch_add(1, Ordering::Relaxed);
-                    if seed >= first + count {
+                    if seed >= end {
                         break;
                     }
-                    match run(draw(seed)) {
-                        Ok(trial) => {
-                            println!("{}", line(&trial));
-                            if verbose {
-                                println!(
-                                    "{}\n{}",
-                                    trial.case.scenario,
-                                    pylon::diagnose::text(&trial.diagnosis, false)
-                                );
-                            }
-                            if let Ok(mut trials) = trials.lock() {
-                                trials.push(trial);
-                            }
-                        }
-                        Err(error) => {
-                            unflown.fetch_add(1, Ordering::Relaxed);
-                            println!("{seed:>5} not flown: {error}");
-                        }
+                    let trial = one(draw(seed), arguments.dump.as_deref());
+                    bar.inc(1);
+                    if let Ok(mut results) = results.lock() {
+                        results.push((seed, trial));
                     }
                 }
             });
         }
     });
-    let trials = trials.into_inner()?;
+    bar.finish_and_clear();
+    let mut results = results.into_inner()?;
+    results.sort_by_key(|(seed, _)| *seed);
+    let mut trials = Vec::new();
+    let mut unflown = 0;
+    for (seed, result) in results {
+        match result {
+            Ok(trial) => {
+                if !arguments.quiet {
+                    println!("{}", line(&trial));
+                }
+                if arguments.verbose {
+                    println!("{}\n{}", trial.case.scenario, pylon::diagnose::text(&trial.diagnosis, false));
+                }
+                trials.push(trial);
+            }
+            Err(error) => {
+                unflown += 1;
+                if !arguments.quiet {
+                    println!("{seed:>5} not flown: {error}");
+                }
+            }
+        }
+    }
+    if let Some(folder) = &arguments.dump {
+        let dumped: Vec<Dumped<'_>> = trials.iter().map(dumped).collect();
+        fs::write(folder.join("trials.json"), serde_json::to_string_pretty(&dumped)?)?;
+    }
     println!(
-        "\n{} trials flown, {} plans that the aircraft can't fly\n{}",
+        "{} trials flown (seeds {} to {}), {unflown} plans that the aircraft can't fly\n\n{}\n{}",
         trials.len(),
-        unflown.into_inner(),
-        table(&trials)
+        arguments.seed,
+        end - 1,
+        table(&trials),
+        confusion(&trials)
     );
     Ok(())
+}
+
+/// Flies and diagnoses a case, and writes what the diagnosis worked on.
+fn one(case: Case, folder: Option<&Path>) -> anyhow::Result<Trial> {
+    if let Some(folder) = folder {
+        let model = Model::default();
+        let flown = fly(&case, 0)?;
+        let replay = Replay::new(&flown.flight, &model, None)?;
+        let mut out = BufWriter::new(File::create(folder.join(format!("{}.csv", case.seed)))?);
+        pylon::diagnose::dump(&replay, &mut out)?;
+        out.flush()?;
+    }
+    run(case)
+}
+
+fn dumped(trial: &Trial) -> Dumped<'_> {
+    let counts = matches!(trial.case.kind, Kind::Effects(_)) && trial.case.plan != Plan::Level;
+    let strongest = trial.truth.first().filter(|(_, size)| counts && *size > 2.0).map(|(id, _)| *id);
+    Dumped {
+        seed: trial.case.seed,
+        truth: trial.truth.iter().map(|(id, _)| *id).collect(),
+        strongest,
+        is_null: matches!(trial.case.kind, Kind::Null | Kind::Glitch(_)),
+        identified: trial.identified(),
+        is_held: strongest.is_some_and(|id| trial.holds(id)),
+    }
 }
 
 fn line(trial: &Trial) -> String {
     let truth: Vec<String> = trial.truth.iter().map(|(id, size)| format!("{id} x{size:.1}")).collect();
     let kind = match &trial.case.kind {
-        host_tests::blind::Kind::Effects(_) => truth.join(" + "),
+        Kind::Effects(_) => truth.join(" + "),
         other => format!("{other:?}"),
     };
     let said: Vec<String> = trial

@@ -17,6 +17,7 @@
 mod advice;
 mod candidates;
 mod diagnosis;
+mod dump;
 mod envelope;
 mod epochs;
 mod excitation;
@@ -43,6 +44,7 @@ mod whitener;
 pub use diagnosis::{
     CandidateFacts, DiagnosedFlight, Diagnosis, Follows, NoiseFacts, SensorDiagnosis, Untested, Verdict,
 };
+pub use dump::dump;
 pub use envelope::envelope_m;
 pub use judge::{NamedReplay, diagnose};
 pub use lesson::{Lesson, Term, Wish, study};

@@ -1,0 +1,142 @@
+//! `cargo xtask blind` and `cargo xtask baselines`: how often a diagnosis is right, and beside what people use today.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, bail};
+
+use crate::child;
+use crate::setup::{self, Need};
+use crate::workspace;
+
+/// What the other methods need.
+const REQUIREMENTS: &str = "host-tests/baselines/requirements.txt";
+/// The other methods.
+const SCRIPT: &str = "host-tests/baselines/compare.py";
+/// Where the tables are kept.
+const PAGE: &str = "docs/blind-trials.md";
+/// The tables lie between these lines of it.
+const BEGIN: &str = "<!-- tables: written by `cargo xtask baselines --write` -->";
+const END: &str = "<!-- end of the tables -->";
+
+/// Flies blind trials; their lines and tables go to standard output as they come.
+pub fn run(trials: u64, seed: u64, verbose: bool) -> anyhow::Result<()> {
+    let mut program = built(verbose)?;
+    program.args([&trials.to_string(), "--seed", &seed.to_string()]);
+    if verbose {
+        program.arg("--verbose");
+    }
+    // The bar is the program's own: it must have the terminal.
+    let status = program.status().with_context(|| format!("`{}`", child::shown(&program)))?;
+    if !status.success() {
+        bail!("`{}` ended with {status}", child::shown(&program));
+    }
+    Ok(())
+}
+
+/// Flies them, gives what the diagnosis worked on to the other methods, and prints both tables.
+pub fn baselines(trials: u64, seed: u64, write: bool, echo: bool) -> anyhow::Result<()> {
+    let python = environment(echo)?;
+    let folder = workspace::target_folder().join("blind-trials");
+    if folder.exists() {
+        fs::remove_dir_all(&folder).with_context(|| format!("{} can not be emptied", folder.display()))?;
+    }
+    let mut program = built(echo)?;
+    program.args([&trials.to_string(), "--seed", &seed.to_string(), "--quiet", "--dump"]).arg(&folder);
+    eprintln!("flying {trials} blind trials");
+    let ours = child::run(&mut program, echo)?.stdout;
+    eprintln!("giving their residuals to least squares and the LASSO");
+    let mut compare = workspace::program(python);
+    // One thread a process: there is a process a core.
+    compare.arg(SCRIPT).arg(&folder).env("OMP_NUM_THREADS", "1").env("OPENBLAS_NUM_THREADS", "1");
+    let theirs = child::run(&mut compare, echo)?.stdout;
+    let text = tables(trials, seed, &ours, &theirs);
+    print!("{text}");
+    if write {
+        let page = workspace::root().join(PAGE);
+        let old = fs::read_to_string(&page).with_context(|| format!("{PAGE} can not be read"))?;
+        fs::write(&page, replaced(&old, &text)?).with_context(|| format!("{PAGE} can not be written"))?;
+        eprintln!("wrote {PAGE}");
+    }
+    Ok(())
+}
+
+/// The program, built.
+fn built(echo: bool) -> anyhow::Result<Command> {
+    setup::provide(Need::Npm, echo)?;
+    eprintln!("building the blind trials");
+    child::run(
+        &mut workspace::cargo(["build", "--release", "--package", "host-tests", "--bin", "blind"]),
+        echo,
+    )?;
+    let file = workspace::workbench().with_file_name(format!("blind{}", std::env::consts::EXE_SUFFIX));
+    Ok(workspace::program(file))
+}
+
+/// Python with what the script needs, in a folder of its own under Cargo's; made once for each list of
+/// requirements.
+fn environment(echo: bool) -> anyhow::Result<PathBuf> {
+    let folder = workspace::target_folder().join("baselines");
+    let python = folder.join("bin/python");
+    let wanted = fs::read_to_string(workspace::root().join(REQUIREMENTS))?;
+    let installed = folder.join("installed.txt");
+    if fs::read_to_string(&installed).is_ok_and(|text| text == wanted) {
+        return Ok(python);
+    }
+    eprintln!("installing {REQUIREMENTS} into {}", workspace::shown(&folder));
+    let mut venv = workspace::program("python3");
+    child::run(venv.args(["-m", "venv", "--clear"]).arg(&folder), echo)
+        .context("Python 3.11 or newer with its venv module is needed (Debian: python3-venv)")?;
+    let mut pip = workspace::program(&python);
+    pip.args([
+        "-m",
+        "pip",
+        "install",
+        "--quiet",
+        "--disable-pip-version-check",
+        "--requirement",
+        REQUIREMENTS,
+    ]);
+    child::run(&mut pip, echo)?;
+    fs::write(&installed, wanted)?;
+    Ok(python)
+}
+
+/// Both tables, with the command that makes them.
+fn tables(trials: u64, seed: u64, ours: &str, theirs: &str) -> String {
+    let mut text = String::new();
+    // Writing to a string can not fail.
+    let _ = write!(
+        text,
+        "`cargo xtask baselines {trials} --seed {seed} --write`\n\n```text\n{}\n```\n\n{}\n",
+        ours.trim(),
+        theirs.trim()
+    );
+    text
+}
+
+/// The page with its tables replaced.
+fn replaced(page: &str, text: &str) -> anyhow::Result<String> {
+    let path = Path::new(PAGE).display();
+    let (before, rest) = page.split_once(BEGIN).with_context(|| format!("{path} has no line `{BEGIN}`"))?;
+    let (_, after) = rest.split_once(END).with_context(|| format!("{path} has no line `{END}`"))?;
+    Ok(format!("{before}{BEGIN}\n\n{}\n\n{END}{after}", text.trim()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_pages_tables_are_replaced_and_nothing_else() {
+        let page = fs::read_to_string(workspace::root().join(PAGE)).unwrap();
+        let once = replaced(&page, &tables(7, 3, "ours", "theirs")).unwrap();
+        assert!(once.contains("cargo xtask baselines 7 --seed 3 --write"), "{once}");
+        assert_eq!(once.split(BEGIN).next(), page.split(BEGIN).next());
+        assert_eq!(once.split(END).last(), page.split(END).last());
+        assert_eq!(replaced(&once, &tables(7, 3, "ours", "theirs")).unwrap(), once);
+        assert!(replaced("# Nothing", "").unwrap_err().to_string().contains("has no line"));
+    }
+}
