@@ -11,7 +11,7 @@ use drivers::bmp390::Bmp390;
 use drivers::icm42688p::{AccelRange, GyroRange, Icm42688p, Mounting};
 use drivers::ms5611::Ms5611;
 use drivers::ublox::{Datum, Ublox};
-use drivers::{Barometer, Faults, Replay, ReplayUmbilical, SensorError, Suite, VehicleState};
+use drivers::{Barometer, Faults, Replay, ReplayUmbilical, SensorError, Sensors, Suite, VehicleState};
 use kf_core::input::{BaroReading, TickInput};
 
 const TICK_US: u64 = 5_000;

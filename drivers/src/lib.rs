@@ -27,4 +27,4 @@ pub use sensor::{
     AltitudeLink, Barometer, BarometerSample, InertialUnit, LaunchDiscrete, SatelliteReceiver, VehicleLink,
     VehicleState,
 };
-pub use suite::{Faults, Suite};
+pub use suite::{Device, Faults, Sensors, Suite};

@@ -130,6 +130,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::suite::Sensors;
 
     /// A number, or none: all that differs between two inputs is how many of these there are.
     fn cell() -> impl Strategy<Value = Option<f32>> {

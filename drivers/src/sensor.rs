@@ -51,6 +51,10 @@ pub trait AltitudeLink {
     /// # Errors
     /// See [`SensorError`].
     fn poll(&mut self, now_us: u64) -> Result<Option<f32>, SensorError>;
+
+    /// Whether the UAV hangs under the mother ship, said before every poll. The link to a unit that stays behind is
+    /// gone when it does not: silence is then no fault.
+    fn set_attached(&mut self, _attached: bool) {}
 }
 
 /// What other equipment of the vehicle knows about its state; each is there when it is new.

@@ -5,6 +5,39 @@ use kf_core::input::{Signals, TickInput};
 use crate::error::SensorError;
 use crate::sensor::{AltitudeLink, Barometer, InertialUnit, LaunchDiscrete, SatelliteReceiver, VehicleLink};
 
+/// A sensor of the suite, in the order in which they are polled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Device {
+    /// The umbilical discrete.
+    Launch,
+    /// The reference.
+    Receiver,
+    /// The barometer.
+    Barometer,
+    /// The inertial unit.
+    InertialUnit,
+    /// The link to the mother ship's inertial altitude.
+    Master,
+    /// The link to a unit that computes the UAV's inertial altitude.
+    Slave,
+    /// The vehicle's other equipment.
+    Vehicle,
+}
+
+/// All sensors of a flight computer, whatever they are.
+pub trait Sensors {
+    /// Polls every sensor once, and calls `polled` after each: for a meter.
+    fn poll_each(&mut self, now_us: u64, polled: &mut impl FnMut(Device)) -> TickInput;
+
+    /// The faults so far.
+    fn faults(&self) -> Faults;
+
+    /// Polls every sensor once.
+    fn poll(&mut self, now_us: u64) -> TickInput {
+        self.poll_each(now_us, &mut |_| ())
+    }
+}
+
 /// How often polls have failed; none ever stops the others.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Faults {
@@ -68,19 +101,38 @@ where
             faults: Faults { count: 0, last: None },
         }
     }
+}
 
-    /// Polls every sensor once. A failed poll counts as a fault and as no sample; while the umbilical
-    /// can not be read it is what it last was.
-    pub fn poll(&mut self, now_us: u64) -> TickInput {
+impl<Receiver, Baro, Imu, Master, Slave, Vehicle, Launch> Sensors
+    for Suite<Receiver, Baro, Imu, Master, Slave, Vehicle, Launch>
+where
+    Receiver: SatelliteReceiver,
+    Baro: Barometer,
+    Imu: InertialUnit,
+    Master: AltitudeLink,
+    Slave: AltitudeLink,
+    Vehicle: VehicleLink,
+    Launch: LaunchDiscrete,
+{
+    /// A failed poll counts as a fault and as no sample; while the umbilical can not be read it is what it last was.
+    fn poll_each(&mut self, now_us: u64, polled: &mut impl FnMut(Device)) -> TickInput {
         if let Some(launched) = self.faults.note(self.launch.poll(now_us).map(Some)) {
             self.launched = launched;
         }
+        polled(Device::Launch);
         let gps = self.faults.note(self.receiver.poll(now_us));
+        polled(Device::Receiver);
         let baro = self.faults.note(self.barometer.poll(now_us)).unwrap_or_default();
+        polled(Device::Barometer);
         let imu = self.faults.note(self.imu.poll(now_us));
+        polled(Device::InertialUnit);
+        self.imu_master.set_attached(!self.launched);
         let imu_master_altitude_m = self.faults.note(self.imu_master.poll(now_us));
+        polled(Device::Master);
         let imu_slave_altitude_m = self.faults.note(self.imu_slave.poll(now_us));
+        polled(Device::Slave);
         let vehicle = self.faults.note(self.vehicle.poll(now_us)).unwrap_or_default();
+        polled(Device::Vehicle);
         TickInput {
             time_us: now_us,
             launch: self.launched,
@@ -101,8 +153,7 @@ where
         }
     }
 
-    /// The faults so far.
-    pub const fn faults(&self) -> Faults {
+    fn faults(&self) -> Faults {
         self.faults
     }
 }

@@ -9,15 +9,20 @@
 mod board;
 mod failure;
 mod flown_model;
+mod meter;
 mod mutation;
 mod stack;
 mod tick_timer;
 
+use drivers::Sensors as _;
+use flight_computer::{FlightComputer, Step};
 use flight_record::{ExitStatus, Summary, TickRecord};
 use heapless::spsc::{Consumer, Producer, Queue};
 
 use board::{Board, CostClock, Feeder, Next, Sensors, Sink, Source, Storage};
 use flown_model::FlownMission;
+use meter::{Costs, TickMeter};
+use mutation::Mutated;
 use tick_timer::TickTimer;
 
 /// Results between the tick and the report, one slot of which stays empty.
@@ -31,8 +36,7 @@ pub struct TickCounts {
     stalls: u32,
     lost_results: u32,
     sensor_faults: u32,
-    cost_sum: u64,
-    cost_worst: u32,
+    costs: Costs,
     ended: bool,
 }
 
@@ -47,7 +51,7 @@ mod app {
 
     #[shared]
     struct Shared {
-        mission: FlownMission,
+        computer: FlightComputer<Mutated<Sensors>, FlownMission>,
         counts: TickCounts,
         #[lock_free]
         feeder: Feeder,
@@ -56,9 +60,7 @@ mod app {
     #[local]
     struct Local {
         timer: TickTimer,
-        clock: CostClock,
         source: Source,
-        sensors: Sensors,
         results_in: Producer<'static, TickRecord>,
         results_out: Consumer<'static, TickRecord>,
         sink: Sink,
@@ -76,7 +78,7 @@ mod app {
             Ok(mission) => mission,
             Err(_) => board::exit(ExitStatus::Configuration),
         };
-        let Board { timer, clock, source, feeder, sensors, sink } =
+        let Board { timer, source, feeder, sensors, sink } =
             match board::start(cx.device, cx.core, cx.local.storage) {
                 Ok(board) => board,
                 Err(status) => board::exit(status),
@@ -84,8 +86,12 @@ mod app {
         let (results_in, results_out) = cx.local.results.split();
         rtic::pend(FEED);
         (
-            Shared { mission, counts: TickCounts::default(), feeder },
-            Local { timer, clock, source, sensors, results_in, results_out, sink },
+            Shared {
+                computer: FlightComputer::new(Mutated(sensors), mission),
+                counts: TickCounts::default(),
+                feeder,
+            },
+            Local { timer, source, results_in, results_out, sink },
         )
     }
 
@@ -96,48 +102,48 @@ mod app {
         }
     }
 
-    /// One tick of the mission.
-    #[task(binds = TIM2, priority = 3, local = [timer, clock, source, sensors, results_in], shared = [mission, counts])]
+    /// One tick of the flight computer.
+    #[task(binds = TIM2, priority = 3, local = [timer, source, results_in], shared = [computer, counts])]
     fn tick(cx: tick::Context) {
-        let tick::LocalResources { timer, clock, source, sensors, results_in, .. } = cx.local;
-        let mut mission = cx.shared.mission;
+        let tick::LocalResources { timer, source, results_in, .. } = cx.local;
+        let mut computer = cx.shared.computer;
         let mut counts = cx.shared.counts;
         timer.acknowledge();
-        let now_us = match source.next(sensors, results_in.ready()) {
-            Next::Tick(now_us) => now_us,
-            Next::Underrun => {
+        let stepped =
+            computer.lock(|computer| match source.next(&mut computer.sensors.0, results_in.ready()) {
+                Next::Tick(now_us) => {
+                    let mut meter = TickMeter::start();
+                    let step = computer.tick_measured(now_us, &mut |part| meter.lap(part));
+                    Ok((meter, step, computer.sensors.faults().count))
+                }
+                otherwise => Err(otherwise),
+            });
+        match stepped {
+            Ok((meter, Step { input, output }, sensor_faults)) => {
+                counts.lock(|counts| {
+                    counts.ticks = counts.ticks.saturating_add(1);
+                    counts.costs.take(&meter);
+                    counts.sensor_faults = sensor_faults;
+                    if results_in.enqueue(TickRecord { cost: meter.total(), input, output }).is_err() {
+                        counts.lost_results = counts.lost_results.saturating_add(1);
+                    }
+                });
+                rtic::pend(REPORT);
+                rtic::pend(FEED);
+            }
+            Err(Next::Underrun) => {
                 counts.lock(|counts| counts.underruns = counts.underruns.saturating_add(1));
                 rtic::pend(FEED);
-                return;
             }
-            Next::Stall => {
+            Err(Next::Stall) => {
                 counts.lock(|counts| counts.stalls = counts.stalls.saturating_add(1));
                 rtic::pend(REPORT);
-                return;
             }
-            Next::End => {
+            Err(Next::End | Next::Tick(_)) => {
                 counts.lock(|counts| counts.ended = true);
                 rtic::pend(REPORT);
-                return;
             }
-        };
-        let input = mutation::mutated(sensors.poll(now_us));
-        let record = mission.lock(|mission| {
-            let start = clock.now();
-            let output = mission.tick(&input);
-            TickRecord { cost: clock.now().wrapping_sub(start), output }
-        });
-        counts.lock(|counts| {
-            counts.ticks = counts.ticks.saturating_add(1);
-            counts.cost_sum = counts.cost_sum.saturating_add(record.cost.into());
-            counts.cost_worst = counts.cost_worst.max(record.cost);
-            counts.sensor_faults = sensors.faults().count;
-            if results_in.enqueue(record).is_err() {
-                counts.lost_results = counts.lost_results.saturating_add(1);
-            }
-        });
-        rtic::pend(REPORT);
-        rtic::pend(FEED);
+        }
     }
 
     /// Brings input for the ticks to come.
@@ -150,13 +156,13 @@ mod app {
     }
 
     /// Writes what the ticks said.
-    #[task(binds = EXTI0, priority = 1, local = [results_out, sink], shared = [mission, counts, feeder])]
+    #[task(binds = EXTI0, priority = 1, local = [results_out, sink], shared = [computer, counts, feeder])]
     fn report(cx: report::Context) {
         if mutation::is_busy(mutation::Work::Report) {
             return;
         }
         let report::LocalResources { results_out, sink, .. } = cx.local;
-        let mut mission = cx.shared.mission;
+        let mut computer = cx.shared.computer;
         let mut counts = cx.shared.counts;
         while let Some(record) = results_out.dequeue() {
             sink.write(&record);
@@ -166,7 +172,7 @@ mod app {
                     record.output.time_us,
                     record.output.failed_checks
                 );
-                if let Some(latch) = mission.lock(|mission| mission.latch().cloned()) {
+                if let Some(latch) = computer.lock(|computer| computer.mission.latch().cloned()) {
                     sink.write(&latch);
                 }
             }
@@ -185,8 +191,9 @@ mod app {
                 input_cut: false,
                 sensor_faults: counts.sensor_faults,
                 cost_unit: CostClock::UNIT,
-                cost_sum: counts.cost_sum,
-                cost_worst: counts.cost_worst,
+                cost_sum: counts.costs.whole.sum,
+                cost_worst: counts.costs.whole.worst,
+                parts: counts.costs.parts(),
                 stack_used_bytes: stack.used_bytes,
                 stack_size_bytes: stack.size_bytes,
             });

@@ -1,17 +1,31 @@
 //! Planted errors and planted load, to prove that the one is found and the other stood. There is none
 //! unless the build asks for it (`PYLON_MUTATE`, see `build.rs`).
 
+use drivers::{Device, Faults, Sensors};
 use kf_core::input::TickInput;
+
+/// Sensors whose samples are mutated on their way to the estimator.
+pub struct Mutated<Suite>(pub Suite);
+
+impl<Suite: Sensors> Sensors for Mutated<Suite> {
+    fn poll_each(&mut self, now_us: u64, polled: &mut impl FnMut(Device)) -> TickInput {
+        mutated(self.0.poll_each(now_us, polled))
+    }
+
+    fn faults(&self) -> Faults {
+        self.0.faults()
+    }
+}
 
 /// The input as it is.
 #[cfg(not(any(pylon_mutate = "ulp", pylon_mutate = "panic", pylon_mutate = "fault")))]
-pub const fn mutated(input: TickInput) -> TickInput {
+const fn mutated(input: TickInput) -> TickInput {
     input
 }
 
 /// The input with the barometer one unit in the last place off: the comparison with the host must see it.
 #[cfg(pylon_mutate = "ulp")]
-pub fn mutated(mut input: TickInput) -> TickInput {
+fn mutated(mut input: TickInput) -> TickInput {
     use kf_core::input::BaroReading;
 
     input.baro = input.baro.map(|reading| match reading {
@@ -24,7 +38,7 @@ pub fn mutated(mut input: TickInput) -> TickInput {
 /// A panic in the middle of a tick.
 #[cfg(pylon_mutate = "panic")]
 #[expect(clippy::panic, reason = "planted")]
-pub fn mutated(input: TickInput) -> TickInput {
+fn mutated(input: TickInput) -> TickInput {
     if input.time_us > 0 {
         panic!("planted");
     }
@@ -33,7 +47,7 @@ pub fn mutated(input: TickInput) -> TickInput {
 
 /// A fault of the core in the middle of a tick.
 #[cfg(pylon_mutate = "fault")]
-pub fn mutated(input: TickInput) -> TickInput {
+fn mutated(input: TickInput) -> TickInput {
     if input.time_us > 0 {
         cortex_m::asm::udf();
     }

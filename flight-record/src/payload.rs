@@ -9,7 +9,9 @@ use serde::de::DeserializeOwned;
 /// First bytes of a header's payload.
 pub const MAGIC: [u8; 4] = *b"PYFR";
 /// Version of this format; a reader refuses any other.
-pub const FORMAT_VERSION: u16 = 2;
+pub const FORMAT_VERSION: u16 = 3;
+/// Most parts that a tick's cost can be divided into.
+pub const MAX_PARTS: usize = 16;
 
 /// Kind of a payload: the first byte of its frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -98,11 +100,13 @@ impl Payload for TickInput {
     const KIND: Kind = Kind::Input;
 }
 
-/// What one tick said, and what it cost.
+/// What one tick saw, what it said, and what it cost.
 #[derive(Clone, Debug, PartialEq, Serialize, serde::Deserialize)]
 pub struct TickRecord {
-    /// What the mission's tick took, in the summary's [`Summary::cost_unit`].
+    /// What the tick took, in the summary's [`Summary::cost_unit`].
     pub cost: u32,
+    /// What was new, as the estimator got it.
+    pub input: TickInput,
     /// What it said.
     pub output: TickOutput,
 }
@@ -127,8 +131,17 @@ impl Payload for End {
     const KIND: Kind = Kind::End;
 }
 
+/// What one part of the ticks took, in the summary's [`Summary::cost_unit`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, serde::Deserialize)]
+pub struct PartCost {
+    /// Sum over all ticks.
+    pub sum: u64,
+    /// The dearest tick's.
+    pub worst: u32,
+}
+
 /// The last frame of a stream of outputs: what the flight computer counted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, serde::Deserialize)]
 pub struct Summary {
     /// Ticks that ran the mission.
     pub ticks: u32,
@@ -154,6 +167,8 @@ pub struct Summary {
     pub cost_sum: u64,
     /// The dearest tick's.
     pub cost_worst: u32,
+    /// What each part of the ticks took, in the order of `flight_computer::Part`.
+    pub parts: heapless::Vec<PartCost, MAX_PARTS>,
     /// Most stack that was ever in use, bytes.
     pub stack_used_bytes: u32,
     /// Stack there is, bytes.

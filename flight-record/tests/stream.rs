@@ -71,7 +71,7 @@ fn longest_tick() -> TickRecord {
         extrapolated: u16::MAX,
         coefficients: HeaplessVec::from_slice(&[coefficient; MAX_ESTIMATED_EFFECTS]).unwrap(),
     };
-    TickRecord { cost: u32::MAX, output }
+    TickRecord { cost: u32::MAX, input: longest_input(), output }
 }
 
 /// A latched calibration of the most states there can be.

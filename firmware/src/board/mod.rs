@@ -22,8 +22,6 @@ use crate::tick_timer::TickTimer;
 pub struct Board {
     /// The tick.
     pub timer: TickTimer,
-    /// What a tick costs.
-    pub clock: CostClock,
     /// Says when and whether there is a tick to run.
     pub source: Source,
     /// Brings input for the source.

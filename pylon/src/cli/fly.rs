@@ -81,6 +81,14 @@ fn text(file: &str, report: &FlyReport) -> String {
         report.flash_bytes,
         report.static_ram_bytes,
     );
+    for part in &report.parts {
+        text.push_str(&format!(
+            "    {:<19}{:.1} mean, {} worst\n",
+            part.part.name(),
+            part.instructions_mean,
+            part.instructions_worst
+        ));
+    }
     match &report.latch {
         Some(latch) => {
             text.push_str(&format!(
@@ -126,6 +134,10 @@ fn report_json(report: &FlyReport) -> Value {
         "ticks": report.ticks,
         "instructions_mean": report.instructions_mean,
         "instructions_worst": report.instructions_worst,
+        "parts": report.parts.iter().map(|part| (part.part.name().to_owned(), json!({
+            "instructions_mean": part.instructions_mean,
+            "instructions_worst": part.instructions_worst,
+        }))).collect::<serde_json::Map<_, _>>(),
         "worst_time_s": report.worst_time_us as f64 * 1e-6,
         "stack_used_bytes": report.stack_used_bytes,
         "stack_size_bytes": report.stack_size_bytes,

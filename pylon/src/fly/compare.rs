@@ -2,7 +2,9 @@
 
 use std::fmt;
 
+use flight_computer::Step;
 use flight_record::MAX_FRAME;
+use kf_core::input::{BaroReading, GpsFix, ImuSample, Signals, TickInput};
 use kf_core::latch::LatchRecord;
 use kf_core::output::{CoefficientOutput, SensorOutput, TickOutput};
 use kf_core::sensor::Sensor;
@@ -52,9 +54,18 @@ pub(super) fn same_bits<T: Serialize>(host: &T, target: &T) -> bool {
     }
 }
 
-/// The first field in which two ticks differ.
-pub(super) fn tick_difference(host: &TickOutput, target: &TickOutput) -> FieldDifference {
-    first_difference(tick_fields(host), tick_fields(target))
+/// Whether two ticks saw and said the same, to the bit.
+pub(super) fn same_step(host: &Step, target: &Step) -> bool {
+    same_bits(&host.input, &target.input) && same_bits(&host.output, &target.output)
+}
+
+/// The first field in which two ticks differ: of what they saw, or else of what they said.
+pub(super) fn tick_difference(host: &Step, target: &Step) -> FieldDifference {
+    if same_bits(&host.input, &target.input) {
+        first_difference(tick_fields(&host.output), tick_fields(&target.output))
+    } else {
+        first_difference(input_fields(&host.input), input_fields(&target.input))
+    }
 }
 
 /// The first field in which two latches differ.
@@ -85,6 +96,81 @@ fn bits(value: f32) -> String {
 
 fn optional(value: Option<f32>) -> String {
     value.map_or_else(|| "none".to_owned(), bits)
+}
+
+/// Every field of what a tick saw. The patterns name every field, so that a new one cannot be forgotten here.
+fn input_fields(input: &TickInput) -> Fields {
+    let TickInput { time_us, launch, gps, baro, imu_master_altitude_m, imu_slave_altitude_m, imu, signals } =
+        input;
+    let Signals {
+        true_airspeed_mps,
+        angle_of_attack_rad,
+        sideslip_rad,
+        throttle,
+        outside_air_temperature_c,
+        baro_temperature_c,
+        attitude_rad,
+    } = signals;
+    let mut fields = vec![
+        ("input.time_us".to_owned(), time_us.to_string()),
+        ("input.launch".to_owned(), launch.to_string()),
+        ("input.gps".to_owned(), gps.map_or("none", |_| "a fix").to_owned()),
+    ];
+    if let Some(fix) = gps {
+        let GpsFix {
+            altitude_m,
+            velocity_north_mps,
+            velocity_east_mps,
+            velocity_down_mps,
+            vertical_accuracy_m,
+            satellites,
+            fix_time_us,
+        } = fix;
+        fields.extend([
+            ("input.gps.altitude_m".to_owned(), bits(*altitude_m)),
+            ("input.gps.velocity_north_mps".to_owned(), optional(*velocity_north_mps)),
+            ("input.gps.velocity_east_mps".to_owned(), optional(*velocity_east_mps)),
+            ("input.gps.velocity_down_mps".to_owned(), optional(*velocity_down_mps)),
+            ("input.gps.vertical_accuracy_m".to_owned(), optional(*vertical_accuracy_m)),
+            ("input.gps.satellites".to_owned(), format!("{satellites:?}")),
+            ("input.gps.fix_time_us".to_owned(), format!("{fix_time_us:?}")),
+        ]);
+    }
+    fields.push((
+        "input.baro".to_owned(),
+        match baro {
+            None => "none".to_owned(),
+            Some(BaroReading::PressurePa(pressure_pa)) => format!("{} Pa", bits(*pressure_pa)),
+            Some(BaroReading::AltitudeM(altitude_m)) => format!("{} m", bits(*altitude_m)),
+        },
+    ));
+    fields.extend([
+        ("input.imu_master_altitude_m".to_owned(), optional(*imu_master_altitude_m)),
+        ("input.imu_slave_altitude_m".to_owned(), optional(*imu_slave_altitude_m)),
+    ]);
+    let (accel, gyro) = imu
+        .map(|ImuSample { accel_mps2, gyro_radps }| (accel_mps2, gyro_radps))
+        .map_or((None, None), |(accel, gyro)| (Some(accel), Some(gyro)));
+    for (name, values) in [
+        ("input.imu.accel_mps2", accel),
+        ("input.imu.gyro_radps", gyro),
+        ("input.signals.attitude_rad", *attitude_rad),
+    ] {
+        for axis in 0..3 {
+            fields.push((format!("{name}[{axis}]"), optional(values.map(|values| values[axis]))));
+        }
+    }
+    for (name, value) in [
+        ("true_airspeed_mps", true_airspeed_mps),
+        ("angle_of_attack_rad", angle_of_attack_rad),
+        ("sideslip_rad", sideslip_rad),
+        ("throttle", throttle),
+        ("outside_air_temperature_c", outside_air_temperature_c),
+        ("baro_temperature_c", baro_temperature_c),
+    ] {
+        fields.push((format!("input.signals.{name}"), optional(*value)));
+    }
+    fields
 }
 
 /// Every field of a tick. The patterns name every field, so that a new one cannot be forgotten here.
@@ -199,13 +285,17 @@ mod tests {
         }
     }
 
+    fn step() -> Step {
+        Step { input: TickInput::default(), output: output() }
+    }
+
     #[test]
     fn one_unit_in_the_last_place_is_a_difference_with_a_name() {
-        let host = output();
-        let mut target = output();
-        assert!(same_bits(&host, &target));
-        target.sensors[2].innovation_m = Some(0.5_f32.next_up());
-        assert!(!same_bits(&host, &target));
+        let host = step();
+        let mut target = step();
+        assert!(same_step(&host, &target));
+        target.output.sensors[2].innovation_m = Some(0.5_f32.next_up());
+        assert!(!same_step(&host, &target));
         let (field, host, target) = tick_difference(&host, &target);
         assert_eq!(field, "baro.innovation_m");
         assert_eq!(host, "0.5 (0x3f000000)");
@@ -214,26 +304,41 @@ mod tests {
 
     #[test]
     fn signs_of_zero_and_bits_of_nan_count() {
-        let mut host = output();
-        let mut target = output();
-        host.altitude_m = 0.0;
-        target.altitude_m = -0.0;
-        assert!(!same_bits(&host, &target));
+        let mut host = step();
+        let mut target = step();
+        host.output.altitude_m = 0.0;
+        target.output.altitude_m = -0.0;
+        assert!(!same_step(&host, &target));
         assert_eq!(tick_difference(&host, &target).0, "altitude_m");
-        host.altitude_m = f32::from_bits(0x7fc0_0000);
-        target.altitude_m = f32::from_bits(0x7fc0_0000);
-        assert!(same_bits(&host, &target));
-        target.altitude_m = f32::from_bits(0x7fc0_0001);
-        assert!(!same_bits(&host, &target));
+        host.output.altitude_m = f32::from_bits(0x7fc0_0000);
+        target.output.altitude_m = f32::from_bits(0x7fc0_0000);
+        assert!(same_step(&host, &target));
+        target.output.altitude_m = f32::from_bits(0x7fc0_0001);
+        assert!(!same_step(&host, &target));
         assert_eq!(tick_difference(&host, &target).2, "NaN (0x7fc00001)");
     }
 
     #[test]
+    fn what_a_tick_saw_is_compared_too() {
+        let host = step();
+        let mut target = step();
+        target.input.baro = Some(BaroReading::PressurePa(1.0));
+        assert!(!same_step(&host, &target));
+        assert_eq!(tick_difference(&host, &target).0, "input.baro");
+        target = step();
+        target.input.gps = Some(GpsFix::default());
+        assert_eq!(tick_difference(&host, &target).0, "input.gps");
+        target = step();
+        target.input.signals.attitude_rad = Some([0.0, 0.0, -0.0]);
+        assert_eq!(tick_difference(&host, &target).0, "input.signals.attitude_rad[0]");
+    }
+
+    #[test]
     fn a_coefficient_more_is_a_difference() {
-        let host = output();
-        let mut target = output();
-        target.coefficients.push(CoefficientOutput { coefficient: 0.0, variance: 0.0 }).unwrap();
-        assert!(!same_bits(&host, &target));
+        let host = step();
+        let mut target = step();
+        target.output.coefficients.push(CoefficientOutput { coefficient: 0.0, variance: 0.0 }).unwrap();
+        assert!(!same_step(&host, &target));
         assert_eq!(tick_difference(&host, &target).0, "number of fields");
     }
 }

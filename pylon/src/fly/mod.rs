@@ -4,6 +4,7 @@ mod builder;
 mod compare;
 mod emulator;
 mod error;
+mod host;
 mod image;
 mod log;
 mod old_images;
@@ -13,8 +14,9 @@ use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
+use flight_computer::{Part, Step};
 use flight_record::{ExitStatus, INPUT_FILE, OUTPUT_FILE, Summary, TickRecord};
-use kf_core::input::{BaroReading, TickInput};
+use kf_core::input::TickInput;
 use kf_core::latch::LatchRecord;
 use model::Model;
 
@@ -25,7 +27,7 @@ pub use error::FlyError;
 pub use image::Image;
 pub use record::{FlightResult, Results};
 
-use crate::replay::{Replay, mission};
+use crate::replay::Replay;
 
 /// Longest wait for an emulation that does not end, besides [`PATIENCE_PER_TICK`].
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -37,7 +39,7 @@ const PATIENCE_PER_TICK: Duration = Duration::from_millis(10);
 pub struct FlyOptions {
     /// An error planted in the firmware, to see that it is found.
     pub target_error: Option<PlantedError>,
-    /// The host's mission gets every barometer reading one unit in the last place off, to see that it
+    /// The host's flight computer gets every barometer reading one unit in the last place off, to see that it
     /// is found.
     pub host_ulp_error: bool,
 }
@@ -47,12 +49,14 @@ pub struct FlyOptions {
 pub struct FlyReport {
     /// Ticks flown and compared.
     pub ticks: u32,
-    /// Instructions of one tick of the mission, mean.
+    /// Instructions of one tick, drivers and mission, mean.
     pub instructions_mean: f64,
     /// The dearest tick's.
     pub instructions_worst: u32,
     /// When that was, microseconds.
     pub worst_time_us: u64,
+    /// What each part of the ticks took.
+    pub parts: Vec<PartReport>,
     /// Timer ticks at which the mission waited for its input.
     pub underruns: u32,
     /// Timer ticks at which it waited for room for its results.
@@ -69,6 +73,17 @@ pub struct FlyReport {
     pub latch: Option<LatchRecord>,
     /// What the firmware logged.
     pub log: Vec<String>,
+}
+
+/// What one part of the ticks took.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PartReport {
+    /// Which.
+    pub part: Part,
+    /// Instructions a tick, mean.
+    pub instructions_mean: f64,
+    /// The dearest tick's.
+    pub instructions_worst: u32,
 }
 
 /// Flies a flight through the firmware and compares every tick with the host's, bit for bit.
@@ -109,6 +124,7 @@ pub fn fly_inputs(
         instructions_mean: summary.cost_sum as f64 / f64::from(summary.ticks.max(1)),
         instructions_worst: summary.cost_worst,
         worst_time_us: compared.worst_time_us,
+        parts: parts(&summary),
         underruns: summary.underruns,
         stalls: summary.stalls,
         stack_used_bytes: summary.stack_used_bytes,
@@ -118,6 +134,18 @@ pub fn fly_inputs(
         latch: compared.latch,
         log: run.log,
     })
+}
+
+fn parts(summary: &Summary) -> Vec<PartReport> {
+    let costs = Part::ALL.into_iter().zip(&summary.parts);
+    let ticks = f64::from(summary.ticks.max(1));
+    costs
+        .map(|(part, cost)| PartReport {
+            part,
+            instructions_mean: cost.sum as f64 / ticks,
+            instructions_worst: cost.worst,
+        })
+        .collect()
 }
 
 /// What an emulated flight left behind.
@@ -190,14 +218,14 @@ struct Compared {
     summary: Summary,
 }
 
-/// Runs the host's mission beside the target's results.
+/// Runs the host's flight computer beside the target's results.
 fn compare(
     mut inputs: impl Iterator<Item = TickInput>,
     model: &Model,
     options: &FlyOptions,
     results: &mut Results,
 ) -> Result<Compared, FlyError> {
-    let mut mission = mission(model).map_err(|error| FlyError::Host(error.to_string()))?;
+    let mut computer = host::computer(model, options.host_ulp_error)?;
     let mut first: Option<Difference> = None;
     let mut differing = 0_u64;
     let mut ticks = 0_u64;
@@ -221,11 +249,12 @@ fn compare(
                 let Some(input) = inputs.next() else {
                     return Err(FlyError::Results("there are more than inputs".to_owned()));
                 };
-                let input = if options.host_ulp_error { one_ulp_off(input) } else { input };
-                let output = mission.tick(&input);
-                if !compare::same_bits(&output, &record.output) {
+                computer.sensors.recorded.load(&input);
+                let host = computer.tick(input.time_us);
+                let target = Step { input: record.input, output: record.output };
+                if !compare::same_step(&host, &target) {
                     differing += 1;
-                    note(ticks, input.time_us, compare::tick_difference(&output, &record.output));
+                    note(ticks, input.time_us, compare::tick_difference(&host, &target));
                 }
                 if record.cost > worst {
                     (worst, worst_time_us) = (record.cost, input.time_us);
@@ -238,8 +267,9 @@ fn compare(
             None => return Err(FlyError::Results("they have no summary".to_owned())),
         }
     };
-    if !compare::same_bits(&mission.latch(), &target_latch.as_ref()) {
-        note(ticks, last_us, compare::latch_difference(mission.latch(), target_latch.as_ref()));
+    let host_latch = computer.mission.latch();
+    if !compare::same_bits(&host_latch, &target_latch.as_ref()) {
+        note(ticks, last_us, compare::latch_difference(host_latch, target_latch.as_ref()));
     }
     match first {
         Some(first) => {
@@ -247,14 +277,6 @@ fn compare(
         }
         None => Ok(Compared { ticks, worst_time_us, latch: target_latch, summary }),
     }
-}
-
-fn one_ulp_off(mut input: TickInput) -> TickInput {
-    input.baro = input.baro.map(|reading| match reading {
-        BaroReading::PressurePa(pressure_pa) => BaroReading::PressurePa(pressure_pa.next_up()),
-        BaroReading::AltitudeM(altitude_m) => BaroReading::AltitudeM(altitude_m.next_up()),
-    });
-    input
 }
 
 /// A good record must have been flown from its first input to its last.

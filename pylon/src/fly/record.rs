@@ -53,7 +53,6 @@ impl Writer<'_> {
 
 /// One result of the flight computer.
 #[derive(Clone, Debug, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "one at a time")]
 pub enum FlightResult {
     /// What a tick said.
     Tick(TickRecord),

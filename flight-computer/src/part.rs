@@ -1,0 +1,61 @@
+//! The parts of a tick.
+
+use drivers::Device;
+
+/// How many parts a tick has.
+pub const PARTS: usize = 6;
+
+/// A part of a tick, for what measures what each costs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Part {
+    /// The satellite receiver's driver.
+    Receiver = 0,
+    /// The barometer's driver.
+    Barometer = 1,
+    /// The inertial unit's driver.
+    InertialUnit = 2,
+    /// The umbilical: the launch discrete and the mother ship's altitude.
+    Umbilical = 3,
+    /// Links to other equipment of the vehicle.
+    Vehicle = 4,
+    /// The mission: estimator, latch, monitors.
+    Mission = 5,
+}
+
+impl Part {
+    /// Every part, in the order of [`Self::index`].
+    pub const ALL: [Self; PARTS] =
+        [Self::Receiver, Self::Barometer, Self::InertialUnit, Self::Umbilical, Self::Vehicle, Self::Mission];
+
+    /// Its place among the parts.
+    #[must_use]
+    pub const fn index(self) -> usize {
+        self as usize
+    }
+
+    /// The name used in reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Receiver => "receiver",
+            Self::Barometer => "barometer",
+            Self::InertialUnit => "inertial_unit",
+            Self::Umbilical => "umbilical",
+            Self::Vehicle => "vehicle",
+            Self::Mission => "mission",
+        }
+    }
+}
+
+impl From<Device> for Part {
+    fn from(device: Device) -> Self {
+        match device {
+            Device::Receiver => Self::Receiver,
+            Device::Barometer => Self::Barometer,
+            Device::InertialUnit => Self::InertialUnit,
+            Device::Launch | Device::Master => Self::Umbilical,
+            Device::Slave | Device::Vehicle => Self::Vehicle,
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! The host's flight computer: the one of the firmware, beside it.
+
+use drivers::{Device, Faults, ReplayedSuite, Sensors};
+use flight_computer::{Estimation, FlightComputer};
+use kf_core::input::{BaroReading, TickInput};
+use kf_core::output::TickOutput;
+use model::Model;
+
+use super::error::FlyError;
+use crate::replay::{AnyMission, mission};
+
+/// The flight computer of a model, on the host.
+pub(super) type HostComputer = FlightComputer<HostSensors, Box<dyn AnyMission>>;
+
+impl Estimation for Box<dyn AnyMission> {
+    fn tick(&mut self, input: &TickInput) -> TickOutput {
+        (**self).tick(input)
+    }
+}
+
+/// The sensors of a record, with an error planted if asked for.
+pub(super) struct HostSensors {
+    /// The sensors.
+    pub(super) recorded: ReplayedSuite,
+    /// Every barometer reading is one unit in the last place off.
+    ulp_error: bool,
+}
+
+impl Sensors for HostSensors {
+    fn poll_each(&mut self, now_us: u64, polled: &mut impl FnMut(Device)) -> TickInput {
+        let input = self.recorded.poll_each(now_us, polled);
+        if self.ulp_error { one_ulp_off(input) } else { input }
+    }
+
+    fn faults(&self) -> Faults {
+        self.recorded.faults()
+    }
+}
+
+/// A flight computer before its first tick.
+pub(super) fn computer(model: &Model, ulp_error: bool) -> Result<HostComputer, FlyError> {
+    let mission = mission(model).map_err(|error| FlyError::Host(error.to_string()))?;
+    let sensors = HostSensors { recorded: ReplayedSuite::replayed(), ulp_error };
+    Ok(FlightComputer::new(sensors, mission))
+}
+
+fn one_ulp_off(mut input: TickInput) -> TickInput {
+    input.baro = input.baro.map(|reading| match reading {
+        BaroReading::PressurePa(pressure_pa) => BaroReading::PressurePa(pressure_pa.next_up()),
+        BaroReading::AltitudeM(altitude_m) => BaroReading::AltitudeM(altitude_m.next_up()),
+    });
+    input
+}
