@@ -1,0 +1,189 @@
+//! What is said once, as a text, with its time and cause.
+
+use heapless::Deque;
+use kf_core::effect::EffectId;
+use kf_core::output::Trust;
+use kf_core::quality::{Check, FailedChecks};
+use kf_core::sensor::Sensor;
+use mavlink::dialects::common::{MavSeverity, STATUSTEXT_DATA};
+
+use crate::message::status_text;
+use crate::text::Text;
+
+/// Events that wait at most: a latch with every check failed, every sensor's flags and eight effects.
+const EVENTS: usize = 32;
+
+/// What happened.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Event {
+    /// The calibration was latched, with so many failed checks.
+    Latched {
+        /// Bits of [`FailedChecks`].
+        failed: u16,
+    },
+    /// One of them.
+    Failed(Check),
+    /// A sensor's trust changed.
+    Trust {
+        /// Of which sensor.
+        sensor: Sensor,
+        /// To what.
+        trust: Trust,
+        /// The error (doubtful) or its moving average (untrustworthy) that was beyond, metres.
+        value_m: f32,
+        /// The bound, metres.
+        bound_m: f32,
+    },
+    /// A sensor that was unmonitored has a reference again.
+    Monitored(Sensor),
+    /// Which effect a coefficient belongs to.
+    Effect {
+        /// The number in the name of the coefficient.
+        number: u8,
+        /// The effect.
+        id: EffectId,
+    },
+}
+
+impl Event {
+    /// The message. `time_us` is the event's, not that of the sending.
+    ///
+    /// | event | severity | text |
+    /// |---|---|---|
+    /// | latch, good | notice | `t=130.000 latched good` |
+    /// | latch, degraded | warning | `t=130.000 latched degraded, 2 checks failed` |
+    /// | each failed check | warning | `t=130.000 failed check settled` |
+    /// | doubtful | warning | `t=137.600 baro doubtful -40.4>40.3m`: error and bound |
+    /// | untrustworthy | error | `t=139.100 baro untrustworthy -41.0>40.3m`: moving average and bound |
+    /// | unmonitored | warning | `t=150.000 baro unmonitored: no reference` |
+    /// | monitored again | notice | `t=152.000 baro monitored again` |
+    /// | coefficient's effect | info | `c_0 is baro.dynamic_pressure` |
+    pub fn message(&self, time_us: u64) -> STATUSTEXT_DATA {
+        let at = || Text::new().text("t=").seconds(time_us).text(" ");
+        let (severity, text) = match *self {
+            Self::Latched { failed } => {
+                let failed = FailedChecks::from_bits(failed).iter().count() as u64;
+                match failed {
+                    0 => (MavSeverity::MAV_SEVERITY_NOTICE, at().text("latched good")),
+                    _ => (
+                        MavSeverity::MAV_SEVERITY_WARNING,
+                        at().text("latched degraded, ").number(failed).text(" checks failed"),
+                    ),
+                }
+            }
+            Self::Failed(check) => {
+                (MavSeverity::MAV_SEVERITY_WARNING, at().text("failed check ").text(check.name()))
+            }
+            Self::Trust { sensor, trust: Trust::Unmonitored, .. } => (
+                MavSeverity::MAV_SEVERITY_WARNING,
+                at().text(sensor.name()).text(" unmonitored: no reference"),
+            ),
+            Self::Trust { sensor, trust, value_m, bound_m } => (
+                match trust {
+                    Trust::Untrustworthy => MavSeverity::MAV_SEVERITY_ERROR,
+                    _ => MavSeverity::MAV_SEVERITY_WARNING,
+                },
+                at().text(sensor.name())
+                    .text(" ")
+                    .text(trust.name())
+                    .text(" ")
+                    .metres(value_m)
+                    .text(">")
+                    .metres(bound_m)
+                    .text("m"),
+            ),
+            Self::Monitored(sensor) => {
+                (MavSeverity::MAV_SEVERITY_NOTICE, at().text(sensor.name()).text(" monitored again"))
+            }
+            Self::Effect { number, id } => (
+                MavSeverity::MAV_SEVERITY_INFO,
+                Text::new().text("c_").number(number.into()).text(" is ").text(id.name()),
+            ),
+        };
+        status_text(severity, text.bytes())
+    }
+}
+
+/// Events that wait to be sent.
+#[derive(Debug)]
+pub struct Events {
+    waiting: Deque<(u64, Event), EVENTS>,
+}
+
+impl Events {
+    /// None.
+    pub const fn new() -> Self {
+        Self { waiting: Deque::new() }
+    }
+
+    /// Lets an event wait. Says whether there was a place.
+    #[must_use]
+    pub fn push(&mut self, time_us: u64, event: Event) -> bool {
+        self.waiting.push_back((time_us, event)).is_ok()
+    }
+
+    /// Whether none waits.
+    pub fn is_empty(&self) -> bool {
+        self.waiting.is_empty()
+    }
+
+    /// The event that has waited longest, and its time.
+    pub fn first(&self) -> Option<&(u64, Event)> {
+        self.waiting.front()
+    }
+
+    /// Forgets that event.
+    pub fn forget_first(&mut self) {
+        self.waiting.pop_front();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn said(event: Event, time_us: u64) -> (MavSeverity, String) {
+        let message = event.message(time_us);
+        (message.severity, message.text.to_str().unwrap().to_owned())
+    }
+
+    #[test]
+    fn says_what_the_table_says() {
+        let trust = |trust| Event::Trust { sensor: Sensor::Baro, trust, value_m: -40.41, bound_m: 40.33 };
+        for (event, severity, text) in [
+            (Event::Latched { failed: 0 }, 5, "t=130.000 latched good"),
+            (Event::Latched { failed: 5 }, 4, "t=130.000 latched degraded, 2 checks failed"),
+            (Event::Failed(Check::Settled), 4, "t=130.000 failed check settled"),
+            (trust(Trust::Doubtful), 4, "t=130.000 baro doubtful -40.4>40.3m"),
+            (trust(Trust::Untrustworthy), 3, "t=130.000 baro untrustworthy -40.4>40.3m"),
+            (trust(Trust::Unmonitored), 4, "t=130.000 baro unmonitored: no reference"),
+            (Event::Monitored(Sensor::ImuSlave), 5, "t=130.000 imu_slave monitored again"),
+            (
+                Event::Effect { number: 0, id: EffectId::BaroDynamicPressure },
+                6,
+                "c_0 is baro.dynamic_pressure",
+            ),
+        ] {
+            let (severity_sent, said) = said(event, 130_000_999);
+            assert_eq!((severity_sent as u8, said.as_str()), (severity, text));
+        }
+    }
+
+    #[test]
+    fn every_text_fits_with_a_day_of_flight() {
+        let day_us = 99_999_999_000;
+        let mut longest = 0;
+        let mut take = |event: Event| longest = longest.max(said(event, day_us).1.len());
+        take(Event::Latched { failed: 0x3ff });
+        Check::ALL.into_iter().for_each(|check| take(Event::Failed(check)));
+        EffectId::ALL.iter().for_each(|id| take(Event::Effect { number: 7, id: *id }));
+        for sensor in Sensor::ALL.into_iter().filter(|sensor| sensor.flies_free()) {
+            for trust in [Trust::Trusted, Trust::Doubtful, Trust::Untrustworthy, Trust::Unmonitored] {
+                take(Event::Trust { sensor, trust, value_m: -99_999.0, bound_m: 99_999.0 });
+            }
+            take(Event::Monitored(sensor));
+        }
+        // At fifty bytes the last may have been cut.
+        assert!(longest < crate::text::MAX_TEXT, "{longest}");
+    }
+}

@@ -1,0 +1,14 @@
+//! What only the flight computer's own code knows about itself.
+
+/// Counts since the start; all saturate.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ComputerStatus {
+    /// Failed polls of sensors.
+    pub sensor_faults: u32,
+    /// Ticks that were missed or late.
+    pub missed_ticks: u32,
+    /// Results that found no room on their way to the flight record.
+    pub lost_results: u32,
+    /// The longest tick, per mille of its period; `None` where it is not measured.
+    pub load_permille: Option<u16>,
+}
