@@ -9,7 +9,9 @@ use heapless::Vec as HeaplessVec;
 use kf_core::config::MAX_ESTIMATED_EFFECTS;
 use kf_core::input::{BaroReading, GpsFix, ImuSample, Signals, TickInput};
 use kf_core::latch::{LatchRecord, MAX_COVARIANCE, MAX_STATES, SensorLatch};
-use kf_core::output::{CoefficientOutput, Phase, Rejection, SensorOutput, TickOutput, Trust};
+use kf_core::output::{
+    Agreement, CoefficientOutput, CrossCheckOutput, Phase, Rejection, SensorOutput, TickOutput, Trust,
+};
 use proptest::collection::vec;
 use proptest::prelude::*;
 
@@ -69,6 +71,12 @@ fn longest_tick() -> TickRecord {
         gps_rejection: Some(Rejection::Variance),
         sensors: [sensor; 3],
         extrapolated: u16::MAX,
+        cross_check: Some(CrossCheckOutput {
+            difference_m: f32::MAX,
+            moving_average_m: f32::MAX,
+            agreement: Agreement::Disagree,
+        }),
+        bridged_us: Some(u64::MAX),
         coefficients: HeaplessVec::from_slice(&[coefficient; MAX_ESTIMATED_EFFECTS]).unwrap(),
     };
     TickRecord { cost: u32::MAX, input: longest_input(), output }

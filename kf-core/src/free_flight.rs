@@ -1,5 +1,7 @@
 //! Free flight: the latched sensors are watched (section 4 of the paper).
 
+use serde::{Deserialize, Serialize};
+
 use crate::config::{MissionConfig, SecondCorrection};
 use crate::latch::LatchRecord;
 use crate::monitor::Monitor;
@@ -85,13 +87,79 @@ impl Correction {
     }
 }
 
+/// What of a second correction can not be had again from configuration and latch.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(clippy::large_enum_variant, reason = "there is no heap to box the window on")]
+enum KeptCorrection {
+    Off,
+    MovingAverage { average: MovingAverage, value_m: f32 },
+    Kalman { state_m: f32, pending_m: f32, variance_m2: f32, last_us: u64 },
+}
+
+impl Correction {
+    fn kept(&self) -> KeptCorrection {
+        match self {
+            Self::Off => KeptCorrection::Off,
+            Self::MovingAverage { average, value_m } => {
+                KeptCorrection::MovingAverage { average: average.clone(), value_m: *value_m }
+            }
+            Self::Kalman { filter, last_us, .. } => KeptCorrection::Kalman {
+                state_m: filter.tail()[0],
+                pending_m: filter.pending_tail()[0],
+                variance_m2: filter.variance(0),
+                last_us: *last_us,
+            },
+        }
+    }
+
+    /// False where what was kept is of another kind, or no filter.
+    fn restore(&mut self, kept: KeptCorrection) -> bool {
+        match (self, kept) {
+            (Self::Off, KeptCorrection::Off) => true,
+            (
+                Self::MovingAverage { average, value_m },
+                KeptCorrection::MovingAverage { average: kept, value_m: kept_m },
+            ) => {
+                *average = kept;
+                *value_m = kept_m;
+                true
+            }
+            (
+                Self::Kalman { filter, last_us, .. },
+                KeptCorrection::Kalman { state_m, pending_m, variance_m2, last_us: kept_us },
+            ) => {
+                let Ok(mut kept) = UdFilter::new([], [], [state_m], [variance_m2]) else { return false };
+                let is_restored = kept.shift_tail(0, pending_m).is_ok();
+                *filter = kept;
+                *last_us = kept_us;
+                is_restored
+            }
+            _ => false,
+        }
+    }
+}
+
 /// One sensor's watch.
 #[derive(Clone, Debug)]
 struct Watch {
     monitor: Monitor,
     correction: Correction,
     last_us: u64,
+    /// The sensor's effects could not be continued over a restart: its error is not known any more.
+    stopped: bool,
 }
+
+/// What of a watch can not be had again from configuration and latch.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct KeptWatch {
+    monitor: Monitor,
+    correction: KeptCorrection,
+    last_us: u64,
+    stopped: bool,
+}
+
+/// What of free flight can not be had again from configuration and latch.
+pub(crate) type KeptFreeFlight = [Option<KeptWatch>; WATCHED.len()];
 
 /// The sensors that fly free. There is no room kept for one that does not: a watch is over half a kilobyte.
 const WATCHED: [Sensor; 2] = [Sensor::ImuSlave, Sensor::Baro];
@@ -128,16 +196,69 @@ impl FreeFlight {
                     latch.time_us,
                 ),
                 last_us: latch.time_us,
+                stopped: false,
             })
         };
         Self { watches: WATCHED.map(watch), silent_after_us: microseconds(config.reference.lost_after_s) }
+    }
+
+    /// What goes into a snapshot.
+    pub(crate) fn kept(&self) -> KeptFreeFlight {
+        let kept = |watch: &Option<Watch>| {
+            watch.as_ref().map(|watch| KeptWatch {
+                monitor: watch.monitor.clone(),
+                correction: watch.correction.kept(),
+                last_us: watch.last_us,
+                stopped: watch.stopped,
+            })
+        };
+        let [slave, baro] = &self.watches;
+        [kept(slave), kept(baro)]
+    }
+
+    /// Goes on from a snapshot; false where that is not of this configuration and latch.
+    pub(crate) fn restore(&mut self, kept: KeptFreeFlight) -> bool {
+        self.watches.iter_mut().zip(kept).all(|(watch, kept)| match (watch, kept) {
+            (None, None) => true,
+            (Some(watch), Some(kept)) if watch.monitor.bound_m2() == kept.monitor.bound_m2() => {
+                watch.monitor = kept.monitor;
+                watch.last_us = kept.last_us;
+                watch.stopped = kept.stopped;
+                watch.correction.restore(kept.correction)
+            }
+            _ => false,
+        })
+    }
+
+    /// From now on the sensor's error is not known. Flags stay.
+    pub(crate) fn stop(&mut self, sensor: Sensor) {
+        if let Some(watch) = self.watch_mut(sensor) {
+            watch.stopped = true;
+        }
+    }
+
+    /// Raises a flag that is known from elsewhere.
+    pub(crate) fn raise(&mut self, sensor: Sensor, trust: Trust) {
+        if let Some(watch) = self.watch_mut(sensor) {
+            watch.monitor.raise(trust);
+        }
+    }
+
+    /// The flag that is raised for a sensor, if one is.
+    pub(crate) fn flag(&self, sensor: Sensor) -> Option<Trust> {
+        let watch = position(sensor).and_then(|position| self.watches.get(position)?.as_ref())?;
+        Some(watch.monitor.trust()).filter(|trust| *trust != Trust::Trusted)
+    }
+
+    fn watch_mut(&mut self, sensor: Sensor) -> Option<&mut Watch> {
+        self.watches.get_mut(position(sensor)?)?.as_mut()
     }
 
     /// Takes the error of eq. 16 of one sensor, metres; `None` if the sensor is not watched or the
     /// error overflows.
     #[inline]
     pub(crate) fn take(&mut self, sensor: Sensor, time_us: u64, error_m: f32) -> Option<WatchedError> {
-        let watch = self.watches.get_mut(position(sensor)?)?.as_mut()?;
+        let watch = self.watches.get_mut(position(sensor)?)?.as_mut().filter(|watch| !watch.stopped)?;
         let corrected_m = error_m - watch.correction.value_m();
         if !corrected_m.is_finite() {
             return None;
@@ -156,7 +277,7 @@ impl FreeFlight {
         let Some(watch) = watch else { return Trust::Unmonitored };
         let is_silent = time_us.saturating_sub(watch.last_us) > self.silent_after_us;
         match watch.monitor.trust() {
-            Trust::Trusted if !has_reference || is_silent => Trust::Unmonitored,
+            Trust::Trusted if !has_reference || is_silent || watch.stopped => Trust::Unmonitored,
             trust => trust,
         }
     }

@@ -85,6 +85,24 @@ pub struct LatchRecord {
 }
 
 impl LatchRecord {
+    /// A coefficient, in its effect's unit; zero where there is no such effect.
+    #[must_use]
+    #[inline]
+    pub fn coefficient(&self, effect: usize) -> f32 {
+        self.state.get(1 + SENSORS + effect).copied().unwrap_or(0.0)
+    }
+
+    /// Variance of one state (altitude, biases, coefficients), in its unit squared; zero where there is no
+    /// such state.
+    #[must_use]
+    #[inline]
+    pub fn variance(&self, state: usize) -> f32 {
+        let states = self.state.len();
+        // Rows of an upper triangle, each one shorter than the last.
+        let before = state * (2 * states + 1).saturating_sub(state) / 2;
+        if state < states { self.covariance.get(before).copied().unwrap_or(0.0) } else { 0.0 }
+    }
+
     /// Writes the record as version, postcard, CRC-32 and returns the part of `buffer` it takes.
     /// [`MAX_RECORD_BYTES`] are always enough.
     ///

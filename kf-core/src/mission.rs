@@ -1,24 +1,30 @@
 //! One mission, tick by tick: settling, calibration, latch, watch.
 
+use serde::{Deserialize, Serialize};
+
 use crate::atmosphere::pressure_altitude_m;
 use crate::calibration::{Calibration, CaptiveStep, Surprise};
 use crate::config::{MAX_ESTIMATED_EFFECTS, MissionConfig};
+use crate::cross_check::CrossCheck;
 use crate::effect::{EffectSubject, SignalTracker};
 use crate::error::FilterError;
 use crate::estimator::ConfigError;
 use crate::free_flight::FreeFlight;
 use crate::input::{BaroReading, TickInput};
-use crate::latch::{LatchRecord, collected};
-use crate::output::{CoefficientOutput, Phase, Rejection, SensorOutput, TickOutput, Trust};
+use crate::latch::LatchRecord;
+use crate::output::{CrossCheckOutput, Phase, Rejection, SensorOutput, TickOutput, Trust};
 use crate::reading::StuckDetector;
 use crate::reference::ReferenceTracker;
 use crate::sensor::{SENSORS, Sensor};
 use crate::time::microseconds;
 
+pub use resume::ResumeError;
+
+use calibrated::Calibrated;
 use effects::{EffectUse, effect_sum};
 
 /// How often a source's readings were used or not.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SourceCounters {
     /// Readings that were finite, new and moving.
     pub accepted: u32,
@@ -46,7 +52,7 @@ impl SourceCounters {
 }
 
 /// Everything that was counted; nothing is left out of a computation without being counted here.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Counters {
     /// Ticks taken.
     pub ticks: u32,
@@ -65,6 +71,8 @@ pub struct Counters {
     pub effects_extrapolated: u32,
     /// Times that the launch discrete fell back or rose again after launch.
     pub launch_repeats: u32,
+    /// Times that the mission went on from a snapshot.
+    pub restarts: u32,
 }
 
 /// A mission from the first tick on. See the crate's documentation for `HEAD` and `TAIL`; `E`
@@ -85,6 +93,9 @@ pub struct Mission<const HEAD: usize, const TAIL: usize, const E: usize> {
     calibration: Calibration<HEAD, TAIL, E>,
     latch: Option<LatchRecord>,
     free_flight: Option<FreeFlight>,
+    cross_check: Option<CrossCheck>,
+    /// Made by [`Self::resume`], and no tick since.
+    is_resumed: bool,
     counters: Counters,
 }
 
@@ -112,6 +123,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             calibration: Calibration::new(config)?,
             latch: None,
             free_flight: None,
+            cross_check: None,
+            is_resumed: false,
             counters: Counters::default(),
             config: config.clone(),
         })
@@ -141,6 +154,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         }
         self.counters.ticks = self.counters.ticks.saturating_add(1);
         let first_us = *self.first_us.get_or_insert(time_us);
+        let bridged_us = self.bridge(time_us);
         self.last_us = time_us;
 
         let latched_now = self.follow_launch(input.launch, time_us);
@@ -180,6 +194,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
 
         let mut output = self.output(time_us);
         output.latched_now = latched_now;
+        output.bridged_us = bridged_us;
         output.extrapolated = use_of_effects.extrapolated();
         let reference = split(step.reference);
         output.gps_rejection = gps_rejection.or(reference.1);
@@ -190,7 +205,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         }
         // Once more: the coefficients on the reference may just have moved.
         let reference_m = if E == 0 { reference_m } else { self.reference_m(time_us) };
-        let coefficients = self.calibration.estimator().coefficients();
+        let coefficients = self.coefficients();
         for sensor in Sensor::ALL {
             let i = sensor.index();
             let (surprise, refused) = split(step.sensors[i]);
@@ -202,11 +217,18 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             out.rejection = rejections[i];
             out.innovation_m = surprise.map(|surprise| surprise.innovation_m);
             out.signed_nis = surprise.map(|surprise| surprise.signed_nis);
-            if let (Some(reading_m), Some(reference_m), None) = (readings_m[i], reference_m, refused) {
+            if let (Some(reading_m), None) = (readings_m[i], refused) {
                 let subject = EffectSubject::Sensor(sensor);
                 let effects_m = effect_sum(&self.config, subject, &coefficients, &regressors_m);
-                let residual_m = reading_m - effects_m - reference_m;
-                self.watch(sensor, time_us, residual_m, out);
+                match reference_m {
+                    Some(reference_m) => {
+                        self.watch(sensor, time_us, reading_m - effects_m - reference_m, out);
+                    }
+                    None => {
+                        let said = self.check_each_other(sensor, time_us, reading_m - effects_m);
+                        output.cross_check = said.or(output.cross_check);
+                    }
+                }
             }
             if let Some(free_flight) = &self.free_flight {
                 out.trust = free_flight.trust(sensor, time_us, reference_m.is_some());
@@ -254,6 +276,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             delivering && !silent,
         );
         self.free_flight = Some(FreeFlight::new(&self.config, &latch));
+        self.cross_check = Some(CrossCheck::new(&latch, microseconds(self.config.monitor.window_s)));
         self.latch = Some(latch);
         self.phase = Phase::FreeFlight;
         self.signals.begin_free_flight(time_us);
@@ -318,13 +341,38 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         }
     }
 
+    /// Eq. 16 without its reference: `altitude_m` is the reading less effects.
+    #[cold]
+    fn check_each_other(
+        &mut self,
+        sensor: Sensor,
+        time_us: u64,
+        altitude_m: f32,
+    ) -> Option<CrossCheckOutput> {
+        let bias_m = self.latch.as_ref()?.sensors.get(sensor.index())?.bias_m;
+        self.cross_check.as_mut()?.take(sensor, time_us, altitude_m - bias_m)
+    }
+
+    /// The coefficients: as latched, or as they stand.
+    #[inline]
+    fn coefficients(&self) -> [f32; E] {
+        match &self.latch {
+            Some(latch) => core::array::from_fn(|effect| latch.coefficient(effect)),
+            None => self.calibration.estimator().coefficients(),
+        }
+    }
+
     /// What holds whether or not this tick brought anything.
     fn output(&self, time_us: u64) -> TickOutput {
-        let estimator = self.calibration.estimator();
         let has_reference = self.tracker.is_fresh(time_us);
-        let nothing_new = |sensor| SensorOutput {
-            bias_m: estimator.bias_m(sensor),
-            bias_variance_m2: estimator.bias_variance_m2(sensor),
+        // A latched calibration is the latch, whether or not the filter that made it is still there.
+        let calibrated = match &self.latch {
+            Some(latch) => Calibrated::of_latch(latch),
+            None => Calibrated::of_estimator(self.calibration.estimator()),
+        };
+        let nothing_new = |sensor: Sensor, [bias_m, bias_variance_m2]: [f32; 2]| SensorOutput {
+            bias_m,
+            bias_variance_m2,
             innovation_m: None,
             signed_nis: None,
             error_m: None,
@@ -337,25 +385,25 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         };
         // One by one: `map` on the array moves every one of them through memory twice.
         let [master, slave, baro] = Sensor::ALL;
-        let sensors = [nothing_new(master), nothing_new(slave), nothing_new(baro)];
-        let coefficients =
-            collected(estimator.coefficients().into_iter().enumerate().map(|(j, coefficient)| {
-                CoefficientOutput { coefficient, variance: estimator.coefficient_variance(j) }
-            }));
+        let [of_master, of_slave, of_baro] = calibrated.biases;
+        let sensors =
+            [nothing_new(master, of_master), nothing_new(slave, of_slave), nothing_new(baro, of_baro)];
         TickOutput {
             time_us,
             out_of_order: false,
             phase: self.phase,
             latched_now: false,
             failed_checks: self.latch.as_ref().map_or(0, |latch| latch.failed_checks),
-            altitude_m: estimator.altitude_m(),
-            altitude_variance_m2: estimator.altitude_variance_m2(),
+            altitude_m: calibrated.altitude_m,
+            altitude_variance_m2: calibrated.altitude_variance_m2,
             gps_innovation_m: None,
             gps_signed_nis: None,
             gps_rejection: None,
             sensors,
             extrapolated: 0,
-            coefficients,
+            cross_check: None,
+            bridged_us: None,
+            coefficients: calibrated.coefficients,
         }
     }
 }
@@ -396,6 +444,8 @@ fn check<const E: usize>(config: &MissionConfig<E>) -> Result<(), ConfigError> {
     if is_valid { Ok(()) } else { Err(ConfigError::OutOfRange) }
 }
 
+mod calibrated;
 mod effects;
+mod resume;
 #[cfg(test)]
 mod tests;

@@ -1,10 +1,12 @@
 //! The monitor of eqs 16 and 17.
 
+use serde::{Deserialize, Serialize};
+
 use crate::moving_average::MovingAverage;
 use crate::output::Trust;
 
 /// Watches one sensor's error in free flight. Flags latch: doubt is not taken back.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Monitor {
     /// Square of the bound: squares are compared, so that a variance needs no root.
     bound_m2: f32,
@@ -38,6 +40,14 @@ impl Monitor {
     #[must_use]
     pub const fn trust(&self) -> Trust {
         self.trust
+    }
+
+    /// Raises a flag that is known from elsewhere; none is ever taken back.
+    pub fn raise(&mut self, trust: Trust) {
+        match (self.trust, trust) {
+            (_, Trust::Untrustworthy) | (Trust::Trusted, Trust::Doubtful) => self.trust = trust,
+            _ => {}
+        }
     }
 
     /// The squared bound, square metres.

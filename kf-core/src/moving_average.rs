@@ -1,16 +1,33 @@
 //! The moving average of eq. 17.
 
+use serde::{Deserialize, Serialize};
+
 /// How many parts the window is divided into.
 const PARTS: u64 = 32;
 /// How many of them are closed; one is being filled.
 const CLOSED: usize = 31;
 
 /// Sum of the samples that fell into one part of the window, or into several.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Bin {
     sum: f32,
     /// A whole number; f32 counts exactly to 2^24, 16 million samples a window.
+    #[serde(with = "whole_number")]
     count: f32,
+}
+
+/// A count that is kept as f32, in one to four bytes instead of always four.
+mod whole_number {
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde's form")]
+    pub fn serialize<S: Serializer>(count: &f32, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_u32(*count as u32)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f32, D::Error> {
+        u32::deserialize(deserializer).map(|count| count as f32)
+    }
 }
 
 impl Bin {
@@ -31,7 +48,7 @@ impl Bin {
 /// the window and all of it. The running total of the closed bins is replaced, each time that the
 /// ring has gone round, by a sum that was begun when it last had: f32 rounding lives for two windows
 /// at most, however long it runs.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MovingAverage {
     open: Bin,
     /// Total of the closed bins.

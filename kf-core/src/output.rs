@@ -79,6 +79,42 @@ pub struct SensorOutput {
     pub rejection: Option<Rejection>,
 }
 
+/// Whether the two sensors that fly free agree with each other while the reference is lost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Agreement {
+    /// Within both bounds so far.
+    Agree,
+    /// The difference has once been beyond them (as [`Trust::Doubtful`]).
+    Doubtful,
+    /// After that, its moving average has (as [`Trust::Untrustworthy`]): one of the two is wrong, and
+    /// nothing says which.
+    Disagree,
+}
+
+impl Agreement {
+    /// The name used in files and reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Agree => "agree",
+            Self::Doubtful => "doubtful",
+            Self::Disagree => "disagree",
+        }
+    }
+}
+
+/// The cross-check of the barometer and the UAV's inertial altitude at a tick that completed a pair of
+/// readings (at most 20 ms apart) without a reference.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CrossCheckOutput {
+    /// Barometer less inertial altitude, each less its effects and its latched bias, metres.
+    pub difference_m: f32,
+    /// Its moving average over the monitor's window, metres.
+    pub moving_average_m: f32,
+    /// By the rule of eq. 17 with the sum of both squared bounds. It latches.
+    pub agreement: Agreement,
+}
+
 /// A coefficient after one tick.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CoefficientOutput {
@@ -117,6 +153,11 @@ pub struct TickOutput {
     /// [`crate::effect::EffectTerm::envelope_m`]: the estimated ones from bit 0 on, in the model's order, the
     /// constant ones from bit [`MAX_ESTIMATED_EFFECTS`] on.
     pub extrapolated: u16,
+    /// The sensors against each other, in free flight while the reference is lost.
+    pub cross_check: Option<CrossCheckOutput>,
+    /// At the first tick after [`crate::mission::Mission::resume`]: the time that nothing is known of,
+    /// microseconds, from the last tick of the snapshot to this one.
+    pub bridged_us: Option<u64>,
     /// The estimated coefficients, in the model's order.
     pub coefficients: heapless::Vec<CoefficientOutput, MAX_ESTIMATED_EFFECTS>,
 }

@@ -1,5 +1,7 @@
 //! Readings that are not measurements: values that are held or stuck.
 
+use serde::{Deserialize, Serialize};
+
 use crate::input::GpsFix;
 
 /// A sensor is stuck when it has repeated every bit for this long, microseconds...
@@ -13,7 +15,7 @@ const STUCK_AFTER_READINGS: u32 = 20;
 /// when the repetition has lasted, and either the sensor is known to resolve less than half its noise
 /// (then equal readings are as good as impossible), or the reference has meanwhile moved by more than
 /// three sigmas of both.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StuckDetector {
     last: Option<f32>,
     since_us: u64,

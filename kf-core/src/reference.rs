@@ -1,5 +1,7 @@
 //! The reference receiver: which fixes are measurements, and where the altitude is between them.
 
+use serde::{Deserialize, Serialize};
+
 use crate::config::ReferenceConfig;
 use crate::input::GpsFix;
 use crate::output::Rejection;
@@ -20,7 +22,7 @@ pub struct AcceptedFix {
 }
 
 /// Follows the reference.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ReferenceTracker {
     lost_after_us: u64,
     carries_climb: bool,

@@ -283,3 +283,36 @@ fn the_text_stays_as_it_is() {
     let coloured = pylon::compare::text(&comparison, true);
     assert!(coloured.contains("\u{1b}[") && !plain.contains('\u{1b}'));
 }
+
+#[test]
+fn without_the_reference_the_sensors_disagreement_is_said() {
+    use pylon::flight::Channel;
+
+    let recipe = |slave_error| Recipe { free_s: 40.0, slave_error, ..Recipe::default() };
+    let compared_without = |slave_error: fn(f64) -> f64| {
+        let mut flight = recipe(slave_error).make();
+        let mut fixes = flight.channel(Channel::GpsAltM).unwrap().clone();
+        for (row, time_s) in flight.time_s.iter().enumerate() {
+            if (90.0..110.0).contains(time_s) {
+                assert!(fixes.set(row, None));
+            }
+        }
+        flight.set_channel(Channel::GpsAltM, fixes);
+        compared_by(&flight, &model())
+    };
+    assert_eq!(compared(&recipe(|_| 0.0)).cross_check, None, "never lost");
+    let agreeing = compared_without(|_| 0.0);
+    let check = agreeing.cross_check.unwrap();
+    assert_eq!((check.agreement, check.doubtful_after_s, check.disagree_after_s), ("agree", None, None));
+    assert!(
+        pylon::compare::text(&agreeing, false).contains("Without the reference baro and imu_slave agree")
+    );
+    // From 15 s after launch on the inertial altitude is off by far more than both bounds.
+    let disagreeing = compared_without(|after_s| if after_s < 15.0 { 0.0 } else { 1_000.0 });
+    let check = disagreeing.cross_check.unwrap();
+    assert_eq!(check.agreement, "disagree");
+    assert!((check.doubtful_after_s.unwrap() - 15.0).abs() < 0.1, "{check:?}");
+    assert!(check.disagree_after_s.unwrap() > 15.0 && check.disagree_after_s.unwrap() < 20.0, "{check:?}");
+    assert!((check.largest_difference_m + 1_000.0).abs() < 200.0, "baro less inertial: {check:?}");
+    assert!(pylon::compare::text(&disagreeing, false).contains("nothing says which"));
+}

@@ -72,6 +72,8 @@ fn output(time_us: u64) -> TickOutput {
         gps_rejection: None,
         sensors: [sensor(2.0), sensor(-7.5), sensor(14.0)],
         extrapolated: 0,
+        cross_check: None,
+        bridged_us: None,
         coefficients,
     }
 }

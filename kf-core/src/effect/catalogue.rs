@@ -28,7 +28,7 @@ impl EffectSubject {
 }
 
 /// Signals that a row's formula reads, so that the tracker leaves out what no effect of a model reads.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Uses(pub u16);
 
 impl Uses {

@@ -1,5 +1,7 @@
 //! What the inertial effects integrate twice from launch on.
 
+use serde::{Deserialize, Serialize};
+
 use super::catalogue::Uses;
 use super::inertial::Inertial;
 use super::integral::DoubleIntegral;
@@ -11,7 +13,7 @@ const EARTH_RADIUS_M: f32 = 6_371_008.8;
 const GRAVITY_GRADIENT_PS2: f32 = 3.086e-6;
 
 /// What the forward acceleration is made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum AccelerationSource {
     /// Specific force and attitude.
     Inertial,
@@ -46,7 +48,7 @@ pub(super) struct Step<'a> {
 }
 
 /// The integrals; all zero at launch.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct FreeFlightIntegrals {
     /// Decided once, at the first tick that has any.
     pub source: Option<AccelerationSource>,

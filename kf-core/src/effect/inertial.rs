@@ -1,5 +1,7 @@
 //! Specific force and attitude: what the inertial effects are integrated from.
 
+use serde::{Deserialize, Serialize};
+
 use super::integral::DoubleIntegral;
 use crate::atmosphere::STANDARD_GRAVITY_MPS2;
 use crate::time::seconds_between;
@@ -28,7 +30,7 @@ pub(super) const COLUMNS_AND_ATTITUDE: &[&str] = &[
 const LOAD_FACTOR_TIME_S: f32 = 0.05;
 
 /// Sines and cosines of the level frame's angles.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Level {
     sin_roll: f32,
     cos_roll: f32,
@@ -48,7 +50,7 @@ fn turned((sine, cosine): (f32, f32), by_rad: f32) -> (f32, f32) {
 }
 
 /// Latest specific force and attitude.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Inertial {
     accel: Option<(u64, [f32; 3])>,
     load_factor: Option<f32>,

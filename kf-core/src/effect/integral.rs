@@ -1,8 +1,10 @@
 //! Double integrals over hours, in f32.
 
+use serde::{Deserialize, Serialize};
+
 /// A sum that keeps what each addition rounds off (Kahan, "Further remarks on reducing truncation errors",
 /// CACM 8(1), 1965).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Sum {
     value: f32,
     lost: f32,
@@ -18,7 +20,7 @@ impl Sum {
 }
 
 /// A quantity integrated twice over time, from zero on.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct DoubleIntegral {
     slope: Sum,
     value: Sum,

@@ -49,6 +49,12 @@ impl EffectTerm {
         self.regressor.id
     }
 
+    /// Whether its regressor is integrated from launch on, so that it has all of the flight in it.
+    #[must_use]
+    pub(crate) fn is_integrated(&self) -> bool {
+        self.id().row().uses.any_of(catalogue::Uses::INTEGRATED.and(catalogue::Uses::VIBRATION))
+    }
+
     /// Whether a regressor (metres) lies outside of what the coefficient was learned from.
     #[must_use]
     #[inline]

@@ -1,5 +1,7 @@
 //! Height, climb rate and speed over ground, from the reference's fixes.
 
+use serde::{Deserialize, Serialize};
+
 use crate::input::GpsFix;
 use crate::time::{elapsed_s, seconds_between};
 
@@ -12,7 +14,7 @@ const GAP_S: f32 = 10.0;
 const CARRIED_S: f32 = 2.0;
 
 /// What the fixes say of the motion.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct ReferenceMotion {
     last: Option<(u64, f32)>,
     climb_rate_mps: Option<f32>,

@@ -1,5 +1,7 @@
 //! The latest signals, and the regressors made of them.
 
+use serde::{Deserialize, Serialize};
+
 use super::catalogue::Uses;
 use super::free_flight_integrals::{AccelerationSource, FreeFlightIntegrals, Step};
 use super::inertial::Inertial;
@@ -29,7 +31,7 @@ pub enum AirspeedSource {
 /// Give it every tick in time order: [`Self::begin_calibration`] or [`Self::begin_free_flight`] first, if
 /// it is the first tick of that phase, then [`Self::take`], then ask for [`Self::regressor_m`]. Numbers that
 /// are not finite are not taken, and counted. What no effect of the model reads costs nothing.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SignalTracker {
     uses: Uses,
     /// `2 Omega cos(latitude)`, rad/s.
@@ -51,12 +53,14 @@ pub struct SignalTracker {
     latched_airspeed_squared_m2ps2: Option<f32>,
 
     integrals: FreeFlightIntegrals,
+    /// The integrals could not be continued over a restart.
+    integrals_lost: bool,
     refused: u32,
 }
 
 /// What a difference is taken from: the first value of the calibration or, until there is one, the first
 /// value of all.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Origin {
     value: Option<f32>,
     is_due: bool,
@@ -119,6 +123,7 @@ impl SignalTracker {
             origin_temperature: Origin::default(),
             latched_airspeed_squared_m2ps2: None,
             integrals: FreeFlightIntegrals::default(),
+            integrals_lost: false,
             refused: 0,
         }
     }
@@ -138,6 +143,18 @@ impl SignalTracker {
         self.latched_airspeed_squared_m2ps2 = self.airspeed_squared_m2ps2();
         self.integrals = FreeFlightIntegrals::default();
         self.inertial.restart();
+    }
+
+    /// Whether this tracker is one for these effects: a snapshot's may be another model's.
+    pub(crate) fn is_for(&self, effects: impl IntoIterator<Item = EffectId>, latitude_deg: f32) -> bool {
+        let fresh = Self::for_effects(effects, latitude_deg);
+        fresh.uses == self.uses && fresh.eastward_radps.to_bits() == self.eastward_radps.to_bits()
+    }
+
+    /// The integrals have a gap that nothing can be said of: from now on there are no regressors that are
+    /// made of them.
+    pub(crate) fn lose_integrals(&mut self) {
+        self.integrals_lost = true;
     }
 
     /// Takes what is new at a tick; `fix` is the tick's fix if it was accepted (finite, and not the last
@@ -320,23 +337,25 @@ impl SignalTracker {
     }
 
     pub(super) fn vertical_integral_m(&self) -> Option<f32> {
-        self.inertial.is_complete().then_some(self.integrals.vertical.value())
+        (self.inertial.is_complete() && !self.integrals_lost).then_some(self.integrals.vertical.value())
     }
 
     /// Double integrals of the forward acceleration, and of it times `t`.
     pub(super) fn forward_integrals_m(&self) -> Option<[f32; 2]> {
-        self.acceleration_source().map(|_| [self.integrals.forward.value(), self.integrals.turning.value()])
+        self.acceleration_source()
+            .filter(|_| !self.integrals_lost)
+            .map(|_| [self.integrals.forward.value(), self.integrals.turning.value()])
     }
 
     pub(super) fn vibration_integral_m(&self) -> Option<f32> {
-        self.inertial.vibration_integral_m()
+        self.inertial.vibration_integral_m().filter(|_| !self.integrals_lost)
     }
 
     pub(super) fn gravity_integral_m(&self) -> Option<f32> {
-        self.height_gained_m().map(|_| self.integrals.gravity.value())
+        self.height_gained_m().filter(|_| !self.integrals_lost).map(|_| self.integrals.gravity.value())
     }
 
     pub(super) fn eotvos_integral_m(&self) -> Option<f32> {
-        self.motion.velocity_mps().map(|_| self.integrals.eotvos.value())
+        self.motion.velocity_mps().filter(|_| !self.integrals_lost).map(|_| self.integrals.eotvos.value())
     }
 }

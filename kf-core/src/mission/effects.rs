@@ -93,7 +93,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
     pub(super) fn reference_m(&self, time_us: u64) -> Option<f32> {
         let altitude_m = self.tracker.altitude_m(time_us)?;
         // As they stand; after launch, as latched.
-        let coefficients = self.calibration.estimator().coefficients();
+        let coefficients = self.coefficients();
         let products = coefficients.iter().zip(&self.fix_regressors_m);
         Some(altitude_m - products.map(|(coefficient, phi)| coefficient * phi).sum::<f32>())
     }

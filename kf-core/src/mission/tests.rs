@@ -603,3 +603,4 @@ fn a_configuration_out_of_range_is_refused() {
 }
 
 mod effects;
+mod resume;

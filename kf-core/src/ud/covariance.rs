@@ -26,9 +26,13 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         entry.copied().unwrap_or(0.0)
     }
 
-    /// One entry of P; rows and columns count head states first. Zero outside of the matrix.
+    /// One entry of P; rows and columns count head states first. Zero outside of the matrix. On the
+    /// diagonal it is [`Self::variance`], to the bit.
     #[must_use]
     pub fn covariance(&self, row: usize, column: usize) -> f32 {
+        if row == column {
+            return self.variance(row);
+        }
         let from = row.max(column);
         (from..HEAD + TAIL).map(|k| self.u(row, k) * self.d(k) * self.u(column, k)).sum()
     }

@@ -291,6 +291,11 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         &self.tail_state
     }
 
+    /// Steps of tail states that are pending; right after [`Self::fold`], what it lost.
+    pub(crate) const fn pending_tail(&self) -> &[f32; TAIL] {
+        &self.tail_step
+    }
+
     /// Moves a tail state by a known amount (`B u` of eq. 4). Pending until [`Self::fold`].
     ///
     /// # Errors

@@ -15,6 +15,7 @@ use super::comparison::{
     CalibrationFacts, Comparison, EffectFacts, MonitorFacts, ReadingCounts, ReferenceComparison,
     SensorComparison,
 };
+use super::cross_check::CrossChecks;
 use super::flags::Flags;
 use super::phase_statistics::PhaseStatistics;
 use super::rules::{RuleWishes, SensorRules, judge};
@@ -33,6 +34,7 @@ pub struct Comparator {
     free: [PhaseStatistics; SENSORS],
     reference: PhaseStatistics,
     flags: [Flags; SENSORS],
+    cross_checks: CrossChecks,
     moving_average_m: [Option<f32>; SENSORS],
     last_bias: [Option<(f32, f32)>; SENSORS],
     coefficients: heapless::Vec<CoefficientOutput, MAX_ESTIMATED_EFFECTS>,
@@ -112,6 +114,9 @@ impl Comparator {
 
     fn take_free(&mut self, input: &TickInput, output: &TickOutput) {
         self.timeline.take(input, output);
+        if let Some(check) = &output.cross_check {
+            self.cross_checks.take(output.time_us, check);
+        }
         for (index, sensor) in output.sensors.iter().enumerate() {
             if let Some(error_m) = sensor.error_m {
                 self.free[index].take_error(output.time_us, f64::from(error_m));
@@ -134,6 +139,7 @@ impl Comparator {
         let mut comparison = Comparison {
             launch_s: self.launch_us.map(|launch_us| launch_us as f64 * 1e-6),
             sensors,
+            cross_check: self.cross_checks.facts(|time_us| self.after_s(time_us)),
             reference: ReferenceComparison {
                 captive: self.reference.summary(0.0),
                 fixes: counts(&end.counters.gps),
@@ -149,6 +155,12 @@ impl Comparator {
         (comparison, self.traces)
     }
 
+    /// Seconds after launch.
+    fn after_s(&self, time_us: Option<u64>) -> Option<f64> {
+        let (time_us, launch_us) = time_us.zip(self.launch_us)?;
+        Some(time_us.saturating_sub(launch_us) as f64 * 1e-6)
+    }
+
     fn sensor(&self, sensor: Sensor, end: &MissionEnd<'_>) -> SensorComparison {
         let index = sensor.index();
         let captive = &self.captive[index];
@@ -158,10 +170,6 @@ impl Comparator {
         let captive_summary = captive.summary(bias_m.or_else(|| captive.mean_m()).unwrap_or(0.0));
         let free_summary = self.free[index].summary(0.0);
         let flags = &self.flags[index];
-        let after_s = |time_us: Option<u64>| {
-            let (time_us, launch_us) = time_us.zip(self.launch_us)?;
-            Some(time_us.saturating_sub(launch_us) as f64 * 1e-6)
-        };
         SensorComparison {
             flies_free: sensor.flies_free(),
             bias_m,
@@ -173,8 +181,8 @@ impl Comparator {
             captive_rms_m: captive_summary.rms_m,
             free_flight_rms_m: free_summary.rms_m,
             moving_average_end_m: self.moving_average_m[index].map(f64::from),
-            doubtful_after_s: after_s(flags.doubtful_us),
-            untrustworthy_after_s: after_s(flags.untrustworthy_us),
+            doubtful_after_s: self.after_s(flags.doubtful_us),
+            untrustworthy_after_s: self.after_s(flags.untrustworthy_us),
             trust: flags.last.unwrap_or(Trust::Calibrating).name(),
             unmonitored_s: flags.unmonitored_us as f64 * 1e-6,
             bound_m: latched.map(|latch| f64::from(latch.bound_m())).filter(|bound| *bound > 0.0),

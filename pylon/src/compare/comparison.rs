@@ -21,6 +21,9 @@ pub struct Comparison {
     pub launch_s: Option<f64>,
     /// The sensors by name; those without a single reading are left out.
     pub sensors: BTreeMap<&'static str, SensorComparison>,
+    /// What barometer and inertial altitude said of each other while the reference was lost in free
+    /// flight; null where it never was, or no pair of readings came.
+    pub cross_check: Option<CrossCheckFacts>,
     /// The reference.
     pub reference: ReferenceComparison,
     /// The calibration.
@@ -87,6 +90,21 @@ pub struct SensorComparison {
     pub free_flight: PhaseSummary,
     /// Readings that were and were not used.
     pub readings: ReadingCounts,
+}
+
+/// Barometer less inertial altitude while the reference was lost, each by its latched bias.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct CrossCheckFacts {
+    /// Pairs of readings.
+    pub pairs: u64,
+    /// The difference farthest from zero, metres.
+    pub largest_difference_m: f64,
+    /// What the two had come to after the last pair: `agree`, `doubtful` or `disagree`.
+    pub agreement: &'static str,
+    /// When they were first doubtful or worse, seconds after launch.
+    pub doubtful_after_s: Option<f64>,
+    /// When they disagreed, seconds after launch.
+    pub disagree_after_s: Option<f64>,
 }
 
 /// How often a source's readings were used or not.

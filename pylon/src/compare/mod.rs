@@ -6,6 +6,7 @@
 
 mod comparator;
 mod comparison;
+mod cross_check;
 mod envelope;
 mod flags;
 mod kinematics;

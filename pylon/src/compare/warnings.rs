@@ -83,6 +83,11 @@ pub(super) fn warnings(counters: &Counters, has_settled: bool, comparison: &Comp
         "change of the launch discrete after launch was ignored: the first launch counts",
         "changes of the launch discrete after launch were ignored: the first launch counts",
     );
+    count(
+        counters.restarts,
+        "restart of the mission from its snapshot",
+        "restarts of the mission from its snapshots",
+    );
     if !has_settled {
         lines.push("the flight is shorter than the settling time: nothing was calibrated".to_owned());
     }

@@ -188,6 +188,8 @@ fn tick_fields(output: &TickOutput) -> Fields {
         gps_rejection,
         sensors,
         extrapolated,
+        cross_check,
+        bridged_us,
         coefficients,
     } = output;
     let mut fields = vec![
@@ -226,6 +228,16 @@ fn tick_fields(output: &TickOutput) -> Fields {
         ]);
     }
     fields.push(("extrapolated".to_owned(), format!("{extrapolated:#b}")));
+    let agreement = cross_check.map(|check| check.agreement.name());
+    fields.push(("cross_check.agreement".to_owned(), agreement.unwrap_or("none").to_owned()));
+    fields.extend([
+        ("cross_check.difference_m".to_owned(), optional(cross_check.map(|check| check.difference_m))),
+        (
+            "cross_check.moving_average_m".to_owned(),
+            optional(cross_check.map(|check| check.moving_average_m)),
+        ),
+        ("bridged_us".to_owned(), format!("{bridged_us:?}")),
+    ]);
     for (index, CoefficientOutput { coefficient, variance }) in coefficients.iter().enumerate() {
         fields.push((format!("coefficients[{index}].coefficient"), bits(*coefficient)));
         fields.push((format!("coefficients[{index}].variance"), bits(*variance)));
@@ -281,6 +293,8 @@ mod tests {
             gps_rejection: None,
             sensors: [sensor; 3],
             extrapolated: 0,
+            cross_check: None,
+            bridged_us: None,
             coefficients: heapless::Vec::new(),
         }
     }

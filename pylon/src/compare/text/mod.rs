@@ -13,7 +13,7 @@ use kf_core::sensor::Sensor;
 
 use self::number::{grouped, metres, plain, seconds, signed_m};
 use self::table::{Mood, Sheet};
-use super::comparison::{Comparison, SensorComparison};
+use super::comparison::{Comparison, CrossCheckFacts, SensorComparison};
 
 /// Writing a line to a string, which can not fail.
 macro_rules! put {
@@ -99,6 +99,9 @@ fn heading(out: &mut String, comparison: &Comparison) {
                 put!(out, "{name}: {}", verdict(sensor));
             }
         }
+        if let Some(check) = &comparison.cross_check {
+            put!(out, "{}", without_reference(check));
+        }
     }
 }
 
@@ -119,6 +122,20 @@ pub(crate) fn meaning(check: &str) -> &'static str {
         "sensors_alive" => "a sensor was stuck or silent",
         _ => "see the documentation of kf_core::quality",
     }
+}
+
+/// What the sensors said of each other.
+fn without_reference(check: &CrossCheckFacts) -> String {
+    let most = signed_m(Some(check.largest_difference_m));
+    let said = match (check.disagree_after_s, check.doubtful_after_s) {
+        (Some(after_s), _) => format!(
+            "disagree from {} after launch on: one of them is wrong, and nothing says which",
+            seconds(Some(after_s))
+        ),
+        (None, Some(after_s)) => format!("are doubtful from {} after launch on", seconds(Some(after_s))),
+        (None, None) => "agree".to_owned(),
+    };
+    format!("Without the reference baro and imu_slave {said} (at most {most} apart).")
 }
 
 fn verdict(sensor: &SensorComparison) -> String {

@@ -1,0 +1,133 @@
+//! Without a reference: whether the two sensors that fly free agree with each other.
+//!
+//! Eq. 16 needs the reference. While that is lost, the difference of the two calibrated altitudes is
+//! still known: each reading less its effects and its latched bias is an estimate of the same altitude. A
+//! difference beyond both bounds says that one of them is wrong, not which.
+
+use crate::latch::LatchRecord;
+use crate::monitor::Monitor;
+use crate::output::{Agreement, CrossCheckOutput, Trust};
+use crate::sensor::Sensor;
+
+/// Readings further apart than this are no pair, microseconds: at 50 m/s of climb they differ by a metre.
+const PAIR_US: u64 = 20_000;
+
+/// The cross-check of one flight.
+#[derive(Clone, Debug)]
+pub(crate) struct CrossCheck {
+    /// `None`: one of the two has no bound.
+    monitor: Option<Monitor>,
+    /// Calibrated altitudes of the inertial sensor and of the barometer, and when they were read.
+    last: [Option<(u64, f32)>; 2],
+}
+
+impl CrossCheck {
+    /// The variances of two independent sensors add; what their residuals share, the reference's own
+    /// error, is in both bounds and not in the difference, which errs towards silence.
+    pub(crate) fn new(latch: &LatchRecord, window_us: u64) -> Self {
+        let bound_m2 =
+            |sensor: Sensor| latch.sensors.get(sensor.index()).map_or(0.0, |latched| latched.bound_m2);
+        let (slave_m2, baro_m2) = (bound_m2(Sensor::ImuSlave), bound_m2(Sensor::Baro));
+        let sum_m2 = slave_m2 + baro_m2;
+        let is_bounded = slave_m2 > 0.0 && baro_m2 > 0.0 && sum_m2.is_finite();
+        Self { monitor: is_bounded.then(|| Monitor::new(sum_m2, window_us)), last: [None; 2] }
+    }
+
+    /// Takes the calibrated altitude of one sensor, metres, at a tick without a reference. Returns what
+    /// the pair that it completes says.
+    pub(crate) fn take(&mut self, sensor: Sensor, time_us: u64, altitude_m: f32) -> Option<CrossCheckOutput> {
+        let [slave, baro] = &mut self.last;
+        let (own, other) = match sensor {
+            Sensor::ImuMaster => return None,
+            Sensor::ImuSlave => (slave, baro),
+            Sensor::Baro => (baro, slave),
+        };
+        *own = Some((time_us, altitude_m));
+        let (other_us, other_m) = (*other)?;
+        let monitor = self.monitor.as_mut()?;
+        if time_us.saturating_sub(other_us) > PAIR_US {
+            return None;
+        }
+        let difference_m = match sensor {
+            Sensor::Baro => altitude_m - other_m,
+            _ => other_m - altitude_m,
+        };
+        if !difference_m.is_finite() {
+            return None;
+        }
+        // The pair has been used.
+        *other = None;
+        let moving_average_m = monitor.update(time_us, difference_m);
+        Some(CrossCheckOutput { difference_m, moving_average_m, agreement: agreement(monitor.trust()) })
+    }
+
+    /// What the two have come to so far.
+    pub(crate) fn trust(&self) -> Trust {
+        self.monitor.as_ref().map_or(Trust::Unmonitored, Monitor::trust)
+    }
+
+    /// Raises a flag that is known from elsewhere.
+    pub(crate) fn raise(&mut self, trust: Trust) {
+        if let Some(monitor) = &mut self.monitor {
+            monitor.raise(trust);
+        }
+    }
+}
+
+const fn agreement(trust: Trust) -> Agreement {
+    match trust {
+        Trust::Doubtful => Agreement::Doubtful,
+        Trust::Untrustworthy => Agreement::Disagree,
+        Trust::Trusted | Trust::Calibrating | Trust::Unmonitored => Agreement::Agree,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::latch::SensorLatch;
+
+    fn check(slave_m2: f32, baro_m2: f32) -> CrossCheck {
+        let sensor = |bound_m2| SensorLatch { bound_m2, ..SensorLatch::default() };
+        let latch = LatchRecord {
+            time_us: 0,
+            duration_s: 70.0,
+            failed_checks: 0,
+            sensors: [sensor(0.0), sensor(slave_m2), sensor(baro_m2)],
+            state: heapless::Vec::new(),
+            covariance: heapless::Vec::new(),
+        };
+        CrossCheck::new(&latch, 2_000_000)
+    }
+
+    #[test]
+    fn the_bound_is_both_sensors_and_the_difference_is_baro_less_inertial() {
+        let mut check = check(9.0, 16.0);
+        assert_eq!(check.take(Sensor::ImuSlave, 0, 100.0), None);
+        let said = check.take(Sensor::Baro, 10_000, 104.9).unwrap();
+        assert!((said.difference_m - 4.9).abs() < 1e-4);
+        assert_eq!(said.agreement, Agreement::Agree);
+        // Five metres are the bound; beyond it is doubt, and while the average is within no more.
+        assert_eq!(check.take(Sensor::Baro, 20_000, 106.0), None, "its partner has been used");
+        let said = check.take(Sensor::ImuSlave, 30_000, 100.0).unwrap();
+        assert_eq!((said.difference_m, said.agreement), (6.0, Agreement::Doubtful));
+        check.take(Sensor::Baro, 40_000, 106.0);
+        check.take(Sensor::ImuSlave, 40_000, 100.0);
+        assert_eq!(check.trust(), Trust::Untrustworthy);
+    }
+
+    #[test]
+    fn readings_apart_or_without_a_bound_or_of_the_mother_ship_are_no_pair() {
+        let mut apart = check(9.0, 16.0);
+        assert_eq!(apart.take(Sensor::ImuSlave, 0, 0.0), None);
+        assert_eq!(apart.take(Sensor::Baro, PAIR_US + 1, 50.0), None);
+        assert_eq!(apart.take(Sensor::ImuMaster, PAIR_US + 1, 50.0), None);
+        let mut unbounded = check(0.0, 16.0);
+        assert_eq!(unbounded.take(Sensor::ImuSlave, 0, 0.0), None);
+        assert_eq!(unbounded.take(Sensor::Baro, 0, 50.0), None);
+        assert_eq!(unbounded.trust(), Trust::Unmonitored);
+        let mut overflow = check(9.0, 16.0);
+        overflow.take(Sensor::ImuSlave, 0, f32::MIN);
+        assert_eq!(overflow.take(Sensor::Baro, 0, f32::MAX), None);
+    }
+}

@@ -1,0 +1,148 @@
+//! A mission that goes on after a restart.
+
+use super::Mission;
+use crate::config::MissionConfig;
+use crate::cross_check::CrossCheck;
+use crate::effect::EffectSubject;
+use crate::estimator::ConfigError;
+use crate::free_flight::FreeFlight;
+use crate::latch::collected;
+use crate::output::Phase;
+use crate::sensor::Sensor;
+use crate::snapshot::{MissionSnapshot, RaisedFlags, SnapshotError};
+use crate::time::microseconds;
+
+/// Why a mission can not go on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ResumeError {
+    /// The configuration makes no mission at all.
+    Config(ConfigError),
+    /// The snapshot is not of this configuration.
+    Snapshot(SnapshotError),
+}
+
+impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E> {
+    /// The mission's state, to be kept; `None` before launch.
+    #[must_use]
+    pub fn snapshot(&self) -> Option<MissionSnapshot> {
+        let (Some(first_us), Some(latch), Some(free_flight), Some(cross_check)) =
+            (self.first_us, &self.latch, &self.free_flight, &self.cross_check)
+        else {
+            return None;
+        };
+        Some(MissionSnapshot {
+            first_us,
+            last_us: self.last_us,
+            launch_was: self.launch_was,
+            latch: latch.clone(),
+            free_flight: free_flight.kept(),
+            cross_check: cross_check.trust(),
+            signals: self.signals.clone(),
+            tracker: self.tracker.clone(),
+            fix_regressors_m: collected(self.fix_regressors_m.into_iter()),
+            stuck: self.stuck.clone(),
+            last_accepted_us: self.last_accepted_us,
+            counters: self.counters,
+        })
+    }
+
+    /// The flags that are raised now.
+    #[must_use]
+    pub fn raised_flags(&self) -> RaisedFlags {
+        let flags = self
+            .free_flight
+            .iter()
+            .flat_map(|free_flight| Sensor::ALL.into_iter().map(|sensor| (sensor, free_flight.flag(sensor))));
+        let flags =
+            flags.fold(RaisedFlags::default(), |flags, (sensor, flag)| flags.with_sensor(sensor, flag));
+        flags.with_cross_check(self.cross_check.as_ref().map(CrossCheck::trust))
+    }
+
+    /// A mission in free flight that goes on from a snapshot, with the flags that were raised by the time
+    /// it was interrupted. Its clock must go on from there too.
+    ///
+    /// The time between the snapshot and the first tick is a gap: the moving averages have no samples
+    /// in it, the regressors' integrals cross it on a straight line. If it is longer than the
+    /// configuration's `lost_after_s`, there is no such line: the integrals are given up, and the sensors
+    /// that have such an effect are not monitored any more, whatever flags they have staying.
+    /// [`crate::output::TickOutput::bridged_us`] says how long it was.
+    ///
+    /// # Errors
+    /// [`ResumeError`]; the mission has then to start as any other.
+    pub fn resume(
+        config: &MissionConfig<E>,
+        snapshot: MissionSnapshot,
+        flags: RaisedFlags,
+    ) -> Result<Self, ResumeError> {
+        let other = ResumeError::Snapshot(SnapshotError::OtherMission);
+        let mut mission = Self::new(config).map_err(ResumeError::Config)?;
+        let latch = snapshot.latch;
+        let effects = config.estimated_effects.iter().chain(&config.constant_effects);
+        if latch.state.len() != HEAD + TAIL
+            || latch.covariance.len() != (HEAD + TAIL) * (HEAD + TAIL + 1) / 2
+            || !snapshot.signals.is_for(effects.map(|effect| effect.id()), config.latitude_deg)
+        {
+            return Err(other);
+        }
+        mission.fix_regressors_m = snapshot.fix_regressors_m.into_array().map_err(|_| other)?;
+        let mut free_flight = FreeFlight::new(config, &latch);
+        if !free_flight.restore(snapshot.free_flight) {
+            return Err(other);
+        }
+        let mut cross_check = CrossCheck::new(&latch, microseconds(config.monitor.window_s));
+        cross_check.raise(snapshot.cross_check);
+        for sensor in Sensor::ALL {
+            if let Some(flag) = flags.of(sensor) {
+                free_flight.raise(sensor, flag);
+            }
+        }
+        if let Some(flag) = flags.of_cross_check() {
+            cross_check.raise(flag);
+        }
+        mission.phase = Phase::FreeFlight;
+        mission.first_us = Some(snapshot.first_us);
+        mission.last_us = snapshot.last_us;
+        mission.launch_was = snapshot.launch_was;
+        mission.tracker = snapshot.tracker;
+        mission.signals = snapshot.signals;
+        mission.stuck = snapshot.stuck;
+        mission.last_accepted_us = snapshot.last_accepted_us;
+        mission.counters = snapshot.counters;
+        mission.counters.restarts = mission.counters.restarts.saturating_add(1);
+        mission.latch = Some(latch);
+        mission.free_flight = Some(free_flight);
+        mission.cross_check = Some(cross_check);
+        mission.is_resumed = true;
+        Ok(mission)
+    }
+
+    /// At the first tick after a restart: what nothing is known of, microseconds. `last_us` is still the
+    /// snapshot's.
+    #[inline]
+    pub(super) fn bridge(&mut self, time_us: u64) -> Option<u64> {
+        if !self.is_resumed {
+            return None;
+        }
+        self.is_resumed = false;
+        let gap_us = time_us.saturating_sub(self.last_us);
+        if gap_us > microseconds(self.config.reference.lost_after_s) {
+            self.give_up_integrals();
+        }
+        Some(gap_us)
+    }
+
+    #[cold]
+    fn give_up_integrals(&mut self) {
+        self.signals.lose_integrals();
+        let Some(free_flight) = &mut self.free_flight else { return };
+        for effect in self.config.estimated_effects.iter().chain(&self.config.constant_effects) {
+            if !effect.is_integrated() {
+                continue;
+            }
+            match effect.id().subject() {
+                EffectSubject::Sensor(sensor) => free_flight.stop(sensor),
+                EffectSubject::Gps => Sensor::ALL.into_iter().for_each(|sensor| free_flight.stop(sensor)),
+            }
+        }
+    }
+}

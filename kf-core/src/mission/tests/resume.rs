@@ -1,0 +1,355 @@
+//! Missions that are interrupted and go on.
+
+use super::*;
+use crate::config::MAX_ESTIMATED_EFFECTS;
+use crate::input::ImuSample;
+use crate::output::{Agreement, Trust};
+use crate::snapshot::{MAX_SNAPSHOT_BYTES, MissionSnapshot, RaisedFlags, SnapshotError};
+
+/// The interruption: between launch at tick 6,000 and the end at 8,000.
+const CUT: u64 = 7_000;
+
+/// With everything that effects need, and a dive after launch.
+fn ticks() -> Vec<TickInput> {
+    let mut flight = Flight { seed: 7, noise: 1.0 };
+    (0..8_000)
+        .map(|k| {
+            let mut input = flight.tick(k);
+            let swing = (k as f32 * 0.003).sin();
+            input.imu = Some(ImuSample {
+                accel_mps2: [0.5 * swing, 0.0, -9.8 + swing],
+                gyro_radps: [0.0, 0.01 * swing, 0.0],
+            });
+            input.signals.attitude_rad = k.is_multiple_of(4).then_some([0.1 * swing, 0.05 * swing, 0.0]);
+            input.signals.throttle = Some(0.5 + 0.1 * swing);
+            input.signals.baro_temperature_c = k.is_multiple_of(100).then_some(25.0 + swing);
+            input
+        })
+        .collect()
+}
+
+/// Through bytes, as it is kept.
+fn kept<const H: usize, const T: usize, const E: usize>(mission: &Mission<H, T, E>) -> MissionSnapshot {
+    let mut bytes = [0; MAX_SNAPSHOT_BYTES];
+    let length = mission.snapshot().unwrap().to_bytes(&mut bytes).unwrap();
+    MissionSnapshot::from_bytes(&bytes[..length]).unwrap()
+}
+
+/// Flies to the cut, restarts from a snapshot, and holds every later output against a mission that was
+/// never interrupted.
+fn goes_on_to_the_bit<const H: usize, const T: usize, const E: usize>(config: &MissionConfig<E>) {
+    let ticks = ticks();
+    let mut whole = Mission::<H, T, E>::new(config).unwrap();
+    for input in &ticks[..CUT as usize] {
+        whole.tick(input);
+    }
+    let snapshot = kept(&whole);
+    assert_eq!(snapshot.time_us(), (CUT - 1) * TICK_US);
+    let mut resumed = Mission::<H, T, E>::resume(config, snapshot, RaisedFlags::default()).unwrap();
+    assert_eq!(resumed.latch(), whole.latch());
+    for (k, input) in ticks.iter().enumerate().skip(CUT as usize) {
+        let expected = whole.tick(input);
+        let mut got = resumed.tick(input);
+        assert_eq!(got.bridged_us.take(), (k == CUT as usize).then_some(TICK_US), "tick {k}");
+        // Bits: the wire form, in which NaNs and signs of zero count.
+        let bytes = |output: &TickOutput| {
+            let mut buffer = [0; 640];
+            postcard::to_slice(output, &mut buffer).unwrap().to_vec()
+        };
+        assert_eq!(bytes(&got), bytes(&expected), "tick {k}");
+    }
+    let counters = Counters { restarts: 1, ..*whole.counters() };
+    assert_eq!(*resumed.counters(), counters);
+}
+
+fn with_effects(mut config: MissionConfig<4>) -> MissionConfig<4> {
+    config.estimated_effects = [
+        EffectTerm::new(EffectId::BaroDynamicPressure, 0.0, 0.2),
+        EffectTerm::new(EffectId::GpsLeverArm, 0.0, 1.0),
+        EffectTerm::new(EffectId::ImuVibration, 0.0, 0.1),
+        EffectTerm::new(EffectId::BaroLag, 0.0, 0.1),
+    ];
+    for id in [
+        EffectId::ImuTilt,
+        EffectId::ImuGyroBias,
+        EffectId::ImuAccelScale,
+        EffectId::ImuEotvos,
+        EffectId::ImuGravityGradient,
+        EffectId::BaroWarmUp,
+        EffectId::BaroCarrierField,
+        EffectId::BaroTemperature,
+    ] {
+        config.constant_effects.push(EffectTerm::new(id, 0.01, 0.01)).unwrap();
+    }
+    config
+}
+
+#[test]
+fn a_resumed_mission_says_what_one_without_interruption_says() {
+    goes_on_to_the_bit::<3, 1, 0>(&config(false));
+    goes_on_to_the_bit::<0, 4, 0>(&config(true));
+    goes_on_to_the_bit::<0, 8, 4>(&with_effects(config(true)));
+    for second_correction in
+        [SecondCorrection::MovingAverage, SecondCorrection::Kalman { wander_m_per_sqrt_s: 0.3 }]
+    {
+        goes_on_to_the_bit::<0, 4, 0>(&MissionConfig { second_correction, ..config(true) });
+    }
+}
+
+#[test]
+fn captive_flight_has_no_snapshot() {
+    let mut mission = Dense::new(&config(true)).unwrap();
+    for input in &ticks()[..5_999] {
+        mission.tick(input);
+        assert!(mission.snapshot().is_none() && mission.raised_flags() == RaisedFlags::default());
+    }
+}
+
+/// A barometer that is 50 m off from a tick on.
+fn off_from(first: u64) -> impl Fn(u64, &mut TickInput) {
+    move |k, input| {
+        if let (true, Some(BaroReading::AltitudeM(altitude_m))) = (k >= first, input.baro) {
+            input.baro = Some(BaroReading::AltitudeM(altitude_m + 50.0));
+        }
+    }
+}
+
+#[test]
+fn flags_raised_before_the_restart_outlive_it_even_if_raised_after_the_snapshot() {
+    let config = config(true);
+    let mut mission = Dense::new(&config).unwrap();
+    let mut snapshot = None;
+    for (k, mut input) in ticks().into_iter().enumerate().take(7_400) {
+        off_from(6_900)(k as u64, &mut input);
+        mission.tick(&input);
+        if k == 6_800 {
+            snapshot = Some(kept(&mission));
+        }
+    }
+    let flags = mission.raised_flags();
+    assert_eq!(flags.of(Sensor::Baro), Some(Trust::Untrustworthy));
+    assert_eq!((flags.of(Sensor::ImuSlave), flags.of_cross_check()), (None, None));
+    let resumed = |flags| {
+        let mut mission = Dense::resume(&config, snapshot.clone().unwrap(), flags).unwrap();
+        // Sound again: nothing but the flag says what there was.
+        mission.tick(&ticks()[7_440]).sensors.map(|sensor| sensor.trust)
+    };
+    let kept = RaisedFlags::from_bits(flags.bits());
+    assert_eq!(resumed(kept), [Trust::Unmonitored, Trust::Trusted, Trust::Untrustworthy]);
+    assert_eq!(resumed(RaisedFlags::default()), [Trust::Unmonitored, Trust::Trusted, Trust::Trusted]);
+}
+
+/// The inertial sensor's last error and trust with an effect on it, after a gap of so many ticks.
+fn after_a_gap(gap: usize) -> (Option<f32>, Trust, Option<u64>, u32) {
+    let mut config = config(true);
+    config.constant_effects.push(EffectTerm::new(EffectId::ImuAccelScale, 0.05, 0.01)).unwrap();
+    let ticks = ticks();
+    let mut mission = Dense::new(&config).unwrap();
+    ticks[..=6_200].iter().for_each(|input| {
+        mission.tick(input);
+    });
+    let mut mission = Dense::resume(&config, kept(&mission), RaisedFlags::default()).unwrap();
+    let mut last = (None, Trust::Calibrating, None, 0);
+    for input in &ticks[6_200 + gap..] {
+        let output = mission.tick(input);
+        last.0 = output.sensors[1].moving_average_m.or(last.0);
+        last.1 = output.sensors[1].trust;
+        last.2 = last.2.or(output.bridged_us);
+    }
+    (last.0, last.1, last.2, mission.counters().effects_without_signal)
+}
+
+#[test]
+fn a_short_gap_is_crossed_and_said_and_a_long_one_ends_what_is_integrated() {
+    let (whole_m, trust, bridged_us, _) = after_a_gap(1);
+    assert_eq!((trust, bridged_us), (Trust::Trusted, Some(5_000)));
+    let (crossed_m, trust, bridged_us, missing) = after_a_gap(20);
+    assert_eq!((trust, bridged_us, missing), (Trust::Trusted, Some(100_000), 0));
+    // 0.1 s of an acceleration that turns by 0.06 rad: a straight line is off by less than 1 % of 1 m/s^2
+    // times 0.1 s, for 9 s, times 0.05.
+    assert!((crossed_m.unwrap() - whole_m.unwrap()).abs() < 0.01 * 0.1 * 9.0 * 0.05 + 1e-3);
+    let (ended_m, trust, bridged_us, missing) = after_a_gap(500);
+    assert_eq!((ended_m, trust, bridged_us), (None, Trust::Unmonitored, Some(2_500_000)));
+    assert_eq!(missing, 325, "every reading without its effect is counted");
+}
+
+#[test]
+fn a_long_gap_takes_no_flag_back_and_stops_no_sensor_without_such_an_effect() {
+    let mut config = config(true);
+    config.constant_effects.push(EffectTerm::new(EffectId::ImuAccelScale, 0.05, 0.01)).unwrap();
+    let ticks = ticks();
+    let mut mission = Dense::new(&config).unwrap();
+    ticks[..=6_200].iter().for_each(|input| {
+        mission.tick(input);
+    });
+    let flags = RaisedFlags::default().with_sensor(Sensor::ImuSlave, Some(Trust::Doubtful));
+    let mut mission = Dense::resume(&config, kept(&mission), flags).unwrap();
+    for input in &ticks[6_800..] {
+        let trust = mission.tick(input).sensors.map(|sensor| sensor.trust);
+        assert_eq!(trust[1..], [Trust::Doubtful, Trust::Trusted]);
+    }
+    // The next restart does not forget.
+    let mut again = Dense::resume(&config, kept(&mission), RaisedFlags::default()).unwrap();
+    let output = again.tick(&TickInput { time_us: 8_000 * TICK_US, ..ticks[7_996] });
+    assert_eq!(output.sensors[1].trust, Trust::Doubtful);
+    assert_eq!((output.sensors[1].moving_average_m, again.counters().restarts), (None, 2));
+}
+
+#[test]
+fn a_clock_that_did_not_go_on_is_said_at_every_tick() {
+    let config = config(true);
+    let mut mission = Dense::new(&config).unwrap();
+    ticks()[..7_000].iter().for_each(|input| {
+        mission.tick(input);
+    });
+    let mut mission = Dense::resume(&config, kept(&mission), RaisedFlags::default()).unwrap();
+    let output = mission.tick(&TickInput { time_us: TICK_US, launch: true, ..TickInput::default() });
+    assert!(output.out_of_order && output.bridged_us.is_none());
+}
+
+#[test]
+fn a_snapshot_of_another_mission_is_refused() {
+    let mut mission = Dense::new(&config(true)).unwrap();
+    ticks()[..7_000].iter().for_each(|input| {
+        mission.tick(input);
+    });
+    let snapshot = kept(&mission);
+    let refused =
+        |other: &MissionConfig<0>| Dense::resume(other, snapshot.clone(), RaisedFlags::default()).err();
+    let other_mission = Some(ResumeError::Snapshot(SnapshotError::OtherMission));
+    assert_eq!(refused(&config(true)), None);
+    let second_correction = SecondCorrection::MovingAverage;
+    assert_eq!(refused(&MissionConfig { second_correction, ..config(true) }), other_mission);
+    let mut with_effect = config(true);
+    with_effect.constant_effects.push(EffectTerm::new(EffectId::BaroLag, 0.1, 0.1)).unwrap();
+    assert_eq!(refused(&with_effect), other_mission);
+    let mut broken = config(true);
+    broken.settling_s = -1.0;
+    assert_eq!(refused(&broken), Some(ResumeError::Config(ConfigError::OutOfRange)));
+    let other_shape =
+        Mission::<0, 5, 1>::resume(&super::config(true), snapshot.clone(), RaisedFlags::default());
+    assert_eq!(other_shape.err(), other_mission);
+}
+
+#[test]
+fn bytes_that_are_no_snapshot_are_refused() {
+    let mut mission = Dense::new(&config(true)).unwrap();
+    ticks()[..7_000].iter().for_each(|input| {
+        mission.tick(input);
+    });
+    let mut bytes = [0; MAX_SNAPSHOT_BYTES];
+    let length = mission.snapshot().unwrap().to_bytes(&mut bytes).unwrap();
+    assert_eq!(MissionSnapshot::from_bytes(&bytes[..length - 1]).err(), Some(SnapshotError::Format));
+    assert_eq!(MissionSnapshot::from_bytes(&bytes[..=length]).err(), Some(SnapshotError::Format));
+    assert_eq!(MissionSnapshot::from_bytes(&[]).err(), Some(SnapshotError::Format));
+    bytes[0] ^= 0x40;
+    assert_eq!(MissionSnapshot::from_bytes(&bytes[..length]).err(), Some(SnapshotError::Version));
+    let mut short = [0; 100];
+    assert_eq!(mission.snapshot().unwrap().to_bytes(&mut short), Err(SnapshotError::BufferTooShort));
+}
+
+#[test]
+fn the_largest_snapshot_fits() {
+    const E: usize = MAX_ESTIMATED_EFFECTS;
+    let mut largest = config::<E>(true);
+    largest.second_correction = SecondCorrection::MovingAverage;
+    // A window of which each part counts in two bytes.
+    largest.monitor.window_s = 60.0;
+    largest.estimated_effects = [EffectTerm::new(EffectId::BaroDynamicPressure, 0.0, 0.2); E];
+    for id in [EffectId::ImuTilt, EffectId::ImuVibration, EffectId::ImuEotvos, EffectId::BaroTemperature] {
+        largest.constant_effects.push(EffectTerm::new(id, 0.01, 0.01)).unwrap();
+    }
+    let mut mission = Mission::<0, 12, E>::new(&largest).unwrap();
+    for (k, mut input) in ticks().into_iter().enumerate() {
+        // After 25 days; and the reference is lost.
+        input.time_us += 1 << 41;
+        if k > 7_000 {
+            input.gps = None;
+        }
+        mission.tick(&input);
+    }
+    let sensor = SourceCounters {
+        accepted: u32::MAX,
+        not_finite: u32::MAX,
+        held: u32::MAX,
+        stuck: u32::MAX,
+        variance: u32::MAX,
+    };
+    mission.counters = Counters {
+        ticks: u32::MAX,
+        out_of_order: u32::MAX,
+        gps: sensor,
+        sensors: [sensor; SENSORS],
+        signals_not_finite: u32::MAX,
+        effects_without_signal: u32::MAX,
+        effects_extrapolated: u32::MAX,
+        launch_repeats: u32::MAX,
+        restarts: u32::MAX,
+    };
+    let length = mission.snapshot().unwrap().to_bytes(&mut [0; 4_096]).unwrap();
+    // A second byte for the count of each part of the four windows, which takes longer windows.
+    assert!(length + 4 * 32 <= MAX_SNAPSHOT_BYTES, "{length}");
+}
+
+/// The lost reference, and what the sensors say of each other.
+#[test]
+fn without_a_reference_nothing_is_monitored_and_the_sensors_check_each_other() {
+    let run = |change: &dyn Fn(u64, &mut TickInput)| {
+        let mut said = Vec::new();
+        fly::<0, 4, 0>(
+            &config(true),
+            |k, input| {
+                if (6_400..7_600).contains(&k) {
+                    input.gps = None;
+                }
+                change(k, input);
+            },
+            |k, output| {
+                // The last fix is tick 6,360's, and good for 2 s.
+                let lost = (6_761..7_600).contains(&k);
+                assert_eq!(lost && k % 4 == 0, output.cross_check.is_some(), "tick {k}");
+                if lost {
+                    assert!(output.sensors.iter().all(|sensor| sensor.trust == Trust::Unmonitored), "{k}");
+                    assert!(output.sensors.iter().all(|sensor| sensor.error_m.is_none()), "{k}");
+                }
+                said.extend(output.cross_check.map(|check| (k, check)));
+            },
+        )
+        .raised_flags()
+        .of_cross_check()
+        .map(|flag| (flag, said))
+    };
+    // Two sound sensors agree: eight sigmas are between them and the bound.
+    assert_eq!(run(&|_, _| {}), None);
+    // 50 m off after half of it: at once beyond the bound, and the average half a window later.
+    let (flag, said) = run(&off_from(7_000)).unwrap();
+    assert_eq!(flag, Trust::Untrustworthy);
+    let first = |agreement| said.iter().find(|(_, check)| check.agreement == agreement).unwrap().0;
+    assert_eq!((first(Agreement::Agree), first(Agreement::Doubtful)), (6_764, 7_000));
+    let bound_m = 4.0 * (2.0 * 5.0_f32).sqrt();
+    // A share of bound / 50 of the samples since the loss.
+    let expected = 7_000.0 + bound_m / (50.0 - bound_m) * (7_000.0 - 6_764.0);
+    assert!((first(Agreement::Disagree) as f32 - expected).abs() < 20.0, "{expected}");
+    let (_, last) = said.last().unwrap();
+    assert!((last.difference_m - 50.0).abs() < 2.0 * 2.0 * 1.74, "biases are off, whatever the altitude");
+}
+
+#[test]
+fn the_wrap_of_a_32_bit_microsecond_timer_is_none_of_the_missions() {
+    let run = |offset_us: u64| {
+        let mut outputs = Vec::new();
+        let mut mission = Dense::new(&config(true)).unwrap();
+        for mut input in ticks() {
+            input.time_us += offset_us;
+            let mut output = mission.tick(&input);
+            output.time_us -= offset_us;
+            outputs.push(output);
+        }
+        outputs
+    };
+    let early = run(0);
+    // In captive flight, at launch, and in free flight.
+    for wrap_at_s in [15, 30, 35] {
+        assert!(run((1 << 32) - wrap_at_s * 1_000_000) == early, "{wrap_at_s}");
+    }
+}

@@ -1,0 +1,145 @@
+//! The state of a mission in free flight, so that one that restarts can go on.
+//!
+//! Kept is what configuration and latch do not give back: the latch itself, the monitors with their
+//! moving averages and flags, the signals and their integrals, the last fix, what was counted. A
+//! mission in captive flight has none: its calibration starts again.
+
+use serde::{Deserialize, Serialize};
+
+use crate::config::MAX_ESTIMATED_EFFECTS;
+use crate::effect::SignalTracker;
+use crate::free_flight::KeptFreeFlight;
+use crate::latch::LatchRecord;
+use crate::mission::Counters;
+use crate::output::Trust;
+use crate::reading::StuckDetector;
+use crate::reference::ReferenceTracker;
+use crate::sensor::{SENSORS, Sensor};
+
+/// Version of the layout: of this struct and of every type in it.
+pub const SNAPSHOT_VERSION: u8 = 1;
+/// Longest snapshot, bytes: two of them fit into the 4 KiB of an STM32F405's backup SRAM. The largest
+/// model's do, with windows of up to 2^14 samples a part and a month after power-on (`mission::tests::resume`).
+pub const MAX_SNAPSHOT_BYTES: usize = 1_920;
+
+/// Why a snapshot was not made, not read or not believed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SnapshotError {
+    /// The buffer is too short.
+    BufferTooShort,
+    /// The bytes are no snapshot.
+    Format,
+    /// A snapshot of another version of the layout.
+    Version,
+    /// A snapshot of a mission with another configuration.
+    OtherMission,
+}
+
+/// A mission in free flight; made by [`crate::mission::Mission::snapshot`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MissionSnapshot {
+    pub(crate) first_us: u64,
+    pub(crate) last_us: u64,
+    pub(crate) launch_was: bool,
+    pub(crate) latch: LatchRecord,
+    pub(crate) free_flight: KeptFreeFlight,
+    /// Its flag; its moving average starts anew, or the largest snapshot would not fit.
+    pub(crate) cross_check: Trust,
+    pub(crate) signals: SignalTracker,
+    pub(crate) tracker: ReferenceTracker,
+    pub(crate) fix_regressors_m: heapless::Vec<f32, MAX_ESTIMATED_EFFECTS>,
+    pub(crate) stuck: [StuckDetector; SENSORS],
+    pub(crate) last_accepted_us: [Option<u64>; SENSORS],
+    pub(crate) counters: Counters,
+}
+
+impl MissionSnapshot {
+    /// Time of the mission's last tick, microseconds.
+    #[must_use]
+    pub const fn time_us(&self) -> u64 {
+        self.last_us
+    }
+
+    /// Writes version and snapshot (postcard) and returns how many bytes of `buffer` they take;
+    /// [`MAX_SNAPSHOT_BYTES`] are always enough. There is no check in it: who keeps it adds one.
+    ///
+    /// # Errors
+    /// [`SnapshotError::BufferTooShort`].
+    pub fn to_bytes(&self, buffer: &mut [u8]) -> Result<usize, SnapshotError> {
+        postcard::to_slice(&(SNAPSHOT_VERSION, self), buffer)
+            .map(|bytes| bytes.len())
+            .map_err(|_| SnapshotError::BufferTooShort)
+    }
+
+    /// Reads a snapshot from bytes that have been checked.
+    ///
+    /// # Errors
+    /// [`SnapshotError::Format`], [`SnapshotError::Version`].
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, SnapshotError> {
+        match bytes.first() {
+            None => return Err(SnapshotError::Format),
+            Some(&SNAPSHOT_VERSION) => {}
+            Some(_) => return Err(SnapshotError::Version),
+        }
+        match postcard::take_from_bytes::<(u8, Self)>(bytes) {
+            Ok(((_, snapshot), [])) => Ok(snapshot),
+            _ => Err(SnapshotError::Format),
+        }
+    }
+}
+
+/// The flags that were raised so far, two bits each: small enough to be kept at every tick, so that
+/// none is lost between two snapshots.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RaisedFlags(u8);
+
+impl RaisedFlags {
+    /// Those of a byte that [`Self::bits`] gave; a pattern that it never gives is the graver flag.
+    #[must_use]
+    pub const fn from_bits(bits: u8) -> Self {
+        Self(bits)
+    }
+
+    /// As a byte.
+    #[must_use]
+    pub const fn bits(self) -> u8 {
+        self.0
+    }
+
+    /// The flag of a sensor.
+    #[must_use]
+    pub const fn of(self, sensor: Sensor) -> Option<Trust> {
+        self.at(sensor as u8)
+    }
+
+    /// The flag of the cross-check.
+    #[must_use]
+    pub const fn of_cross_check(self) -> Option<Trust> {
+        self.at(SENSORS as u8)
+    }
+
+    const fn at(self, place: u8) -> Option<Trust> {
+        match self.0 >> (2 * place) & 3 {
+            0 => None,
+            1 => Some(Trust::Doubtful),
+            _ => Some(Trust::Untrustworthy),
+        }
+    }
+
+    const fn with(self, place: u8, flag: Option<Trust>) -> Self {
+        let bits = match flag {
+            Some(Trust::Doubtful) => 1,
+            Some(Trust::Untrustworthy) => 2,
+            _ => 0,
+        };
+        Self(self.0 | bits << (2 * place))
+    }
+
+    pub(crate) const fn with_sensor(self, sensor: Sensor, flag: Option<Trust>) -> Self {
+        self.with(sensor as u8, flag)
+    }
+
+    pub(crate) const fn with_cross_check(self, flag: Option<Trust>) -> Self {
+        self.with(SENSORS as u8, flag)
+    }
+}
