@@ -1,6 +1,6 @@
 //! Sensors that deliver what a flight record says.
 
-use kf_core::input::{GpsFix, ImuSample, TickInput};
+use kf_core::input::{GpsFix, ImuSample, LaunchDoubt, TickInput};
 
 use crate::error::SensorError;
 use crate::sensor::{
@@ -61,19 +61,24 @@ impl VehicleLink for Replay<VehicleState> {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ReplayUmbilical {
     open: bool,
+    doubt: LaunchDoubt,
 }
 
 impl ReplayUmbilical {
     /// A closed umbilical.
     #[must_use]
     pub const fn new() -> Self {
-        Self { open: false }
+        Self { open: false, doubt: LaunchDoubt::None }
     }
 }
 
 impl LaunchDiscrete for ReplayUmbilical {
     fn poll(&mut self, _now_us: u64) -> Result<bool, SensorError> {
         Ok(self.open)
+    }
+
+    fn doubt(&self) -> LaunchDoubt {
+        self.doubt
     }
 }
 
@@ -120,7 +125,7 @@ impl ReplayedSuite {
             outside_air_temperature_c: signals.outside_air_temperature_c,
             attitude_rad: signals.attitude_rad,
         });
-        self.launch.open = record.launch;
+        self.launch = ReplayUmbilical { open: record.launch, doubt: record.launch_doubt };
     }
 }
 
@@ -139,7 +144,7 @@ mod tests {
 
     prop_compose! {
         fn any_record()(
-            (time_us, launch) in any::<(u64, bool)>(),
+            (time_us, launch, doubt) in any::<(u64, bool, u8)>(),
             gps in cell(),
             baro in cell(),
             master in cell(),
@@ -152,6 +157,7 @@ mod tests {
             TickInput {
                 time_us,
                 launch,
+                launch_doubt: [LaunchDoubt::None, LaunchDoubt::Suspected, LaunchDoubt::Unconfirmed][usize::from(doubt % 3)],
                 gps: gps.map(|altitude_m| GpsFix { altitude_m, ..GpsFix::default() }),
                 baro: baro.map(BaroReading::AltitudeM),
                 imu_master_altitude_m: master,
@@ -176,7 +182,8 @@ mod tests {
             let mut suite = ReplayedSuite::replayed();
             suite.load(&record);
             prop_assert_eq!(suite.poll(record.time_us), record);
-            let empty = TickInput { time_us: 7, launch: record.launch, ..TickInput::default() };
+            let TickInput { launch, launch_doubt, .. } = record;
+            let empty = TickInput { time_us: 7, launch, launch_doubt, ..TickInput::default() };
             prop_assert_eq!(suite.poll(7), empty);
             prop_assert_eq!(suite.faults().count, 0);
         }

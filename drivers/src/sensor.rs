@@ -3,7 +3,7 @@
 //! All `poll`s alike: `now_us` is the flight computer's clock, microseconds, never running backward;
 //! `Ok(None)` is "nothing new"; an error is returned once for each time that it occurs.
 
-use kf_core::input::{BaroReading, GpsFix, ImuSample};
+use kf_core::input::{BaroReading, GpsFix, ImuSample, LaunchDoubt};
 
 use crate::error::SensorError;
 
@@ -90,4 +90,9 @@ pub trait LaunchDiscrete {
     /// # Errors
     /// See [`SensorError`]. The caller then holds the last state.
     fn poll(&mut self, now_us: u64) -> Result<bool, SensorError>;
+
+    /// What stands behind that. A bare wire knows of no doubt.
+    fn doubt(&self) -> LaunchDoubt {
+        LaunchDoubt::None
+    }
 }

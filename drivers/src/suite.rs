@@ -136,6 +136,7 @@ where
         TickInput {
             time_us: now_us,
             launch: self.launched,
+            launch_doubt: self.launch.doubt(),
             gps,
             baro: baro.reading,
             imu_master_altitude_m,

@@ -7,7 +7,7 @@ use flight_record::{
 };
 use heapless::Vec as HeaplessVec;
 use kf_core::config::MAX_ESTIMATED_EFFECTS;
-use kf_core::input::{BaroReading, GpsFix, ImuSample, Signals, TickInput};
+use kf_core::input::{BaroReading, GpsFix, ImuSample, LaunchDoubt, Signals, TickInput};
 use kf_core::latch::{LatchRecord, MAX_COVARIANCE, MAX_STATES, SensorLatch};
 use kf_core::output::{
     Agreement, CoefficientOutput, CrossCheckOutput, Phase, Rejection, SensorOutput, TickOutput, Trust,
@@ -20,6 +20,7 @@ fn longest_input() -> TickInput {
     TickInput {
         time_us: u64::MAX,
         launch: true,
+        launch_doubt: LaunchDoubt::Unconfirmed,
         gps: Some(GpsFix {
             altitude_m: f32::MAX,
             velocity_north_mps: Some(f32::MAX),
@@ -177,7 +178,7 @@ fn any_f32() -> impl Strategy<Value = f32> {
 prop_compose! {
     fn any_input()(
         time_us in any::<u64>(),
-        launch in any::<bool>(),
+        (launch, doubt) in any::<(bool, bool)>(),
         gps in proptest::option::of((any_f32(), proptest::option::of(any_f32()), proptest::option::of(any::<u64>()))),
         baro in proptest::option::of((any::<bool>(), any_f32())),
         slave in proptest::option::of(any_f32()),
@@ -186,6 +187,7 @@ prop_compose! {
         TickInput {
             time_us,
             launch,
+            launch_doubt: if doubt { LaunchDoubt::Suspected } else { LaunchDoubt::None },
             gps: gps.map(|(altitude_m, velocity_down_mps, fix_time_us)| GpsFix {
                 altitude_m, velocity_down_mps, fix_time_us, ..GpsFix::default()
             }),

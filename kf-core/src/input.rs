@@ -63,13 +63,29 @@ pub struct Signals {
     pub attitude_rad: Option<[f32; 3]>,
 }
 
+/// What stands behind [`TickInput::launch`]; see [`crate::launch`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum LaunchDoubt {
+    /// Nothing: captive or launched, as it says.
+    #[default]
+    None,
+    /// Not launched yet, but perhaps: the calibration is held, and takes no data.
+    Suspected,
+    /// Launched, and nothing but the wire says so: the latch bears
+    /// [`crate::quality::Check::LaunchConfirmed`] as failed.
+    Unconfirmed,
+}
+
 /// Everything that is new at one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TickInput {
     /// Time of the tick, microseconds since an arbitrary origin; must increase.
     pub time_us: u64,
-    /// The umbilical discrete: true once the UAV has left the mother ship.
+    /// True once the UAV has left the mother ship.
     pub launch: bool,
+    /// What stands behind that.
+    #[serde(default)]
+    pub launch_doubt: LaunchDoubt,
     /// A fix of the reference.
     pub gps: Option<GpsFix>,
     /// A barometer reading.

@@ -70,7 +70,7 @@ impl SensorLatch {
 /// The calibration at launch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LatchRecord {
-    /// When it was latched, microseconds.
+    /// Launch: the first edge, where it took until later to confirm it; microseconds.
     pub time_us: u64,
     /// For how long was calibrated, seconds.
     pub duration_s: f32,

@@ -26,6 +26,7 @@ mod free_flight;
 pub mod gauss_markov;
 pub mod input;
 pub mod latch;
+pub mod launch;
 pub mod mission;
 pub mod monitor;
 pub mod moving_average;

@@ -10,11 +10,12 @@ use crate::effect::{EffectSubject, SignalTracker};
 use crate::error::FilterError;
 use crate::estimator::ConfigError;
 use crate::free_flight::FreeFlight;
-use crate::input::{BaroReading, TickInput};
+use crate::input::{BaroReading, LaunchDoubt, TickInput};
 use crate::latch::LatchRecord;
 use crate::output::{CrossCheckOutput, Phase, Rejection, SensorOutput, TickOutput, Trust};
+use crate::quality::{Check, FailedChecks};
 use crate::reading::StuckDetector;
-use crate::reference::ReferenceTracker;
+use crate::reference::{AcceptedFix, ReferenceTracker};
 use crate::sensor::{SENSORS, Sensor};
 use crate::time::microseconds;
 
@@ -73,6 +74,8 @@ pub struct Counters {
     pub launch_repeats: u32,
     /// Times that the mission went on from a snapshot.
     pub restarts: u32,
+    /// Times that a launch was suspected and was none.
+    pub launch_suspicions: u32,
 }
 
 /// A mission from the first tick on. See the crate's documentation for `HEAD` and `TAIL`; `E`
@@ -91,11 +94,17 @@ pub struct Mission<const HEAD: usize, const TAIL: usize, const E: usize> {
     stuck: [StuckDetector; SENSORS],
     last_accepted_us: [Option<u64>; SENSORS],
     calibration: Calibration<HEAD, TAIL, E>,
+    /// From the first edge on, as is `free_flight`: a suspected launch is flown as one, in secret, so that nothing
+    /// depends on how long it takes to confirm it.
     latch: Option<LatchRecord>,
     free_flight: Option<FreeFlight>,
     cross_check: Option<CrossCheck>,
     /// Made by [`Self::resume`], and no tick since.
     is_resumed: bool,
+    /// The launch is no suspicion.
+    is_launched: bool,
+    /// The reference came back while a launch was suspected.
+    has_reacquired: bool,
     counters: Counters,
 }
 
@@ -125,6 +134,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             free_flight: None,
             cross_check: None,
             is_resumed: false,
+            is_launched: false,
+            has_reacquired: false,
             counters: Counters::default(),
             config: config.clone(),
         })
@@ -132,8 +143,13 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
 
     /// The calibration as latched at launch, once there was one.
     #[must_use]
-    pub const fn latch(&self) -> Option<&LatchRecord> {
-        self.latch.as_ref()
+    pub fn latch(&self) -> Option<&LatchRecord> {
+        self.latch.as_ref().filter(|_| self.is_launched)
+    }
+
+    /// Whether a launch is suspected: the calibration is held.
+    const fn is_held(&self) -> bool {
+        self.latch.is_some() && !self.is_launched
     }
 
     /// What was counted.
@@ -157,8 +173,9 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         let bridged_us = self.bridge(time_us);
         self.last_us = time_us;
 
-        let latched_now = self.follow_launch(input.launch, time_us);
+        let latched_now = self.follow_launch(input, time_us);
         if self.phase == Phase::Settling
+            && !self.is_held()
             && time_us.saturating_sub(first_us) >= microseconds(self.config.settling_s)
         {
             self.phase = Phase::Calibrating;
@@ -180,7 +197,14 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             self.take_readings(time_us, input, reference_m, &mut use_of_effects);
         self.count_effects(&use_of_effects);
 
-        let step = if self.phase == Phase::Calibrating {
+        self.has_reacquired |= self.is_held() && accepted.is_some_and(|fix| fix.interval_s.is_none());
+        let step = if self.phase == Phase::Calibrating && !self.is_held() {
+            let fix = match fix {
+                Some(fix) if core::mem::take(&mut self.has_reacquired) => {
+                    Some(AcceptedFix { interval_s: None, ..fix })
+                }
+                fix => fix,
+            };
             let step =
                 self.calibration.step(&self.config, time_us, fix, &self.tracker, &readings_m, &regressors_m);
             let is_new = input.signals.true_airspeed_mps.is_some() || input.gps.is_some();
@@ -226,30 +250,55 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
                     }
                     None => {
                         let said = self.check_each_other(sensor, time_us, reading_m - effects_m);
-                        output.cross_check = said.or(output.cross_check);
+                        output.cross_check = said.filter(|_| self.is_launched).or(output.cross_check);
                     }
                 }
             }
-            if let Some(free_flight) = &self.free_flight {
+            if let (Some(free_flight), true) = (&self.free_flight, self.is_launched) {
                 out.trust = free_flight.trust(sensor, time_us, reference_m.is_some());
             }
         }
         output
     }
 
-    /// Follows the launch discrete; true at the tick at which the calibration is latched.
-    fn follow_launch(&mut self, launch: bool, time_us: u64) -> bool {
+    /// Follows the launch discrete and the suspicion of a launch; true at the tick at which the calibration is latched.
+    fn follow_launch(&mut self, input: &TickInput, time_us: u64) -> bool {
+        let launch = input.launch;
         let changed = launch != self.launch_was;
         self.launch_was = launch;
-        if self.latch.is_some() {
+        if self.is_launched {
             if changed {
                 self.counters.launch_repeats = self.counters.launch_repeats.saturating_add(1);
             }
             return false;
         }
-        if !launch {
+        if !launch && input.launch_doubt != LaunchDoubt::Suspected {
+            if self.is_held() {
+                self.latch = None;
+                self.free_flight = None;
+                self.cross_check = None;
+                self.signals.resume_captive();
+                self.counters.launch_suspicions = self.counters.launch_suspicions.saturating_add(1);
+            }
             return false;
         }
+        if self.latch.is_none() {
+            self.hold(time_us);
+        }
+        if launch {
+            self.is_launched = true;
+            self.phase = Phase::FreeFlight;
+            if let Some(latch) = &mut self.latch {
+                let mut failed = FailedChecks::from_bits(latch.failed_checks);
+                failed.note(Check::LaunchConfirmed, input.launch_doubt != LaunchDoubt::Unconfirmed);
+                latch.failed_checks = failed.bits();
+            }
+        }
+        launch
+    }
+
+    /// Copies the calibration at the first edge, and begins the watch.
+    fn hold(&mut self, time_us: u64) {
         let mut delivering = false;
         let mut silent = false;
         let mut faults = self.counters.out_of_order > 0
@@ -278,9 +327,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         self.free_flight = Some(FreeFlight::new(&self.config, &latch));
         self.cross_check = Some(CrossCheck::new(&latch, microseconds(self.config.monitor.window_s)));
         self.latch = Some(latch);
-        self.phase = Phase::FreeFlight;
         self.signals.begin_free_flight(time_us);
-        true
     }
 
     /// The readings that are measurements, free of constant effects, and why the others are not.
@@ -324,11 +371,11 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             (Some(free_flight), Some(latch)) => {
                 let error_m = residual_m - latch.sensors[sensor.index()].bias_m;
                 match free_flight.take(sensor, time_us, error_m) {
-                    Some(watched) => {
+                    Some(watched) if self.is_launched => {
                         output.error_m = Some(watched.error_m);
                         output.moving_average_m = Some(watched.moving_average_m);
                     }
-                    None => output.error_m = error_m.is_finite().then_some(error_m),
+                    _ => output.error_m = error_m.is_finite().then_some(error_m),
                 }
             }
             _ => {
@@ -380,6 +427,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             trust: self
                 .free_flight
                 .as_ref()
+                .filter(|_| self.is_launched)
                 .map_or(Trust::Calibrating, |watch| watch.trust(sensor, time_us, has_reference)),
             rejection: None,
         };
@@ -393,7 +441,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             out_of_order: false,
             phase: self.phase,
             latched_now: false,
-            failed_checks: self.latch.as_ref().map_or(0, |latch| latch.failed_checks),
+            failed_checks: self.latch().map_or(0, |latch| latch.failed_checks),
             altitude_m: calibrated.altitude_m,
             altitude_variance_m2: calibrated.altitude_variance_m2,
             gps_innovation_m: None,

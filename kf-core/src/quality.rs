@@ -27,11 +27,13 @@ pub enum Check {
     InputsValid = 8,
     /// A sensor that flies free was delivering, and none was stuck or had gone silent.
     SensorsAlive = 9,
+    /// The launch itself was confirmed by more than the umbilical's wire.
+    LaunchConfirmed = 10,
 }
 
 impl Check {
     /// Every check, in the order of its bit.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Settled,
         Self::LongEnough,
         Self::TrimmedAltitude,
@@ -42,6 +44,7 @@ impl Check {
         Self::InnovationsPlausible,
         Self::InputsValid,
         Self::SensorsAlive,
+        Self::LaunchConfirmed,
     ];
 
     /// The name used in files and reports.
@@ -58,6 +61,7 @@ impl Check {
             Self::InnovationsPlausible => "innovations_plausible",
             Self::InputsValid => "inputs_valid",
             Self::SensorsAlive => "sensors_alive",
+            Self::LaunchConfirmed => "launch_confirmed",
         }
     }
 }

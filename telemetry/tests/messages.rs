@@ -5,7 +5,7 @@
 use heapless::spsc::Consumer;
 use kf_core::config::MAX_ESTIMATED_EFFECTS;
 use kf_core::effect::EffectId;
-use kf_core::input::{BaroReading, GpsFix, ImuSample, Signals, TickInput};
+use kf_core::input::{BaroReading, GpsFix, ImuSample, LaunchDoubt, Signals, TickInput};
 use kf_core::latch::{LatchRecord, SensorLatch};
 use kf_core::mission::{Counters, SourceCounters};
 use kf_core::output::{CoefficientOutput, Phase, Rejection, SensorOutput, TickOutput, Trust};
@@ -18,6 +18,7 @@ fn input(time_us: u64) -> TickInput {
     TickInput {
         time_us,
         launch: false,
+        launch_doubt: LaunchDoubt::None,
         gps: Some(GpsFix {
             altitude_m: 1_234.567,
             velocity_north_mps: Some(-30.0),

@@ -157,6 +157,14 @@ impl SignalTracker {
         self.integrals_lost = true;
     }
 
+    /// It was no launch: the flight is captive as before, and the next [`Self::begin_free_flight`] starts afresh.
+    pub fn resume_captive(&mut self) {
+        self.launch_us = None;
+        self.latched_airspeed_squared_m2ps2 = None;
+        self.integrals = FreeFlightIntegrals::default();
+        self.inertial.restart();
+    }
+
     /// Takes what is new at a tick; `fix` is the tick's fix if it was accepted (finite, and not the last
     /// one held).
     #[inline]

@@ -26,7 +26,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
     #[must_use]
     pub fn snapshot(&self) -> Option<MissionSnapshot> {
         let (Some(first_us), Some(latch), Some(free_flight), Some(cross_check)) =
-            (self.first_us, &self.latch, &self.free_flight, &self.cross_check)
+            (self.first_us, self.latch(), &self.free_flight, &self.cross_check)
         else {
             return None;
         };
@@ -49,6 +49,9 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
     /// The flags that are raised now.
     #[must_use]
     pub fn raised_flags(&self) -> RaisedFlags {
+        if !self.is_launched {
+            return RaisedFlags::default();
+        }
         let flags = self
             .free_flight
             .iter()
@@ -112,6 +115,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         mission.latch = Some(latch);
         mission.free_flight = Some(free_flight);
         mission.cross_check = Some(cross_check);
+        mission.is_launched = true;
         mission.is_resumed = true;
         Ok(mission)
     }

@@ -604,3 +604,4 @@ fn a_configuration_out_of_range_is_refused() {
 
 mod effects;
 mod resume;
+mod suspicion;

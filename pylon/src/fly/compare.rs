@@ -100,8 +100,17 @@ fn optional(value: Option<f32>) -> String {
 
 /// Every field of what a tick saw. The patterns name every field, so that a new one cannot be forgotten here.
 fn input_fields(input: &TickInput) -> Fields {
-    let TickInput { time_us, launch, gps, baro, imu_master_altitude_m, imu_slave_altitude_m, imu, signals } =
-        input;
+    let TickInput {
+        time_us,
+        launch,
+        launch_doubt,
+        gps,
+        baro,
+        imu_master_altitude_m,
+        imu_slave_altitude_m,
+        imu,
+        signals,
+    } = input;
     let Signals {
         true_airspeed_mps,
         angle_of_attack_rad,
@@ -114,6 +123,7 @@ fn input_fields(input: &TickInput) -> Fields {
     let mut fields = vec![
         ("input.time_us".to_owned(), time_us.to_string()),
         ("input.launch".to_owned(), launch.to_string()),
+        ("input.launch_doubt".to_owned(), format!("{launch_doubt:?}")),
         ("input.gps".to_owned(), gps.map_or("none", |_| "a fix").to_owned()),
     ];
     if let Some(fix) = gps {

@@ -1,6 +1,6 @@
 //! Rows of a flight as ticks.
 
-use kf_core::input::{BaroReading, GpsFix, ImuSample, Signals, TickInput};
+use kf_core::input::{BaroReading, GpsFix, ImuSample, LaunchDoubt, Signals, TickInput};
 
 use super::window::CalibrationWindow;
 use crate::flight::{Channel, Column, Flight};
@@ -233,6 +233,7 @@ impl Iterator for TickInputs<'_> {
         Some(TickInput {
             time_us: microseconds(time_s),
             launch: self.launch,
+            launch_doubt: LaunchDoubt::None,
             gps: self.gps(row),
             baro,
             imu_master_altitude_m,

@@ -1,4 +1,4 @@
-use kf_core::input::{BaroReading, GpsFix, ImuSample};
+use kf_core::input::{BaroReading, GpsFix, ImuSample, LaunchDoubt};
 use kf_core::mission::Mission;
 use kf_core::output::Phase;
 use kf_core::sensor::Sensor;
@@ -59,6 +59,7 @@ fn every_cell_reaches_its_field() {
         TickInput {
             time_us: 5000,
             launch: true,
+            launch_doubt: LaunchDoubt::None,
             gps: Some(GpsFix {
                 altitude_m: 1.0,
                 velocity_north_mps: Some(2.0),

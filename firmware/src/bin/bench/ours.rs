@@ -5,7 +5,7 @@ use kf_core::config::{
 };
 use kf_core::effect::{EffectId, EffectTerm};
 use kf_core::estimator::{ConfigError, Estimator, MeasurementNoise};
-use kf_core::input::{BaroReading, GpsFix, Signals, TickInput};
+use kf_core::input::{BaroReading, GpsFix, LaunchDoubt, Signals, TickInput};
 use kf_core::mission::Mission;
 use kf_core::monitor::Monitor;
 use kf_core::sensor::Sensor;
@@ -174,6 +174,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Filter for WholeTick<
         let input = TickInput {
             time_us,
             launch: time_us > self.launch_us,
+            launch_doubt: LaunchDoubt::None,
             gps: Some(GpsFix { altitude_m: gps, ..GpsFix::default() }),
             baro: Some(BaroReading::AltitudeM(baro)),
             imu_master_altitude_m: Some(master),

@@ -285,6 +285,7 @@ fn the_largest_snapshot_fits() {
         effects_extrapolated: u32::MAX,
         launch_repeats: u32::MAX,
         restarts: u32::MAX,
+        launch_suspicions: u32::MAX,
     };
     let length = mission.snapshot().unwrap().to_bytes(&mut [0; 4_096]).unwrap();
     // A second byte for the count of each part of the four windows, which takes longer windows.

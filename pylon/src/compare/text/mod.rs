@@ -120,6 +120,7 @@ pub(crate) fn meaning(check: &str) -> &'static str {
         "innovations_plausible" => "innovations were larger than the model says",
         "inputs_valid" => "numbers were not finite, or time ran backward",
         "sensors_alive" => "a sensor was stuck or silent",
+        "launch_confirmed" => "nothing but the umbilical's wire showed the launch",
         _ => "see the documentation of kf_core::quality",
     }
 }

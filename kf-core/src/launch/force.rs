@@ -1,0 +1,131 @@
+//! The force on the vehicle: when it departs from what it was under the pylon, and when it falls.
+//!
+//! The magnitude comes from its smoothed square by one of Heron's steps a sample: no tick takes a root, and a value
+//! that moves little between samples is followed closely.
+
+use super::{LaunchConfig, LaunchCounts, LaunchInput, count, step_s};
+use crate::atmosphere::STANDARD_GRAVITY_MPS2;
+
+/// Time constant of the smoothing, seconds: an engine's vibration is faster, a release slower.
+const SMOOTHING_S: f32 = 0.03;
+/// Time constant of the captive mean, seconds: longer than a gust, shorter than a turn.
+const MEAN_S: f32 = 2.0;
+/// That of the spread about it, seconds: some tens of gusts.
+const SPREAD_S: f32 = 10.0;
+/// Captive samples without which there is no mean to depart from, seconds.
+const LEAST_CAPTIVE_S: f32 = 5.0;
+/// Samples further apart than this, seconds, are not smoothed together, and a fall between them is not known.
+const LONGEST_GAP_S: f32 = 0.1;
+/// Keeps Heron's step from dividing by nothing, m/s^2.
+const LEAST_FORCE_MPS2: f32 = 0.01;
+/// No unit of this class reads more, m/s^2.
+const LARGEST_FORCE_MPS2: f32 = 1_000.0;
+
+/// Which side of the captive mean the force is on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Side {
+    #[default]
+    Within,
+    Below,
+    Above,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Force {
+    last_us: Option<u64>,
+    /// Square of the specific force, smoothed, (m/s^2)^2.
+    square: f32,
+    /// Its root, m/s^2.
+    magnitude: f32,
+    captive_mean: f32,
+    captive_variance: f32,
+    captive_s: f32,
+    side: Side,
+    departed_us: Option<u64>,
+    falling_us: Option<u64>,
+}
+
+impl Force {
+    /// Takes a tick's sample, if it has one. Only what is captive for certain enters mean and spread.
+    pub(super) fn take(
+        &mut self,
+        input: &LaunchInput,
+        is_captive: bool,
+        config: &LaunchConfig,
+        counts: &mut LaunchCounts,
+    ) {
+        let now_us = input.time_us;
+        if step_s(self.last_us, now_us).is_some_and(|gap_s| gap_s > LONGEST_GAP_S) {
+            self.last_us = None;
+            self.falling_us = None;
+            self.side = Side::Within;
+        }
+        let Some(force) = input.force_mps2 else { return };
+        let is_force = force.iter().all(|part| part.abs() <= LARGEST_FORCE_MPS2);
+        if !is_force || force == [0.0; 3] {
+            count(&mut counts.forces_refused);
+            return;
+        }
+        let square: f32 = force.iter().map(|part| part * part).sum();
+        let gap_s = step_s(self.last_us.replace(now_us), now_us);
+        match gap_s {
+            Some(gap_s) => self.square += (square - self.square) * (gap_s / (SMOOTHING_S + gap_s)),
+            None => self.square = square,
+        }
+        // The first time from afar: gravity, or wherever a gap began.
+        let start = if self.magnitude > 0.0 { self.magnitude } else { STANDARD_GRAVITY_MPS2 };
+        let steps = if gap_s.is_some() { 1 } else { 8 };
+        self.magnitude =
+            (0..steps).fold(start, |root, _| 0.5 * (root + self.square / root)).max(LEAST_FORCE_MPS2);
+        self.follow_fall(now_us, config);
+        self.follow_departure(now_us, config);
+        if let (true, Some(gap_s)) = (is_captive, gap_s) {
+            self.captive_s = (self.captive_s + gap_s).min(SPREAD_S);
+            let apart = self.magnitude - self.captive_mean;
+            let gain = gap_s / self.captive_s.min(MEAN_S);
+            self.captive_mean += gain * apart;
+            let square = (1.0 - gain) * apart * apart;
+            self.captive_variance += gap_s / self.captive_s * (square - self.captive_variance);
+        }
+    }
+
+    fn follow_fall(&mut self, now_us: u64, config: &LaunchConfig) {
+        let limit = config.fall_load * STANDARD_GRAVITY_MPS2;
+        if self.magnitude >= limit {
+            self.falling_us = None;
+        } else if self.falling_us.is_none() {
+            self.falling_us = Some(now_us);
+        }
+    }
+
+    fn follow_departure(&mut self, now_us: u64, config: &LaunchConfig) {
+        if self.captive_s < LEAST_CAPTIVE_S {
+            return;
+        }
+        let apart = self.magnitude - self.captive_mean;
+        let limit = config.departure * self.captive_mean;
+        let sigmas = config.departure_sigmas;
+        let is_rare = apart * apart > sigmas * sigmas * self.captive_variance;
+        let side = if is_rare && apart < -limit {
+            Side::Below
+        } else if is_rare && apart > limit {
+            Side::Above
+        } else {
+            Side::Within
+        };
+        if side != self.side && side != Side::Within {
+            self.departed_us = Some(now_us);
+        }
+        self.side = side;
+    }
+
+    /// When the force last left its captive mean, or crossed to the other side of it.
+    pub(super) const fn departed_us(&self) -> Option<u64> {
+        self.departed_us
+    }
+
+    /// Since when it has been near free fall without interruption.
+    pub(super) const fn falling_since_us(&self) -> Option<u64> {
+        self.falling_us
+    }
+}

@@ -1,0 +1,97 @@
+//! The umbilical's discrete: debounced, and what it is worth.
+
+use super::{LaunchConfig, LaunchCounts, LaunchInput, WireCondition, count};
+use crate::time::microseconds;
+
+/// What the wire says of a launch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Reading {
+    /// There was none.
+    Closed,
+    /// Perhaps.
+    Open {
+        edge_us: u64,
+        /// For longer than the debounce.
+        is_settled: bool,
+    },
+    /// Nothing: it is broken, or can not be read.
+    Nothing,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Wire {
+    /// First reading of this opening.
+    edge_us: Option<u64>,
+    is_settled: bool,
+    is_broken: bool,
+    /// Since when a broken wire has read closed.
+    closed_us: Option<u64>,
+    /// When it was read last, or first asked.
+    read_us: Option<u64>,
+    is_unreadable: bool,
+    /// The last reading.
+    was_open: bool,
+}
+
+impl Wire {
+    pub(super) fn take(&mut self, input: &LaunchInput, config: &LaunchConfig, counts: &mut LaunchCounts) {
+        let now_us = input.time_us;
+        let read_us = *self.read_us.get_or_insert(now_us);
+        let Some(is_open) = input.is_open else {
+            count(&mut counts.unreadable);
+            if now_us.saturating_sub(read_us) >= microseconds(config.undecided_s) {
+                self.is_unreadable = true;
+                self.edge_us = None;
+                self.is_settled = false;
+            }
+            return;
+        };
+        self.read_us = Some(now_us);
+        self.is_unreadable = false;
+        self.was_open = is_open;
+        let debounce_us = microseconds(config.debounce_s);
+        if is_open {
+            self.closed_us = None;
+            if !self.is_broken {
+                let edge_us = *self.edge_us.get_or_insert(now_us);
+                self.is_settled = now_us.saturating_sub(edge_us) >= debounce_us;
+            }
+            return;
+        }
+        if self.edge_us.take().is_some() {
+            count(if self.is_settled { &mut counts.reclosures } else { &mut counts.bounces });
+        }
+        self.is_settled = false;
+        let closed_us = *self.closed_us.get_or_insert(now_us);
+        if self.is_broken && now_us.saturating_sub(closed_us) >= debounce_us {
+            self.is_broken = false;
+            count(&mut counts.mended_wires);
+        }
+    }
+
+    /// Whether it closes with this reading; for the time after launch.
+    pub(super) fn closes(&mut self, is_open: Option<bool>) -> bool {
+        is_open.is_some_and(|is_open| core::mem::replace(&mut self.was_open, is_open) && !is_open)
+    }
+
+    pub(super) fn call_broken(&mut self) {
+        *self = Self { is_broken: true, edge_us: None, is_settled: false, closed_us: None, ..*self };
+    }
+
+    pub(super) const fn condition(&self) -> WireCondition {
+        match (self.is_unreadable, self.is_broken, self.edge_us) {
+            (true, ..) => WireCondition::Unreadable,
+            (_, true, _) => WireCondition::Broken,
+            (_, _, Some(_)) => WireCondition::Open,
+            (_, _, None) => WireCondition::Closed,
+        }
+    }
+
+    pub(super) const fn reading(&self) -> Reading {
+        match (self.condition(), self.edge_us) {
+            (WireCondition::Unreadable | WireCondition::Broken, _) => Reading::Nothing,
+            (_, Some(edge_us)) => Reading::Open { edge_us, is_settled: self.is_settled },
+            (_, None) => Reading::Closed,
+        }
+    }
+}
