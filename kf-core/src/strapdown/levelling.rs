@@ -20,19 +20,24 @@ const SPIKE: f32 = 3.0;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Levelling {
     memory: Memory,
-    gyro_bias: [Sum; 3],
+    pub(super) gyro_bias: [Sum; 3],
     turn_radps: f32,
     /// Specific force squared over gravity squared, less 1.
     excess_load: f32,
 }
 
 impl Levelling {
-    pub(super) fn gyro_bias(&self) -> Vector {
+    pub(super) fn gyro_bias_radps(&self) -> Vector {
         self.gyro_bias.map(Sum::value)
     }
 
     pub(super) const fn elapsed_s(&self) -> f32 {
         self.memory.elapsed_s()
+    }
+
+    /// Passes over a sample while something better levels: a later fit counts from here as if it had been in it.
+    pub(super) fn pass(&mut self, step_s: f32, config: &Config) {
+        self.memory.count(step_s, config.level_window_s);
     }
 
     /// Takes a sample into the fit; whether the flight was trimmed, without which it is not.
@@ -45,7 +50,7 @@ impl Levelling {
         config: &Config,
     ) -> bool {
         let vertical = down.get();
-        let bias = self.gyro_bias();
+        let bias = self.gyro_bias_radps();
         let turn = dot(rate, vertical) - dot(bias, vertical);
         let smoothing = step_s / (TRIM_TIME_CONSTANT_S + step_s);
         self.turn_radps += smoothing * (turn - self.turn_radps);

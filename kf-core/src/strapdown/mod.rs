@@ -5,10 +5,13 @@
 //! constant error of gravity is taken for a bias of the accelerometer.
 //!
 //! # Captive flight
-//! [`VerticalChannel::inertial`] levels the channel and finds the gyro's bias (`levelling`);
-//! [`VerticalChannel::reference`] ties altitude and climb rate to the reference and finds the accelerometer's bias
-//! along the vertical. Both are least-squares fits over a window (`memory`). Heading is free: a vertical channel
-//! has no use for it.
+//! [`VerticalChannel::inertial`] levels the channel and finds the gyro's bias: against the velocities of
+//! [`VerticalChannel::velocity`] where there are any (`velocity_match`), else on specific force alone (`levelling`), which takes
+//! the phugoid and gusts for tilts. [`VerticalChannel::reference`] ties altitude and climb rate to the reference and finds the accelerometer's bias
+//! along the vertical. It and the levelling are least-squares fits over a window (`memory`). The vertical channel itself has no
+//! use for a heading.
+//!
+//! [`VerticalChannel::hold`] stops the alignment while a launch is suspected, [`VerticalChannel::resume_captive`] goes on with it.
 //!
 //! # Free flight
 //! After [`VerticalChannel::launch`] nothing but the inertial samples moves the channel. Its errors then grow as theory
@@ -26,6 +29,7 @@ mod levelling;
 mod memory;
 mod sum;
 mod vector;
+mod velocity_match;
 
 use crate::input::ImuSample;
 use crate::time::seconds_between;
@@ -33,6 +37,7 @@ use levelling::Levelling;
 use memory::Memory;
 use sum::Sum;
 use vector::{Down, Vector, cross, dot};
+use velocity_match::VelocityMatch;
 
 pub use crate::atmosphere::STANDARD_GRAVITY_MPS2 as GRAVITY_MPS2;
 
@@ -40,6 +45,7 @@ pub use crate::atmosphere::STANDARD_GRAVITY_MPS2 as GRAVITY_MPS2;
 const MAXIMUM_FORCE_MPS2: f32 = 1_000.0;
 const MAXIMUM_RATE_RADPS: f32 = 100.0;
 const MAXIMUM_ALTITUDE_M: f32 = 100_000.0;
+const MAXIMUM_SPEED_MPS: f32 = 1_000.0;
 /// Largest turn between two samples, rad: two rates no longer say how the body moved, and the series end.
 const LONGEST_ANGLE_RAD: f32 = 1.0;
 
@@ -131,6 +137,9 @@ pub struct VerticalChannel {
     phase: Phase,
     down: Option<Down>,
     levelling: Levelling,
+    /// Until launch, once there are velocities.
+    matching: Option<VelocityMatch>,
+    is_launched: bool,
     last: Option<Last>,
     anchor: Memory,
     anchor_time_us: u64,
@@ -150,6 +159,8 @@ impl VerticalChannel {
             phase: Phase::Captive,
             down: None,
             levelling: Levelling::default(),
+            matching: None,
+            is_launched: false,
             last: None,
             anchor: Memory::default(),
             anchor_time_us: 0,
@@ -217,14 +228,58 @@ impl VerticalChannel {
         Ok(())
     }
 
+    /// Takes a horizontal velocity of the reference in captive flight, north and east, m/s. One a second is used.
+    ///
+    /// # Errors
+    /// [`StrapdownError::Launched`], [`StrapdownError::NotFinite`], [`StrapdownError::Implausible`],
+    /// [`StrapdownError::NoVertical`]; nothing has changed then.
+    pub fn velocity(&mut self, time_us: u64, velocity_mps: [f32; 2]) -> Result<(), StrapdownError> {
+        if self.phase != Phase::Captive {
+            return Err(StrapdownError::Launched);
+        }
+        if !velocity_mps.iter().all(|part| part.is_finite()) {
+            return Err(StrapdownError::NotFinite);
+        }
+        if velocity_mps.iter().any(|part| part.abs() > MAXIMUM_SPEED_MPS) {
+            return Err(StrapdownError::Implausible);
+        }
+        let Some(down) = &self.down else { return Err(StrapdownError::NoVertical) };
+        match &mut self.matching {
+            Some(matching) if !matching.is_void(time_us) => matching.reference(time_us, velocity_mps),
+            matching => *matching = VelocityMatch::new(time_us, velocity_mps, down),
+        }
+        Ok(())
+    }
+
     /// From now on the channel is on its own. Calling it again changes nothing.
     pub fn launch(&mut self) {
+        self.hold();
+        self.matching = None;
+        self.is_launched = true;
+    }
+
+    /// As [`Self::launch`], until that is said or [`Self::resume_captive`].
+    pub fn hold(&mut self) {
         if self.phase == Phase::Captive {
+            if let Some(matching) = &mut self.matching {
+                matching.hold();
+            }
             // Upward is minus down: what lacks upward is a bias that points down along the body's own axes.
             let lacking = self.lacking_mps2.value();
             let down = self.down.map_or([0.0; 3], |down| down.get());
             let accel_bias = down.map(|part| part * lacking);
             self.phase = Phase::Free { accel_bias, aligned: self.is_aligned() };
+        }
+    }
+
+    /// It was no launch: the alignment goes on, or starts anew if the channel was lost meanwhile. Nothing after [`Self::launch`].
+    pub fn resume_captive(&mut self) {
+        match self.phase {
+            Phase::Free { .. } if !self.is_launched => self.phase = Phase::Captive,
+            Phase::Lost if !self.is_launched => {
+                *self = Self { counts: self.counts, ..Self::new(self.config) }
+            }
+            Phase::Captive | Phase::Free { .. } | Phase::Lost => {}
         }
     }
 
@@ -265,7 +320,7 @@ impl VerticalChannel {
         if step_s > self.config.longest_gap_s {
             return Err(StrapdownError::Gap);
         }
-        let bias = self.levelling.gyro_bias();
+        let bias = self.levelling.gyro_bias_radps();
         let unbiased = |rate: Vector| [0, 1, 2].map(|axis| rate[axis] - bias[axis]);
         let (before, after) = (unbiased(last.rate), unbiased(gyro_radps));
         // The body turns by this angle, so down turns against it.
@@ -276,9 +331,16 @@ impl VerticalChannel {
             return Err(StrapdownError::Gap);
         }
         down.rotate(angle);
-        if self.phase == Phase::Captive
-            && !self.levelling.take(&mut down, force, gyro_radps, step_s, &self.config)
-        {
+        let is_captive = self.phase == Phase::Captive;
+        if is_captive && self.matching.as_ref().is_some_and(|matching| matching.is_void(time_us)) {
+            self.matching = None;
+        }
+        if let Some(matching) = &mut self.matching {
+            matching.take(&mut down, &mut self.levelling.gyro_bias, force, angle, step_s);
+            if is_captive {
+                self.levelling.pass(step_s, &self.config);
+            }
+        } else if is_captive && !self.levelling.take(&mut down, force, gyro_radps, step_s, &self.config) {
             self.counts.untrimmed = self.counts.untrimmed.saturating_add(1);
         }
         let vertical = down.get();
@@ -330,7 +392,7 @@ impl VerticalChannel {
     /// The gyro's bias as the levelling has it, body axes, rad/s.
     #[must_use]
     pub fn gyro_bias_radps(&self) -> [f32; 3] {
-        self.levelling.gyro_bias()
+        self.levelling.gyro_bias_radps()
     }
 
     /// Upward acceleration that the accelerometer lacks, as the reference has it, m/s^2.

@@ -157,6 +157,218 @@ fn level_and_gyro_bias_are_found() {
     assert_eq!(rig.channel.counts().untrimmed, 0);
 }
 
+/// Straight flight with horizontal accelerations of a phugoid and of gusts, attitude that wanders, a wind that makes the
+/// track another direction than the heading, and gyros that are off.
+struct Carried {
+    rig: Rig,
+    heading: f64,
+    gyro_bias: Vector64,
+    noise_mps: f64,
+    seed: u64,
+}
+
+impl Carried {
+    fn new(heading: f64, gyro_bias: Vector64) -> Self {
+        Self { rig: Rig::new(), heading, gyro_bias, noise_mps: 0.0, seed: 1 }
+    }
+
+    /// Sum of twelve uniform numbers: of variance 1.
+    fn normal(&mut self) -> f64 {
+        (0..12).fold(-6.0, |sum, _| {
+            self.seed =
+                self.seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            sum + (self.seed >> 40) as f64 / (1u64 << 24) as f64
+        })
+    }
+
+    /// Roll and pitch.
+    fn angles(t: f64) -> [f64; 2] {
+        [0.05 + 0.03 * (0.9 * t).sin() + 0.02 * (2.3 * t).sin(), -0.08 + 0.02 * (1.3 * t).cos()]
+    }
+
+    /// Ahead and to the right of the heading, level: velocity and acceleration. 28 m/s, 6 m/s of crab.
+    fn motion(t: f64) -> [[f64; 2]; 2] {
+        let waves = |parts: [[f64; 2]; 2], slow: f64| {
+            parts.into_iter().fold([slow, 0.0], |[v, a], [size, rate]| {
+                [v + size / rate * (rate * t).sin(), a + size * (rate * t).cos()]
+            })
+        };
+        let [[u, du], [v, dv]] =
+            [waves([[0.4, 0.25], [0.3, 1.1]], 28.0), waves([[0.2, 0.17], [0.3, 0.8]], 6.0)];
+        [[u, v], [du, dv]]
+    }
+
+    fn in_north_east(&self, [ahead, right]: [f64; 2]) -> [f64; 2] {
+        let (sine, cosine) = self.heading.sin_cos();
+        [ahead * cosine - right * sine, ahead * sine + right * cosine]
+    }
+
+    fn step(&mut self, velocities: bool) {
+        let t = self.rig.time_s() + STEP_S;
+        let [roll, pitch] = Self::angles(t);
+        let [[later_roll, later_pitch], [earlier_roll, earlier_pitch]] =
+            [Self::angles(t + 1e-4), Self::angles(t - 1e-4)];
+        let (roll_rate, pitch_rate) =
+            ((later_roll - earlier_roll) / 2e-4, (later_pitch - earlier_pitch) / 2e-4);
+        let rate = [roll_rate, pitch_rate * roll.cos(), -pitch_rate * roll.sin()];
+        let read = [0, 1, 2].map(|axis| rate[axis] + self.gyro_bias[axis]);
+        let [velocity, [ahead, right]] = Self::motion(t);
+        // By pitch, then roll.
+        let ((sp, cp), (sr, cr)) = (pitch.sin_cos(), roll.sin_cos());
+        let below = ahead * sp - G * cp;
+        let force = [ahead * cp + G * sp, right * cr + below * sr, below * cr - right * sr];
+        self.rig.step(&sample(force, read));
+        if velocities && self.rig.tick.is_multiple_of(40) {
+            let [north, east] = self.in_north_east(velocity);
+            let noise = [self.normal(), self.normal()].map(|part| self.noise_mps * part);
+            let fix = [north + noise[0], east + noise[1]].map(|part| part as f32);
+            self.rig.channel.velocity(self.rig.time_us(), fix).unwrap();
+        }
+    }
+
+    /// Largest errors of down (rad) and of the gyro's bias (rad/s).
+    fn errors(&self) -> [f64; 2] {
+        let [roll, pitch] = Self::angles(self.rig.time_s());
+        let largest = |found: [f32; 3], wanted: Vector64| {
+            found.into_iter().zip(wanted).map(|(a, b)| (f64::from(a) - b).abs()).fold(0.0, f64::max)
+        };
+        let channel = &self.rig.channel;
+        [
+            largest(channel.down_body().unwrap(), down_of(roll, pitch)),
+            largest(channel.gyro_bias_radps(), self.gyro_bias),
+        ]
+    }
+
+    fn run(mut self, seconds: u64, velocities: bool) -> Self {
+        for _ in 0..seconds * SECOND {
+            self.step(velocities);
+        }
+        self
+    }
+
+    /// The squares of those errors over the match's own variances.
+    fn squares_over_variances(&self) -> [f64; 2] {
+        let matching = self.rig.channel.matching.as_ref().unwrap();
+        let variance = |state| f64::from(matching.variance(state));
+        let [tilt, bias] = self.errors();
+        [
+            tilt * tilt / variance(0).max(variance(1)),
+            bias * bias / variance(3).max(variance(4)).max(variance(5)),
+        ]
+    }
+}
+
+const GYRO_BIAS: Vector64 = [0.004, -0.003, 0.005];
+
+#[test]
+fn with_velocities_an_acceleration_is_no_tilt() {
+    for heading in [0.0, 0.6, 2.0, -2.5] {
+        let [with, without] = [true, false].map(|on| Carried::new(heading, GYRO_BIAS).run(120, on));
+        let squares = with.squares_over_variances();
+        let ([tilt, bias], [tilt_without, _]) = (with.errors(), without.errors());
+        println!(
+            "{heading}: {tilt:.1e} rad {bias:.1e} rad/s {squares:.3?}; without velocities {tilt_without:.1e} rad"
+        );
+        // Without, the ends of the window weigh four times: accelerations of 0.5 m/s^2 and periods of 25 s leave more
+        // than a milliradian. Exact velocities leave what the priors still weigh, well below a sigma.
+        assert!(tilt_without > 1e-3 && tilt < 0.1 * tilt_without);
+        assert!(squares.into_iter().all(|square| square < 0.1), "{heading}: {squares:?}");
+    }
+}
+
+/// The errors are as large as the filter's own variances say, over many draws of the fixes' noise.
+#[test]
+fn the_matchs_variances_are_true() {
+    let (mut sum, mut count) = ([0.0; 2], 0.0);
+    for seed in 0..40 {
+        let carried = Carried { noise_mps: 0.1, seed: 77 * seed + 1, ..Carried::new(0.6, GYRO_BIAS) };
+        for (sum, square) in sum.iter_mut().zip(carried.run(60, true).squares_over_variances()) {
+            *sum += square;
+        }
+        count += 1.0;
+    }
+    let [tilt, bias] = sum.map(|sum| sum / count);
+    println!("squared errors over their variances: {tilt:.2} {bias:.2}");
+    // Of two unit normals the larger square has mean 1.64 (variance 3.1), of three 2.1 (3.9): over 40 flights no more than
+    // 2.5 and 3.0. Less, because these flights have neither gyro noise nor vibration, for which the variances leave room;
+    // how much less says how cautious the match is.
+    assert!((0.1..2.5).contains(&tilt) && (0.1..3.0).contains(&bias), "{tilt} {bias}");
+}
+
+/// Half a minute without velocities is bridged by a new match, and level is not lost.
+#[test]
+fn velocities_may_stay_away() {
+    let mut carried = Carried::new(0.6, GYRO_BIAS);
+    for tick in 0..200 * SECOND {
+        carried.step(!(100 * SECOND..110 * SECOND).contains(&tick));
+    }
+    let [tilt, bias] = carried.errors();
+    assert!(tilt < 1e-4 && bias < 3e-5, "{tilt} {bias}");
+    for _ in 0..40 * SECOND {
+        carried.step(false);
+    }
+    // The level that 200 s have found lasts; what comes in is an average over the window of the levelling.
+    let [tilt, _] = carried.errors();
+    assert!(carried.rig.channel.matching.is_none() && tilt < 0.01, "{tilt}");
+    for _ in 0..120 * SECOND {
+        carried.step(true);
+    }
+    let [tilt, bias] = carried.errors();
+    assert!(tilt < 2e-4 && bias < 5e-5, "{tilt} {bias}");
+}
+
+/// One fix that is far off, and a receiver that has gone mad.
+#[test]
+fn a_velocity_that_can_not_be_is_refused() {
+    let mut carried = Carried::new(0.6, GYRO_BIAS);
+    for _ in 0..100 * SECOND {
+        carried.step(true);
+    }
+    for _ in 0..SECOND {
+        carried.step(false);
+    }
+    let before = carried.rig.channel.gyro_bias_radps();
+    carried.rig.channel.velocity(carried.rig.time_us(), [100.0, 0.0]).unwrap();
+    for _ in 0..3 {
+        carried.step(false);
+    }
+    assert_eq!(carried.rig.channel.gyro_bias_radps(), before);
+    let errors = [[f32::NAN, 0.0], [0.0, 2e3]].map(|bad| carried.rig.channel.velocity(u64::MAX, bad));
+    assert_eq!(errors, [Err(StrapdownError::NotFinite), Err(StrapdownError::Implausible)]);
+}
+
+/// A hold that ends in a launch is the launch at its first tick; one that does not is an interruption.
+#[test]
+fn a_hold_is_a_launch_until_it_is_resumed() {
+    let mut carried = Carried::new(0.6, GYRO_BIAS);
+    for _ in 0..60 * SECOND {
+        carried.step(true);
+        if carried.rig.tick.is_multiple_of(20) {
+            carried.rig.channel.reference(carried.rig.time_us(), 1_000.0).unwrap();
+        }
+    }
+    let (mut launched, mut held) = (carried.rig.channel.clone(), carried.rig.channel.clone());
+    launched.launch();
+    held.hold();
+    let good = sample([0.0, 0.0, -G], [0.0; 3]);
+    for tick in 1..=600 {
+        let time_us = carried.rig.time_us() + tick * STEP_US;
+        assert_eq!(launched.inertial(time_us, &good), held.inertial(time_us, &good));
+        assert_eq!(held.reference(time_us, 5_000.0), Err(StrapdownError::Launched));
+        assert_eq!(held.velocity(time_us, [9.0, 9.0]), Err(StrapdownError::Launched));
+        assert_eq!(launched.altitude_m(), held.altitude_m());
+        assert_eq!(launched.down_body(), held.down_body());
+    }
+    let mut resumed = held.clone();
+    held.launch();
+    assert_eq!(held, launched);
+    held.resume_captive();
+    assert_eq!(held, launched);
+    resumed.resume_captive();
+    assert_eq!(resumed.reference(carried.rig.time_us() + 601 * STEP_US, 1_000.0), Ok(()));
+    assert!(resumed.is_aligned());
+}
+
 #[test]
 fn the_reference_gives_altitude_climb_rate_and_accelerometer_bias() {
     let mut rig = Rig::new();

@@ -35,6 +35,18 @@ impl Down {
         Some(Self(down.map(Sum::new)))
     }
 
+    /// A direction of length 1.
+    pub(super) fn from_unit(direction: Vector) -> Self {
+        Self(direction.map(Sum::new))
+    }
+
+    /// Moves the direction by a small vector across it.
+    pub(super) fn shift(&mut self, by: Vector) {
+        for (part, by) in self.0.iter_mut().zip(by) {
+            part.add(by);
+        }
+    }
+
     pub(super) fn get(&self) -> Vector {
         self.0.map(Sum::value)
     }

@@ -1,0 +1,255 @@
+//! Level alignment by velocity matching: the horizontal velocity that the inertial samples integrate to is held against
+//! that of the reference, so that an acceleration of the aircraft is no tilt.
+//!
+//! Levelling on specific force alone takes every horizontal acceleration for a tilt, 0.1 rad a g; here only what the
+//! reference's velocity does not explain is one. Error model in north-east-down axes, linear (Titterton and
+//! Weston, sections 12.3 and 10.4; P. D. Groves, "Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems",
+//! 2nd edition, Artech House 2013, section 14.2):
+//!
+//! `phi' = -C b`, `dv' = f x phi`; measured is `dv`, the integrated velocity less the fix's.
+//!
+//! `phi` is the small rotation of the computed axes against the true ones (tilts, heading), `b` what is left of the gyro's
+//! bias in body axes, `C` body to navigation axes, `f` specific force. The heading starts as the track,
+//! which is off by the crab angle, and is a state like the others: accelerations show it. Every update is fed back
+//! at once, so the states are zero between updates. A horizontal bias of the accelerometer can not be told
+//! from a tilt in straight flight, and is taken for one.
+//!
+//! One fix a second is used. The update is spread over the three ticks after it: no tick bears all of it.
+
+use super::sum::Sum;
+use super::vector::{Down, Vector, cross, dot};
+use crate::time::seconds_between;
+use crate::ud::{NoiseVariance, Row, UdFilter};
+
+/// Errors of tilt north and east, heading (rad), gyro bias x, y, z (rad/s), velocity north and east (m/s).
+const STATES: usize = 8;
+const HEADING: usize = 2;
+const BIAS: usize = 3;
+const VELOCITY: usize = 6;
+
+/// Variances at the start: a tilt by an acceleration of 1 m/s^2, a crab angle of 0.3 rad, the bias of a MEMS gyro
+/// (0.02 rad/s), and the fix's velocity.
+const START: [f32; 5] = [0.01, 0.01, 0.09, 4e-4, 0.02];
+/// Variance of a fix's velocity, (m/s)^2: 0.1 m/s, which has in it a latency of 0.2 s at 0.5 m/s^2.
+const FIX_M2PS2: f32 = 0.01;
+/// Noise densities. Angle: 0.02 deg/s/sqrt(Hz), rad^2/s.
+const ANGLE_DENSITY: f32 = 1.2e-7;
+/// Bias: moves by 10 deg/h in a quarter of an hour, (rad/s)^2/s.
+const BIAS_DENSITY: f32 = 2.6e-12;
+/// Velocity: vibration of 0.5 m/s^2 sampled 200 times a second, (m/s)^2/s.
+const VELOCITY_DENSITY: f32 = 1.2e-3;
+
+/// Least and longest time between two fixes that are used, seconds. Over the longest the error model is still linear.
+const SHORTEST_S: f32 = 0.9;
+const LONGEST_S: f32 = 20.0;
+/// Below this speed a track is no heading, m/s.
+const LEAST_SPEED_MPS: f32 = 5.0;
+/// A velocity further off than so many sigmas, squared, is refused; after so many in a row it is the filter that is wrong.
+const GATE: f32 = 25.0;
+const REFUSALS: u8 = 5;
+
+/// What is to be done at the next inertial sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Stage {
+    Idle,
+    Propagate { seconds: f32, gained: [f32; 3], apart: [f32; 2] },
+    Update { apart: [f32; 2] },
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct VelocityMatch {
+    filter: UdFilter<0, STATES>,
+    north: Down,
+    /// Integrated horizontal velocity, m/s.
+    velocity: [Sum; 2],
+    last_force: Option<Vector>,
+    /// Integral of the specific force since the last fix that was used, m/s.
+    gained: Vector,
+    fix_us: u64,
+    refusals: u8,
+    stage: Stage,
+}
+
+impl VelocityMatch {
+    /// From a fix's north and east velocity, m/s; `None` where the track says no heading, or the nose points up or down.
+    pub(super) fn new(time_us: u64, [north_mps, east_mps]: [f32; 2], down: &Down) -> Option<Self> {
+        let speed_squared = north_mps * north_mps + east_mps * east_mps;
+        if speed_squared < LEAST_SPEED_MPS * LEAST_SPEED_MPS {
+            return None;
+        }
+        let down = down.get();
+        let level = 1.0 - down[0] * down[0];
+        if level < 0.25 {
+            return None;
+        }
+        // The body's x made level, and what is to its right; once a flight, so roots are no matter.
+        let scale = 1.0 / libm::sqrtf(level);
+        let ahead = [0, 1, 2].map(|axis| scale * (f32::from(u8::from(axis == 0)) - down[0] * down[axis]));
+        let right = cross(down, ahead);
+        let speed = libm::sqrtf(speed_squared);
+        let (cosine, sine) = (north_mps / speed, east_mps / speed);
+        let north = [0, 1, 2].map(|axis| cosine * ahead[axis] - sine * right[axis]);
+        let [tilt, _, heading, bias, velocity] = START;
+        let variance = [tilt, tilt, heading, bias, bias, bias, velocity, velocity];
+        Some(Self {
+            filter: UdFilter::new([], [], [0.0; STATES], variance).ok()?,
+            north: Down::from_unit(north),
+            velocity: [Sum::new(north_mps), Sum::new(east_mps)],
+            last_force: None,
+            gained: [0.0; 3],
+            fix_us: time_us,
+            refusals: 0,
+            stage: Stage::Idle,
+        })
+    }
+
+    /// Whether fixes have stayed away for so long that the match is void.
+    pub(super) fn is_void(&self, time_us: u64) -> bool {
+        self.refusals >= REFUSALS || seconds_between(self.fix_us, time_us) > LONGEST_S
+    }
+
+    /// Takes a sample: `angle` is how the axes turned since the last one (rad, body), which `down` has already.
+    /// Moves `down` and `gyro_bias` when an update is due.
+    pub(super) fn take(
+        &mut self,
+        down: &mut Down,
+        gyro_bias: &mut [Sum; 3],
+        force: Vector,
+        angle: Vector,
+        step_s: f32,
+    ) {
+        self.north.rotate(angle);
+        let [north, east, vertical] = self.axes(down);
+        let now = [dot(north, force), dot(east, force), dot(vertical, force)];
+        let before = self.last_force.replace(now).unwrap_or(now);
+        for axis in 0..3 {
+            let gained = 0.5 * step_s * (before[axis] + now[axis]);
+            self.gained[axis] += gained;
+            if let Some(velocity) = self.velocity.get_mut(axis) {
+                velocity.add(gained);
+            }
+        }
+        match self.stage {
+            Stage::Idle => {}
+            Stage::Propagate { seconds, gained, apart } => {
+                self.stage = Stage::Update { apart };
+                if self.propagate(down, seconds, gained).is_none() {
+                    self.refusals = REFUSALS;
+                }
+            }
+            Stage::Update { apart } => {
+                self.stage = Stage::Idle;
+                self.update(apart);
+                self.feed_back(down, gyro_bias);
+            }
+        }
+    }
+
+    /// North, east and down in body axes.
+    fn axes(&self, down: &Down) -> [Vector; 3] {
+        let (north, down) = (self.north.get(), down.get());
+        [north, cross(down, north), down]
+    }
+
+    #[cfg(test)]
+    pub(super) fn variance(&self, state: usize) -> f32 {
+        self.filter.variance(state)
+    }
+
+    /// Drops an update that is due: from now on only samples count.
+    pub(super) fn hold(&mut self) {
+        self.stage = Stage::Idle;
+    }
+
+    /// Takes the velocity of a fix, m/s, if one is due.
+    pub(super) fn reference(&mut self, time_us: u64, velocity_mps: [f32; 2]) {
+        let seconds = seconds_between(self.fix_us, time_us);
+        if self.stage != Stage::Idle || seconds < SHORTEST_S {
+            return;
+        }
+        let apart = [0, 1].map(|axis| self.velocity[axis].value() - velocity_mps[axis]);
+        self.stage = Stage::Propagate { seconds, gained: self.gained, apart };
+        self.gained = [0.0; 3];
+        self.fix_us = time_us;
+    }
+
+    fn propagate(&mut self, down: &Down, seconds: f32, gained: Vector) -> Option<()> {
+        let axes = self.axes(down);
+        let mut transition = [[0.0; STATES]; STATES];
+        for (state, row) in transition.iter_mut().enumerate() {
+            row[state] = 1.0;
+        }
+        for angle in 0..3 {
+            for axis in 0..3 {
+                transition[angle][BIAS + axis] = -seconds * axes[angle][axis];
+            }
+        }
+        // Velocity by the tilt in the middle of the interval: half of what the bias makes of it.
+        let [north, east, fall] = gained;
+        for (row, parts) in [(VELOCITY, [0.0, -fall, east]), (VELOCITY + 1, [fall, 0.0, -north])] {
+            for angle in 0..3 {
+                transition[row][angle] = parts[angle];
+                for axis in 0..3 {
+                    transition[row][BIAS + axis] += 0.5 * parts[angle] * transition[angle][BIAS + axis];
+                }
+            }
+        }
+        self.filter.propagate::<0>(&transition, &[0.0; STATES], &[[]; STATES], &[]).ok()?;
+        for state in 0..STATES {
+            let density = match state {
+                0..=HEADING => ANGLE_DENSITY,
+                BIAS..VELOCITY => BIAS_DENSITY,
+                _ => VELOCITY_DENSITY,
+            };
+            self.filter.add_tail_noise(state, density * seconds).ok()?;
+        }
+        Some(())
+    }
+
+    fn update(&mut self, apart: [f32; 2]) {
+        let Ok(noise) = NoiseVariance::new(FIX_M2PS2) else { return };
+        let is_plausible = [0, 1].into_iter().all(|axis| {
+            let variance = self.filter.variance(VELOCITY + axis) + FIX_M2PS2;
+            apart[axis] * apart[axis] <= GATE * variance
+        });
+        if !is_plausible {
+            self.refusals = self.refusals.saturating_add(1);
+            return;
+        }
+        self.refusals = 0;
+        for (axis, apart_mps) in apart.into_iter().enumerate() {
+            let mut row = Row { head: None, tail: [0.0; STATES], first: VELOCITY + axis };
+            row.tail[VELOCITY + axis] = 1.0;
+            if self.filter.update(&row, apart_mps, noise).is_err() {
+                self.refusals = REFUSALS;
+            }
+        }
+        self.filter.fold();
+    }
+
+    /// Moves what the states are errors of, and sets them to zero.
+    fn feed_back(&mut self, down: &mut Down, gyro_bias: &mut [Sum; 3]) {
+        let error = *self.filter.tail();
+        let axes = self.axes(down);
+        let turn = [0, 1, 2].map(|axis| {
+            -(error[0] * axes[0][axis] + error[1] * axes[1][axis] + error[HEADING] * axes[2][axis])
+        });
+        down.rotate(turn);
+        self.north.rotate(turn);
+        // Rounding lets the two axes lean by some 1e-7 a tick.
+        let lean = dot(self.north.get(), down.get());
+        let straight = down.get().map(|part| -lean * part);
+        self.north.shift(straight);
+        for axis in 0..3 {
+            gyro_bias[axis].add(error[BIAS + axis]);
+        }
+        for axis in 0..2 {
+            self.velocity[axis].add(-error[VELOCITY + axis]);
+        }
+        for (state, value) in error.into_iter().enumerate() {
+            // A finite value of a state that exists.
+            let _ = self.filter.shift_tail(state, -value);
+        }
+        self.filter.fold();
+    }
+}
