@@ -30,6 +30,7 @@ pub mod launch;
 pub mod mission;
 pub mod monitor;
 pub mod moving_average;
+pub mod navigation;
 pub mod output;
 pub mod quality;
 pub mod reading;

@@ -1,0 +1,154 @@
+//! The UAV's own altitude, where no unit delivers one: made from its inertial samples.
+//!
+//! Sits between the sensors and the mission: [`InertialAltitude::tick`] takes a tick's input and fills
+//! [`TickInput::imu_slave_altitude_m`] from the strapdown vertical channel, which it levels and ties to the reference
+//! in captive flight. From the first tick of a suspected launch on the channel takes no reference; if it was no launch it
+//! goes on as before.
+//!
+//! One calibration is of one source. Where an altitude comes from outside before the channel is aligned, the channel is
+//! never asked; where the channel has spoken first, an altitude from outside is not used any more, and counted.
+//!
+//! Before launch the channel's altitude follows the reference, so its bias is nothing and its spread is the reference's;
+//! what the calibration says of this sensor is not how far it can be trusted in free flight. There it drifts as
+//! [`crate::strapdown`] says.
+
+use crate::input::{GpsFix, LaunchDoubt, TickInput};
+use crate::reading::is_held;
+use crate::strapdown::{Config, VerticalChannel};
+
+/// Time between two altitudes of the channel, microseconds. Neighbouring ones differ by the integral of the same noise:
+/// more often would only look like more information.
+const INTERVAL_US: u64 = 50_000;
+
+/// Who delivers the altitude.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum AltitudeSource {
+    /// Nobody yet.
+    #[default]
+    None,
+    /// A unit of its own.
+    Outside,
+    /// The strapdown channel.
+    Channel,
+}
+
+/// What was counted; the channel's own counts are [`VerticalChannel::counts`]. All saturate.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct NavigationCounts {
+    /// Altitudes that the channel delivered.
+    pub delivered: u32,
+    /// Altitudes from outside that were not used, because the channel had spoken first.
+    pub outside_ignored: u32,
+    /// Fixes that the channel refused, for their altitude or their velocity.
+    pub fixes_refused: u32,
+}
+
+/// Makes the altitude; see the module.
+#[derive(Clone, Debug)]
+pub struct InertialAltitude {
+    channel: VerticalChannel,
+    source: AltitudeSource,
+    last_fix: Option<GpsFix>,
+    said_us: Option<u64>,
+    is_launched: bool,
+    /// Launched, or suspected to be.
+    is_off: bool,
+    counts: NavigationCounts,
+}
+
+impl InertialAltitude {
+    /// Before the first tick.
+    #[must_use]
+    pub fn new(config: Config) -> Self {
+        Self {
+            channel: VerticalChannel::new(config),
+            source: AltitudeSource::None,
+            last_fix: None,
+            said_us: None,
+            is_launched: false,
+            is_off: false,
+            counts: NavigationCounts::default(),
+        }
+    }
+
+    /// Who delivers the altitude.
+    #[must_use]
+    pub const fn source(&self) -> AltitudeSource {
+        self.source
+    }
+
+    /// The channel.
+    #[must_use]
+    pub const fn channel(&self) -> &VerticalChannel {
+        &self.channel
+    }
+
+    /// What was counted.
+    #[must_use]
+    pub const fn counts(&self) -> &NavigationCounts {
+        &self.counts
+    }
+
+    /// Takes a tick before the mission does, and fills in the UAV's inertial altitude (metres, the reference's datum)
+    /// where it is this one's to say. Every tick must be shown, in order.
+    pub fn tick(&mut self, input: &mut TickInput) {
+        if self.source == AltitudeSource::None && input.imu_slave_altitude_m.is_some() {
+            self.source = AltitudeSource::Outside;
+        }
+        if self.source == AltitudeSource::Outside {
+            return;
+        }
+        self.follow_launch(input);
+        let has_sample = input.imu.is_some_and(|imu| {
+            // A refused sample is counted by the channel.
+            self.channel.inertial(input.time_us, &imu).is_ok()
+        });
+        if let Some(fix) = input.gps {
+            self.take_fix(input.time_us, &fix);
+        }
+        if self.source == AltitudeSource::Channel && input.imu_slave_altitude_m.take().is_some() {
+            self.counts.outside_ignored = self.counts.outside_ignored.saturating_add(1);
+        }
+        let is_due = self.said_us.is_none_or(|said_us| input.time_us.saturating_sub(said_us) >= INTERVAL_US);
+        if let (true, true, Some(altitude_m)) = (has_sample, is_due, self.channel.altitude_m()) {
+            self.source = AltitudeSource::Channel;
+            self.said_us = Some(input.time_us);
+            self.counts.delivered = self.counts.delivered.saturating_add(1);
+            input.imu_slave_altitude_m = Some(altitude_m);
+        }
+    }
+
+    fn follow_launch(&mut self, input: &TickInput) {
+        self.is_launched |= input.launch;
+        let is_off = self.is_launched || input.launch_doubt == LaunchDoubt::Suspected;
+        if self.is_launched {
+            self.channel.launch();
+        } else if is_off {
+            self.channel.hold();
+        } else if self.is_off {
+            self.channel.resume_captive();
+        }
+        self.is_off = is_off;
+    }
+
+    /// A fix is the reference in captive flight: new, not held, and of finite numbers.
+    fn take_fix(&mut self, time_us: u64, fix: &GpsFix) {
+        if self.last_fix.as_ref().is_some_and(|last| is_held(fix, last)) {
+            return;
+        }
+        self.last_fix = Some(*fix);
+        if self.is_off {
+            return;
+        }
+        let mut is_taken = self.channel.reference(time_us, fix.altitude_m).is_ok();
+        if let (Some(north), Some(east)) = (fix.velocity_north_mps, fix.velocity_east_mps) {
+            is_taken &= self.channel.velocity(time_us, [north, east]).is_ok();
+        }
+        if !is_taken {
+            self.counts.fixes_refused = self.counts.fixes_refused.saturating_add(1);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,129 @@
+//! Whose altitude the mission gets, and what the channel is shown.
+
+use super::*;
+use crate::input::ImuSample;
+
+const TICK_US: u64 = 5_000;
+const G: f32 = 9.806_65;
+
+/// At rest at 1,000 m, an inertial sample a tick, a fix ten times a second.
+fn tick(k: u64) -> TickInput {
+    let imu = Some(ImuSample { accel_mps2: [0.0, 0.0, -G], gyro_radps: [0.0; 3] });
+    let fix = |k: u64| GpsFix { altitude_m: 1_000.0, fix_time_us: Some(k), ..GpsFix::default() };
+    TickInput { time_us: k * TICK_US, imu, gps: k.is_multiple_of(20).then(|| fix(k)), ..TickInput::default() }
+}
+
+/// Flies so many seconds; the altitudes that the mission would get, with their ticks.
+fn fly(seconds: u64, change: impl Fn(u64, &mut TickInput)) -> (InertialAltitude, Vec<(u64, f32)>) {
+    let mut navigation = InertialAltitude::new(Config::MEMS);
+    let mut said = Vec::new();
+    for k in 1..=seconds * 200 {
+        let mut input = tick(k);
+        change(k, &mut input);
+        navigation.tick(&mut input);
+        said.extend(input.imu_slave_altitude_m.map(|altitude_m| (k, altitude_m)));
+    }
+    (navigation, said)
+}
+
+#[test]
+fn an_aligned_channel_speaks_twenty_times_a_second() {
+    let (navigation, said) = fly(60, |k, input| input.launch = k >= 8_000);
+    assert_eq!(navigation.source(), AltitudeSource::Channel);
+    // From 20 s after the first fix on.
+    let (first, _) = said[0];
+    assert!((4_000..4_200).contains(&first), "{first}");
+    assert!(said.windows(2).all(|pair| pair[1].0 - pair[0].0 == 10));
+    assert!(said.iter().all(|(_, altitude_m)| (altitude_m - 1_000.0).abs() < 0.01));
+    assert_eq!(navigation.counts().delivered as usize, said.len());
+    assert_eq!(
+        *navigation.counts(),
+        NavigationCounts { delivered: said.len() as u32, ..NavigationCounts::default() }
+    );
+}
+
+#[test]
+fn an_altitude_from_outside_is_left_alone() {
+    let (navigation, said) = fly(60, |k, input| {
+        if k >= 3_000 && k.is_multiple_of(7) {
+            input.imu_slave_altitude_m = Some(k as f32);
+        }
+    });
+    assert_eq!(navigation.source(), AltitudeSource::Outside);
+    assert!(said.iter().all(|(k, altitude_m)| *altitude_m == *k as f32 && k.is_multiple_of(7)));
+    assert_eq!((said.len(), *navigation.counts()), (12_000 / 7 - 2_999 / 7, NavigationCounts::default()));
+}
+
+#[test]
+fn one_that_comes_after_the_channel_spoke_is_counted_and_not_used() {
+    let (navigation, said) = fly(60, |k, input| {
+        if k >= 6_000 {
+            input.imu_slave_altitude_m = Some(-5.0);
+        }
+    });
+    assert_eq!(navigation.source(), AltitudeSource::Channel);
+    assert!(said.iter().all(|(_, altitude_m)| (altitude_m - 1_000.0).abs() < 0.01));
+    assert_eq!(navigation.counts().outside_ignored, 6_001);
+}
+
+/// From the first suspicion on the reference may say what it likes; a suspicion that was none ends.
+#[test]
+fn what_comes_after_the_first_edge_moves_nothing() {
+    let moved = |from: u64, to: u64| {
+        move |k: u64, input: &mut TickInput| {
+            if let (true, Some(fix)) = ((from..to).contains(&k), &mut input.gps) {
+                fix.altitude_m = 1_100.0;
+            }
+        }
+    };
+    let at_once = fly(60, |k, input| {
+        moved(8_000, 12_001)(k, input);
+        input.launch = k >= 8_000;
+    });
+    let later = fly(60, |k, input| {
+        moved(8_000, 12_001)(k, input);
+        // Falls back, as a wire may: it is a launch all the same.
+        input.launch = k == 8_600;
+        if (8_000..8_600).contains(&k) {
+            input.launch_doubt = LaunchDoubt::Suspected;
+        }
+    });
+    assert_eq!(at_once.1, later.1);
+    assert!(later.1.iter().all(|(_, altitude_m)| (altitude_m - 1_000.0).abs() < 0.01));
+    let none = fly(60, |k, input| {
+        moved(8_000, 8_600)(k, input);
+        if (8_000..8_600).contains(&k) {
+            input.launch_doubt = LaunchDoubt::Suspected;
+        }
+    });
+    assert!(none.1.iter().all(|(_, altitude_m)| (altitude_m - 1_000.0).abs() < 0.01));
+    // And afterwards it is tied again.
+    let tied = fly(200, |k, input| {
+        moved(8_600, 40_001)(k, input);
+        if (8_000..8_600).contains(&k) {
+            input.launch_doubt = LaunchDoubt::Suspected;
+        }
+    });
+    assert!((tied.1.last().unwrap().1 - 1_100.0).abs() < 0.5, "{:?}", tied.1.last());
+}
+
+/// A receiver that holds its last fix has measured once.
+#[test]
+fn a_held_fix_is_one_and_a_bad_one_is_counted() {
+    let (navigation, said) = fly(60, |k, input| {
+        if let (true, Some(fix)) = (k > 100, &mut input.gps) {
+            fix.fix_time_us = Some(100);
+        }
+    });
+    assert_eq!((navigation.source(), said.len()), (AltitudeSource::None, 0));
+    let (navigation, _) = fly(30, |k, input| {
+        if let (true, Some(fix)) = (k == 2_000, &mut input.gps) {
+            fix.altitude_m = f32::NAN;
+        }
+        if let (true, Some(fix)) = (k == 2_020, &mut input.gps) {
+            fix.velocity_north_mps = Some(f32::NAN);
+            fix.velocity_east_mps = Some(0.0);
+        }
+    });
+    assert_eq!(navigation.counts().fixes_refused, 2);
+}
