@@ -5,10 +5,12 @@ use kf_core::effect::{Clock, EffectId, Regressor};
 
 use super::candidates::Candidate;
 use super::diagnosis::{CandidateFacts, Diagnosis};
-use super::judge::{Findings, Judge, NamedReplay, work};
+use super::judge::{Findings, Judge};
 use super::noise::Noise;
+use super::roughness::scale;
 use super::search::{Explanation, Search};
 use super::series::Series;
+use super::work::{NamedReplay, work};
 
 /// The effect whose coefficient is wanted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -121,7 +123,7 @@ impl Judge<'_> {
             noise: findings.explanation.fit.noise,
             terms: free.chain(known).collect(),
             inflation: findings.inflation.get(at).copied().unwrap_or(1.0),
-            scale: self.scale(effect),
+            scale: scale(self.epochs, effect),
             facts,
         })
     }

@@ -5,6 +5,8 @@
 //! for every set of effects that is looked at. That likelihood is a Kalman filter's innovations
 //! (`whitener`), so it is linear in the length of the flight.
 //!
+//! `work` does it:
+//!
 //! 1. `epochs`: a flight's ticks become block means of residuals and of every candidate's regressor.
 //! 2. `search`: the most probable set of effects.
 //! 3. `repeatability`: whether its coefficients repeat from part to part of the flight.
@@ -34,20 +36,23 @@ mod quasi_newton;
 mod reference_path;
 mod repeatability;
 mod rivals;
+mod roughness;
 mod search;
 mod series;
 mod signals;
 pub(crate) mod text;
 mod unknown;
 mod whitener;
+mod wind;
+mod work;
 
 pub use diagnosis::{
     CandidateFacts, DiagnosedFlight, Diagnosis, Follows, NoiseFacts, SensorDiagnosis, Untested, Verdict,
 };
 pub use dump::dump;
 pub use envelope::envelope_m;
-pub use judge::{NamedReplay, diagnose};
 pub use lesson::{Lesson, Term, Wish, study};
 pub use noise::{GaussMarkov, Noise, SensorNoise};
 pub use series::{BySensor, Series};
 pub use text::text;
+pub use work::{NamedReplay, diagnose};

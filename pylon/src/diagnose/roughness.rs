@@ -1,0 +1,44 @@
+//! Which regressors are known only roughly, and how roughly.
+
+use kf_core::effect::EffectId;
+
+use super::epochs::Epochs;
+
+/// The share of a coefficient that is unsure beside its noise: signals are measured with delays and scale
+/// errors of their own.
+const SCALE: f64 = 0.02;
+
+/// The same where a regressor is integrated twice from what accelerometers and attitudes say.
+const SCALE_INTEGRATED: f64 = 0.05;
+
+/// The same where the airspeed is not measured and the speed over ground stands in: wind.
+const SCALE_WITHOUT_AIRSPEED: f64 = 0.2;
+
+/// Whether an effect's regressor is known only to some ten per cent: the airspeed is not measured, or it is
+/// integrated twice from specific forces and attitudes, whose small errors grow.
+pub(super) fn is_rough(epochs: &[Epochs], effect: EffectId) -> bool {
+    let is_integrated = matches!(
+        effect,
+        EffectId::ImuAccelScale | EffectId::ImuTilt | EffectId::ImuGyroBias | EffectId::ImuVibration
+    );
+    // A receiver that is late often filters as well, which is a delay for slow motions only.
+    let is_filter = effect == EffectId::GpsLatency;
+    is_integrated || is_filter || lacks_airspeed(epochs, effect)
+}
+
+/// Whether an effect is made of the airspeed and a flight has it not measured.
+pub(super) fn lacks_airspeed(epochs: &[Epochs], effect: EffectId) -> bool {
+    effect.needs().contains(&"tas_mps")
+        && epochs.iter().any(|epochs| epochs.signals.iter().all(|block| !block[0].is_finite()))
+}
+
+/// The share of an effect's coefficient that is unsure beside its noise.
+pub(super) fn scale(epochs: &[Epochs], effect: EffectId) -> f64 {
+    if lacks_airspeed(epochs, effect) {
+        SCALE_WITHOUT_AIRSPEED
+    } else if is_rough(epochs, effect) {
+        SCALE_INTEGRATED
+    } else {
+        SCALE
+    }
+}

@@ -1,0 +1,38 @@
+//! The wind's place where the airspeed is not measured.
+
+use kf_core::sensor::Sensor;
+
+use super::epochs::Epochs;
+use super::problem::Known;
+use super::signals;
+
+/// Sigma of what the wind adds to the barometer per m/s over ground where the airspeed is not measured: a port
+/// that reads a third of the dynamic pressure, in 10 m/s of wind.
+const WIND_M_PER_MPS: f64 = 0.3;
+
+/// Where a flight has no airspeed, the two columns that its square lacks.
+///
+/// With the velocity v over ground and the wind w the airspeed's square is `|v|^2 - 2 v.w + |w|^2`: to the
+/// squared speed over ground that stands in for it belong the two components of v, with a coefficient of each
+/// flight's own. Load factor and angle of attack would have to do for them otherwise.
+pub(super) fn wind(epochs: &mut [Epochs], held: &mut [Epochs]) -> Vec<Known> {
+    let lacks = |epochs: &Epochs| epochs.signals.iter().all(|block| !block[0].is_finite());
+    if !epochs.iter().any(&lacks) {
+        return Vec::new();
+    }
+    let mut known = Vec::new();
+    for signal in signals::GROUND_VELOCITY {
+        for epochs in epochs.iter_mut().chain(held.iter_mut()) {
+            let is_needed = lacks(epochs);
+            let component = epochs.signals.iter().map(|block| {
+                let value = if is_needed && block[signal].is_finite() { block[signal] } else { 0.0 };
+                std::array::from_fn(|i| if i == Sensor::Baro.index() { value } else { 0.0 })
+            });
+            let component = component.collect();
+            epochs.series.columns.push(component);
+        }
+        let column = epochs.first().map_or(0, |epochs| epochs.series.columns.len() - 1);
+        known.push(Known { column, sigma: WIND_M_PER_MPS });
+    }
+    known
+}
