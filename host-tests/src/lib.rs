@@ -4,4 +4,5 @@ pub mod bench;
 pub mod blind;
 pub mod budget;
 pub mod confusion;
+pub mod real_logs;
 pub mod textbook;

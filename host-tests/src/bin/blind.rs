@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use anyhow::Context as _;
 use clap::Parser;
-use host_tests::blind::{Case, Kind, Plan, Trial, draw, fly, run, table};
+use host_tests::blind::{Case, Kind, Plan, Trial, draw, fly, improvement, run, table};
 use host_tests::confusion::confusion;
 use indicatif::{ProgressBar, ProgressStyle};
 use model::Model;
@@ -108,12 +108,14 @@ fn main() -> anyhow::Result<()> {
         let dumped: Vec<Dumped<'_>> = trials.iter().map(dumped).collect();
         fs::write(folder.join("trials.json"), serde_json::to_string_pretty(&dumped)?)?;
     }
+    let improvements: Vec<_> = trials.iter().filter_map(|trial| trial.improvement).collect();
     println!(
-        "{} trials flown (seeds {} to {}), {unflown} plans that the aircraft can't fly\n\n{}\n{}",
+        "{} trials flown (seeds {} to {}), {unflown} plans that the aircraft can't fly\n\n{}\n{}\n{}",
         trials.len(),
         arguments.seed,
         end - 1,
         table(&trials),
+        improvement::lines(&improvements),
         confusion(&trials)
     );
     Ok(())
@@ -180,8 +182,11 @@ fn line(trial: &Trial) -> String {
         trial.deviations.iter().map(|deviation| format!("{deviation:+.1}")).collect();
     let deviations =
         if deviations.is_empty() { String::new() } else { format!(" ({} sigma)", deviations.join(" ")) };
+    let improvement = trial.improvement.map_or_else(String::new, |i| {
+        format!(" [next flight {:.2} m, added {:.2} m, oracle {:.2} m]", i.before_m, i.after_m, i.oracle_m)
+    });
     format!(
-        "{:>5} {mark:<6} {:?} {kind}{} => {}{deviations}",
+        "{:>5} {mark:<6} {:?} {kind}{} => {}{deviations}{improvement}",
         trial.case.seed,
         trial.case.plan,
         if trial.case.missing.is_empty() {

@@ -21,14 +21,16 @@ pub struct Flown {
     pub noise_m: f64,
 }
 
-/// Flies a case; a second flight of the same case has another `flight` number.
+/// Flies a case; a second flight of the same case, with the same coefficients in other air, has another `number`.
 ///
 /// # Errors
 /// When the aircraft can't fly the plan, or a column is not there.
 pub fn fly(case: &Case, number: u64) -> anyhow::Result<Flown> {
     let mut scenario = Scenario::from_toml(&case.scenario, "blind")?;
-    let seed = case.seed.wrapping_mul(1000).wrapping_add(number);
-    let (_, truth) = simulate(&scenario, seed).map_err(|error| anyhow::anyhow!("{error}"))?;
+    let first = case.seed.wrapping_mul(1000);
+    let seed = first.wrapping_add(number);
+    // The coefficients are made from the first flight's path, whichever is flown.
+    let (_, truth) = simulate(&scenario, first).map_err(|error| anyhow::anyhow!("{error}"))?;
     let baro = &scenario.sensors.baro.noise;
     let gps = &scenario.sensors.gps.noise;
     let imu = &scenario.sensors.imu_slave.noise;

@@ -6,6 +6,7 @@
 
 mod draw;
 mod flight;
+pub mod improvement;
 mod outside;
 mod score;
 mod trial;

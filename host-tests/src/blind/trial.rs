@@ -3,10 +3,11 @@
 use model::Model;
 use pylon::diagnose::{Diagnosis, NamedReplay, Verdict, diagnose};
 use pylon::replay::Replay;
-use pylon::simulate::scenario::EffectId;
+use pylon::simulate::scenario::{Effect, EffectId};
 
 use super::draw::{Case, Kind};
 use super::flight::{Flown, fly};
+use super::improvement::{Improvement, improvement};
 
 /// How a trial ended.
 #[derive(Clone, Debug)]
@@ -20,6 +21,9 @@ pub struct Trial {
     pub diagnosis: Diagnosis,
     /// Deviations of the coefficients of identified effects from the truth, in their sigmas.
     pub deviations: Vec<f64>,
+    /// What adding the identified effects does to another flight of the same aircraft; `None` where none was
+    /// injected or none identified.
+    pub improvement: Option<Improvement>,
 }
 
 impl Trial {
@@ -79,5 +83,12 @@ pub fn run(case: Case) -> anyhow::Result<Trial> {
             }
         }
     }
-    Ok(Trial { case, truth, diagnosis, deviations })
+    let mut trial = Trial { case, truth, diagnosis, deviations, improvement: None };
+    let identified = trial.identified();
+    if !identified.is_empty() && !effects.is_empty() {
+        let next = fly(&trial.case, 1)?.flight;
+        let injected: Vec<Effect> = effects.into_iter().map(|(effect, _)| effect).collect();
+        trial.improvement = Some(improvement(&flight, &next, &identified, &injected)?);
+    }
+    Ok(trial)
 }

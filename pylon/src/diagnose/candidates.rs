@@ -3,15 +3,19 @@
 use kf_core::effect::{Clock, EffectId, EffectSubject, Regressor};
 use kf_core::sensor::Sensor;
 
+use super::smoothed_climb::SMOOTHINGS_S;
+
 /// Time constants that are tried, seconds: a factor of three apart, between which a fitted exponential
 /// differs from the true one by some per cent of its size.
 const TIME_CONSTANTS_S: [f32; 6] = [3.0, 10.0, 30.0, 90.0, 270.0, 800.0];
 
-/// One column: an effect, with a time constant where it has one.
+/// One column: an effect, with a time constant where it has one, or with a shape of its lag.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Candidate {
     /// The effect and the constants of its regressor.
     pub regressor: Regressor,
+    /// Time constant of the low pass that the climb rate of a lag went through, seconds; 0 as the catalogue has it.
+    pub smoothing_s: f32,
 }
 
 impl Candidate {
@@ -36,17 +40,21 @@ impl Candidate {
 pub fn catalogue() -> Vec<Candidate> {
     let mut candidates = Vec::new();
     for id in EffectId::ALL {
-        let mut add = |time_constant_s, since| {
-            candidates.push(Candidate { regressor: Regressor { id, time_constant_s, since } });
+        let mut add = |time_constant_s, since, smoothing_s| {
+            candidates.push(Candidate { regressor: Regressor { id, time_constant_s, since }, smoothing_s });
         };
         if id.has_time_constant() {
             for since in [Clock::Launch, Clock::Start] {
                 for time_constant_s in TIME_CONSTANTS_S {
-                    add(time_constant_s, since);
+                    add(time_constant_s, since, 0.0);
                 }
             }
+        } else if matches!(id, EffectId::BaroLag | EffectId::GpsLatency) {
+            for smoothing_s in SMOOTHINGS_S {
+                add(0.0, Clock::Launch, smoothing_s);
+            }
         } else {
-            add(0.0, Clock::Launch);
+            add(0.0, Clock::Launch, 0.0);
         }
     }
     candidates

@@ -97,6 +97,8 @@ pub struct CandidateFacts {
     pub chosen: bool,
     /// Time constant of its regressor, s, where it has one.
     pub time_constant_s: Option<f64>,
+    /// Time constant of the low pass that fits a lag better than a shift of the slope does, seconds, if one does.
+    pub smoothing_s: Option<f64>,
     /// When that regressor's clock starts, where it has a time constant: `launch` or `start`.
     pub since: Option<&'static str>,
     /// How much of the residual it makes in free flight, rms, m.

@@ -2,7 +2,7 @@
 
 use kf_core::effect::Regressor;
 
-use super::epochs::Follower;
+use super::follower::Follower;
 use crate::replay::Replay;
 
 /// The least and the largest value of a regressor in some flights, captive and free, metres per unit of the

@@ -24,8 +24,10 @@ pub struct Wish {
 }
 
 impl Wish {
-    /// Leaves only what is wished for of the effect's candidates.
-    pub(super) fn narrow(&self, candidates: &mut Vec<Candidate>) {
+    /// Leaves only what is wished for of the effect's candidates, with these time constants if there are any.
+    pub(super) fn narrow(&self, candidates: &mut Vec<Candidate>, time_constants_s: &[f32]) {
+        // The core has a lag in the catalogue's own shape only.
+        candidates.retain(|candidate| candidate.effect() != self.effect || candidate.smoothing_s == 0.0);
         if !self.effect.has_time_constant() {
             return;
         }
@@ -34,17 +36,21 @@ impl Wish {
                 && self.since.is_some_and(|since| candidate.regressor.since != since)
         };
         candidates.retain(|candidate| !is_other(candidate));
-        if let Some(time_constant_s) = self.time_constant_s {
-            for candidate in candidates.iter_mut().filter(|candidate| candidate.effect() == self.effect) {
-                candidate.regressor.time_constant_s = time_constant_s;
-            }
-            let mut seen: Vec<Candidate> = Vec::new();
-            candidates.retain(|candidate| {
-                let is_new = !seen.contains(candidate);
-                seen.push(*candidate);
-                is_new
-            });
+        if time_constants_s.is_empty() {
+            return;
         }
+        let mut own: Vec<Candidate> =
+            candidates.iter().copied().filter(|candidate| candidate.effect() == self.effect).collect();
+        own.dedup_by_key(|candidate| candidate.regressor.since);
+        // In their place: the search takes an effect's columns for neighbours.
+        let at = candidates.iter().position(|candidate| candidate.effect() == self.effect).unwrap_or(0);
+        candidates.retain(|candidate| candidate.effect() != self.effect);
+        let with = |candidate: Candidate, time_constant_s| Candidate {
+            regressor: Regressor { time_constant_s, ..candidate.regressor },
+            ..candidate
+        };
+        let new = own.iter().flat_map(|own| time_constants_s.iter().map(|time_s| with(*own, *time_s)));
+        candidates.splice(at..at, new);
     }
 }
 
@@ -87,8 +93,22 @@ pub fn study(
     wish: Wish,
     progress: &mut dyn FnMut(),
 ) -> (Diagnosis, Option<Lesson>) {
-    work(flights, hold_outs, Some(wish), progress)
+    let wished: Vec<f32> = wish.time_constant_s.into_iter().collect();
+    let coarse = work(flights, hold_outs, Some((wish, &wished)), progress);
+    let fitted = coarse.1.as_ref().and_then(|lesson| lesson.terms.first()).map(|term| term.regressor);
+    match fitted.filter(|_| wished.is_empty() && wish.effect.has_time_constant()) {
+        Some(Regressor { time_constant_s, since, .. }) => {
+            let fine = FINER.map(|factor| factor * time_constant_s);
+            let there = Wish { since: Some(since), ..wish };
+            work(flights, hold_outs, Some((there, &fine)), progress)
+        }
+        None => coarse,
+    }
 }
+
+/// Time constants between those of the diagnosis' grid, as factors: a tenth apart an exponential differs by less than
+/// a hundredth of its size.
+const FINER: [f32; 11] = [0.57, 0.64, 0.72, 0.8, 0.9, 1.0, 1.1, 1.22, 1.36, 1.52, 1.7];
 
 impl Judge<'_> {
     /// The lesson for an effect. Whatever the diagnosis found to act stays beside it, but for what this

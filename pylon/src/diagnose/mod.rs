@@ -17,12 +17,15 @@
 //! 8. `lesson`: what one effect's coefficient is learned from (by `crate::learn`).
 
 mod advice;
+mod blocks;
 mod candidates;
+mod column_noise;
 mod diagnosis;
 mod dump;
 mod envelope;
 mod epochs;
 mod excitation;
+mod follower;
 mod glitches;
 mod held_out;
 mod information;
@@ -40,6 +43,7 @@ mod roughness;
 mod search;
 mod series;
 mod signals;
+mod smoothed_climb;
 pub(crate) mod text;
 mod unknown;
 mod whitener;

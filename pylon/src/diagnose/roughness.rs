@@ -3,6 +3,7 @@
 use kf_core::effect::EffectId;
 
 use super::epochs::Epochs;
+use super::signals::CLIMBED;
 
 /// The share of a coefficient that is unsure beside its noise: signals are measured with delays and scale
 /// errors of their own.
@@ -13,6 +14,11 @@ const SCALE_INTEGRATED: f64 = 0.05;
 
 /// The same where the airspeed is not measured and the speed over ground stands in: wind.
 const SCALE_WITHOUT_AIRSPEED: f64 = 0.2;
+
+/// The same of a lag where the climb rate is not measured. The slope of altitudes in whole metres has noise, which makes a
+/// coefficient too small by its share of the slope's square; the low pass that takes that noise off has a shape of its
+/// own, which makes it too large. Either comes to some ten per cent on a glider's log of one fix a second.
+const SCALE_WITHOUT_CLIMB_RATE: f64 = 0.15;
 
 /// Whether an effect's regressor is known only to some ten per cent: the airspeed is not measured, or it is
 /// integrated twice from specific forces and attitudes, whose small errors grow.
@@ -32,10 +38,18 @@ pub(super) fn lacks_airspeed(epochs: &[Epochs], effect: EffectId) -> bool {
         && epochs.iter().any(|epochs| epochs.signals.iter().all(|block| !block[0].is_finite()))
 }
 
+/// Whether an effect is a lag, and a flight has no climb rate.
+fn lacks_climb_rate(epochs: &[Epochs], effect: EffectId) -> bool {
+    matches!(effect, EffectId::BaroLag | EffectId::GpsLatency)
+        && epochs.iter().any(|epochs| epochs.signals.iter().all(|block| !block[CLIMBED].is_finite()))
+}
+
 /// The share of an effect's coefficient that is unsure beside its noise.
 pub(super) fn scale(epochs: &[Epochs], effect: EffectId) -> f64 {
     if lacks_airspeed(epochs, effect) {
         SCALE_WITHOUT_AIRSPEED
+    } else if lacks_climb_rate(epochs, effect) {
+        SCALE_WITHOUT_CLIMB_RATE
     } else if is_rough(epochs, effect) {
         SCALE_INTEGRATED
     } else {

@@ -29,6 +29,8 @@ pub const NAMES: [&str; 21] = [
     "ground velocity east",
 ];
 
+/// Where the altitude by the integral of the climb rate stands among the signals.
+pub const CLIMBED: usize = 2;
 /// Where the velocity over ground stands among the signals: north, east.
 pub const GROUND_VELOCITY: [usize; 2] = [19, 20];
 

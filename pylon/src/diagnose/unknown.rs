@@ -13,6 +13,9 @@ use super::whitener::whiten;
 const EVIDENCE: f64 = 16.0;
 /// And this share of what the effects found explain: their formulas are no better than that.
 const SHAPE: f64 = 0.05;
+/// A signal that takes the chosen effects' place is better than they are where it leaves less by this share of what they
+/// explain: as much as a right formula of measured signals may miss (as in `search`).
+const BETTER: f64 = 0.02;
 /// A signal's shape that shares this much with a candidate of the catalogue is that candidate's.
 const IN_CATALOGUE: f64 = 0.9;
 /// Lags of the low passes that are tried, seconds.
@@ -88,7 +91,7 @@ pub fn unexplained(
         let columns = extra_columns(epochs, chunk, sensor);
         let information = information(problem, fit, chosen, &columns);
         let rest = |picks: &[usize]| information.solve(picks).map(|solution| solution.rest);
-        let (Some(with_all), Some(with_others)) = (rest(&all), rest(&others)) else { continue };
+        let Some(with_all) = rest(&all) else { continue };
         let mut k = 0;
         for test in chunk {
             let first = k;
@@ -98,9 +101,11 @@ pub fn unexplained(
             let Some(solution) = information.solve(&beside) else { continue };
             let evidence = with_all - solution.rest;
             let instead: Vec<usize> = others.iter().copied().chain(at).collect();
-            let is_better = others.len() < all.len()
-                && rest(&instead).is_some_and(|rest| with_others - rest > with_others - with_all + chance);
-            if evidence > bar && !is_in_catalogue(problem, fit, chosen, own, &columns, first) {
+            let margin = chance.max(BETTER * explained);
+            let is_better =
+                others.len() < all.len() && rest(&instead).is_some_and(|rest| with_all - rest > margin);
+            let is_beside = evidence > bar && !is_in_catalogue(problem, fit, chosen, own, &columns, first);
+            if is_better || is_beside {
                 let coefficient: f64 = solution.coefficients[all.len()..].iter().sum();
                 found.is_better |= is_better;
                 let (signal, lag_s) = test.say(epochs);

@@ -33,18 +33,19 @@ pub fn diagnose(
     work(flights, hold_outs, None, progress).0
 }
 
-/// A diagnosis, and what one effect's coefficient is learned from.
+/// A diagnosis, and what one effect's coefficient is learned from, tried with these time constants if it has one
+/// (none: the catalogue's grid).
 pub(super) fn work(
     flights: &[NamedReplay<'_>],
     hold_outs: &[NamedReplay<'_>],
-    wish: Option<Wish>,
+    wish: Option<(Wish, &[f32])>,
     progress: &mut dyn FnMut(),
 ) -> (Diagnosis, Option<Lesson>) {
     let Some(first) = flights.first() else { return (Diagnosis::default(), None) };
     let model = first.replay.model();
     let mut candidates = catalogue();
-    if let Some(wish) = wish {
-        wish.narrow(&mut candidates);
+    if let Some((wish, time_constants_s)) = wish {
+        wish.narrow(&mut candidates, time_constants_s);
     }
     let known_ids: Vec<EffectId> = model.effects.iter().map(|effect| effect.term.regressor.id).collect();
     candidates.retain(|candidate| !known_ids.contains(&candidate.effect()));
@@ -52,7 +53,7 @@ pub(super) fn work(
     let mut known = Vec::new();
     for effect in model.effects.iter().filter(|effect| effect.term.sigma > 0.0) {
         known.push(Known { column: candidates.len(), sigma: f64::from(effect.term.sigma) });
-        candidates.push(Candidate { regressor: effect.term.regressor });
+        candidates.push(Candidate { regressor: effect.term.regressor, smoothing_s: 0.0 });
     }
     let prepare = |named: &NamedReplay<'_>| epochs(&named.replay, &candidates);
     let mut epochs: Vec<Epochs> = flights.iter().map(prepare).collect();
@@ -96,7 +97,7 @@ pub(super) fn work(
     diagnosis.flights = flights.iter().zip(&epochs).map(|(named, epochs)| facts(named, epochs)).collect();
     diagnosis.hold_outs = hold_outs.iter().map(|named| named.file.clone()).collect();
     diagnosis.untested = untested(&candidates, &epochs);
-    let lesson = wish.and_then(|wish| judge.lesson(&mut search, findings, wish.effect));
+    let lesson = wish.and_then(|(wish, _)| judge.lesson(&mut search, findings, wish.effect));
     (diagnosis, lesson)
 }
 

@@ -118,6 +118,7 @@ impl Judge<'_> {
             rms_after_m: rms(held_out(with)),
             chosen: at.is_some(),
             time_constant_s: has_time.then(|| f64::from(candidate.regressor.time_constant_s)),
+            smoothing_s: (candidate.smoothing_s > 0.0).then(|| f64::from(candidate.smoothing_s)),
             since: has_time.then(|| candidate.regressor.since.name()),
             size_m: coefficient.abs() * spread_m,
             envelope_m,

@@ -186,6 +186,7 @@ mod tests {
             rms_after_m: Some(1.0),
             chosen,
             time_constant_s: None,
+            smoothing_s: None,
             since: None,
             size_m: 3.0,
             envelope_m: [-10.0, 10.0],

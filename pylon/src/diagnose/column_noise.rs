@@ -1,0 +1,38 @@
+//! How much noise is in a candidate's column.
+
+/// within some hundredths of a second is straight, so that this is the noise of its signals (after von
+/// Neumann, "Distribution of the ratio of the mean square successive difference to the variance", 1941). Samples
+/// that are held do not count.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct ColumnNoise {
+    last: [Option<f64>; 2],
+    squares: f64,
+    bends: u64,
+}
+
+/// Fewer bends than this tell nothing of noise.
+const FEW_BENDS: u64 = 20;
+
+impl ColumnNoise {
+    pub(super) fn take(&mut self, value: f64) {
+        if self.last[0] == Some(value) {
+            return;
+        }
+        if let [Some(last), Some(before)] = self.last {
+            let bend = value - 2.0 * last + before;
+            self.squares += bend * bend;
+            self.bends += 1;
+        }
+        self.last = [Some(value), self.last[0]];
+    }
+
+    /// Variance of the mean of a block's samples. A bend is made of three samples, with weights whose
+    /// squares add up to 6.
+    pub(super) fn of_mean(&self, blocks: usize) -> f64 {
+        if self.bends < FEW_BENDS || blocks == 0 {
+            return 0.0;
+        }
+        let one = self.squares / (6.0 * self.bends as f64);
+        one / (self.bends as f64 / blocks as f64).max(1.0)
+    }
+}
