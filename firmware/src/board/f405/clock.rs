@@ -1,0 +1,65 @@
+//! The board's clocks: the core's, what a tick costs by it, and the mission's time.
+
+use cortex_m::peripheral::{DCB, DWT};
+use flight_record::CostUnit;
+use stm32f4xx_hal::pac::{RCC, TIM5};
+use stm32f4xx_hal::prelude::*;
+use stm32f4xx_hal::rcc::Config;
+
+use super::Sensors;
+use super::wiring::{CORE_MHZ, CRYSTAL_MHZ};
+use crate::board::Next;
+
+/// The timers' clock: APB1 runs at a quarter of the core's, its timers at twice that.
+const TIMER_MHZ: u16 = 84;
+/// The same in Hz.
+pub const TIMER_HZ: u32 = TIMER_MHZ as u32 * 1_000_000;
+
+/// The clock tree: the crystal, through the PLL.
+pub fn tree() -> Config {
+    Config::hse(CRYSTAL_MHZ.MHz()).sysclk(CORE_MHZ.MHz()).require_pll48clk()
+}
+
+/// Counts the core's cycles.
+#[derive(Clone, Copy)]
+pub struct CostClock;
+
+impl CostClock {
+    /// What it counts.
+    pub const UNIT: CostUnit = CostUnit::Cycles;
+
+    pub(super) fn start(mut dcb: DCB, mut dwt: DWT) {
+        dcb.enable_trace();
+        dwt.enable_cycle_counter();
+    }
+
+    /// Now, wrapping.
+    pub fn now() -> u32 {
+        DWT::cycle_count()
+    }
+}
+
+/// The clock of the mission: TIM5 in microseconds, carried beyond its 32 bits (71 minutes) by looking at
+/// it at every tick.
+pub struct Source {
+    tim5: TIM5,
+    now_us: u64,
+}
+
+impl Source {
+    pub(super) fn start(tim5: TIM5, rcc: &RCC) -> Self {
+        rcc.apb1enr().modify(|_, w| w.tim5en().enabled());
+        tim5.psc().write(|w| w.psc().set(TIMER_MHZ - 1));
+        tim5.arr().write(|w| w.arr().set(u32::MAX));
+        tim5.egr().write(|w| w.ug().set_bit());
+        tim5.cr1().modify(|_, w| w.cen().enabled());
+        Self { tim5, now_us: 0 }
+    }
+
+    /// Every tick runs the mission; a flight cannot wait.
+    pub fn next(&mut self, _sensors: &mut Sensors, _room: bool) -> Next {
+        let elapsed_us = self.tim5.cnt().read().bits().wrapping_sub(self.now_us as u32);
+        self.now_us += u64::from(elapsed_us);
+        Next::Tick(self.now_us)
+    }
+}

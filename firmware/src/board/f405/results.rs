@@ -1,0 +1,50 @@
+//! The results' line.
+
+use flight_record::{Encoder, ExitStatus, Header, MAX_STUFFED, Payload, Stream};
+use stm32f4xx_hal::nb;
+use stm32f4xx_hal::pac::USART1;
+use stm32f4xx_hal::prelude::*;
+use stm32f4xx_hal::rcc::Rcc;
+use stm32f4xx_hal::serial::{Config, Tx};
+
+use super::wiring::{RESULTS_BAUD, ResultsTx};
+use crate::flown_model::FINGERPRINT;
+
+/// Sends results, each a frame of the flight record.
+pub struct Sink {
+    line: Tx<USART1>,
+    encoder: Encoder,
+    failed: bool,
+}
+
+impl Sink {
+    pub(super) fn start(usart: USART1, pin: ResultsTx, rcc: &mut Rcc) -> Result<Self, ExitStatus> {
+        let config = Config::default().baudrate(RESULTS_BAUD.bps());
+        let line = usart.tx(pin, config, rcc).map_err(|_| ExitStatus::NoOutput)?;
+        let mut sink = Self { line, encoder: Encoder::new(), failed: false };
+        sink.write(&Header::new(Stream::Outputs, FINGERPRINT));
+        Ok(sink)
+    }
+
+    /// Sends one result; waits for the line, which the ticks preempt. A failure shows in
+    /// [`Self::status`].
+    pub fn write<P: Payload>(&mut self, payload: &P) {
+        let mut buffer = [0; MAX_STUFFED];
+        let sent = match self.encoder.encode(payload, &mut buffer) {
+            Ok(bytes) => self.send(bytes),
+            Err(_) => false,
+        };
+        self.failed |= !sent;
+    }
+
+    /// Byte by byte: the HAL's `embedded_io::Write` says "wrote nothing" when the line is busy, on which
+    /// its `write_all` panics.
+    fn send(&mut self, bytes: &[u8]) -> bool {
+        bytes.iter().all(|&byte| nb::block!(self.line.write(byte)).is_ok())
+    }
+
+    /// How the flight ended.
+    pub const fn status(&self) -> ExitStatus {
+        if self.failed { ExitStatus::NoOutput } else { ExitStatus::Finished }
+    }
+}
