@@ -8,7 +8,10 @@ use pylon::replay::Replay;
 use pylon::simulate::scenario::{self, InjectionPhase};
 use pylon::simulate::{Scenario, Truth, regressor, simulate};
 
-/// A rough flight with every signal in motion; sensors without any error of their own.
+/// A rough flight with every signal in motion.
+const ROUGH: &str = include_str!("plans/rough.toml");
+
+/// That flight; sensors without any error of their own.
 fn scenario(rates: [f64; 3], shake: f64) -> Scenario {
     let [fixes_hz, signals_hz, inertial_hz] = rates;
     let text = format!(
@@ -17,30 +20,7 @@ fn scenario(rates: [f64; 3], shake: f64) -> Scenario {
         latitude_deg = 60
         [vehicle]
         vibration_mps2 = {shake}
-        [captive]
-        duration_s = 20
-        altitude_m = 1500
-        airspeed_mps = 28
-        heading_deg = 70
-        phugoid_amplitude_m = 3
-        phugoid_period_s = 15
-        uav_throttle = 0.1
-        [turbulence]
-        horizontal_sigma_mps = 1
-        vertical_sigma_mps = 0.5
-        [[free_flight]]
-        manoeuvre = "dive"
-        duration_s = 8
-        flight_path_deg = -30
-        [[free_flight]]
-        manoeuvre = "pull_up"
-        duration_s = 6
-        flight_path_deg = 20
-        [[free_flight]]
-        manoeuvre = "turn"
-        duration_s = 10
-        bank_deg = 40
-        airspeed_mps = 36
+        {ROUGH}
         [sensors.gps]
         sampling = {{ rate_hz = {fixes_hz} }}
         noise = {{}}

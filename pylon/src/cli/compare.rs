@@ -6,9 +6,10 @@ use std::path::PathBuf;
 use clap::Args;
 use pylon::compare::{Comparison, Options, RuleWishes, Traces, compare, text};
 use pylon::plots;
-use pylon::replay::{CalibrationWindow, Replay};
+use pylon::replay::Replay;
 
 use super::failure::Failure;
+use super::one_flight::OneFlight;
 use super::progress::Progress;
 use super::{load, terminal};
 
@@ -27,18 +28,8 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// The flight: a flight's CSV, or a log that `pylon import` reads
-    #[arg(value_name = "FLIGHT")]
-    flight: PathBuf,
-    /// The model: a TOML file, `default` or `paper`
-    #[arg(long, value_name = "MODEL", default_value = "default")]
-    model: String,
-    /// Calibrate on this part of the flight (seconds by its own time) and say launch at its end
-    #[arg(long, value_name = "START..END")]
-    calibrate: Option<CalibrationWindow>,
-    /// Print JSON
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    what: OneFlight,
     /// Draw the paper's Figures 2, 3 and 4 for this flight into DIR (SVG)
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
@@ -62,11 +53,12 @@ fn positive(text: &str) -> Result<f64, String> {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let model = load::model(&arguments.model)?;
-    let (flight, notes) = load::flight(&arguments.flight)?;
-    let in_flight =
-        |error: &dyn std::fmt::Display| Failure::input(format!("{}: {error}", arguments.flight.display()));
-    let replay = Replay::new(&flight, &model, arguments.calibrate).map_err(|error| in_flight(&error))?;
+    let model = load::model(&arguments.what.model)?;
+    let (flight, notes) = load::flight(&arguments.what.flight)?;
+    let in_flight = |error: &dyn std::fmt::Display| {
+        Failure::input(format!("{}: {error}", arguments.what.flight.display()))
+    };
+    let replay = Replay::new(&flight, &model, arguments.what.calibrate).map_err(|error| in_flight(&error))?;
     let options = Options {
         traces: arguments.plots.is_some(),
         wishes: RuleWishes {
@@ -79,8 +71,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (mut comparison, traces) =
         compare(&replay, &options, &mut |rows| progress.show(rows)).map_err(|error| in_flight(&error))?;
     drop(progress);
-    comparison.flight.file = arguments.flight.display().to_string();
-    comparison.model.clone_from(&arguments.model);
+    comparison.flight.file = arguments.what.flight.display().to_string();
+    comparison.model.clone_from(&arguments.what.model);
     comparison.warnings.splice(0..0, notes.iter().map(ToString::to_string));
     let drawn = draw(arguments, &comparison, traces.as_deref())?;
     print(arguments, &comparison)?;
@@ -103,7 +95,7 @@ fn draw(
 }
 
 fn print(arguments: &Arguments, comparison: &Comparison) -> Result<(), Failure> {
-    if arguments.json {
+    if arguments.what.json {
         let mut json = serde_json::to_string_pretty(comparison)?;
         json.push('\n');
         terminal::put(&json)

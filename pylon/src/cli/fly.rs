@@ -1,13 +1,12 @@
 //! `pylon fly`.
 
-use std::path::PathBuf;
-
 use clap::Args;
 use pylon::fly::{Difference, FlyError, FlyOptions, FlyReport, fly};
-use pylon::replay::{CalibrationWindow, Replay};
+use pylon::replay::Replay;
 use serde_json::{Value, json};
 
 use super::failure::Failure;
+use super::one_flight::OneFlight;
 use super::progress::while_busy;
 use super::{load, terminal};
 
@@ -23,18 +22,8 @@ Exit status: 0 every bit is the same; 1 bits differ; 2 bad usage or bad input, o
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// The flight: a flight's CSV, or a log that `pylon import` reads
-    #[arg(value_name = "FLIGHT")]
-    flight: PathBuf,
-    /// The model: a TOML file, `default` or `paper`
-    #[arg(long, value_name = "MODEL", default_value = "default")]
-    model: String,
-    /// Calibrate on this part of the flight (seconds by its own time) and say launch at its end
-    #[arg(long, value_name = "START..END")]
-    calibrate: Option<CalibrationWindow>,
-    /// Print JSON
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    what: OneFlight,
     /// Give the host's mission every barometer reading one unit in the last place off: to see that
     /// it is found
     #[arg(long, hide = true)]
@@ -43,24 +32,24 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let model = load::model(&arguments.model)?;
-    let (flight, notes) = load::flight(&arguments.flight)?;
+    let model = load::model(&arguments.what.model)?;
+    let (flight, notes) = load::flight(&arguments.what.flight)?;
     load::write_notes(&notes);
-    let replay = Replay::new(&flight, &model, arguments.calibrate)
-        .map_err(|error| Failure::input(format!("{}: {error}", arguments.flight.display())))?;
-    let file = arguments.flight.display();
+    let replay = Replay::new(&flight, &model, arguments.what.calibrate)
+        .map_err(|error| Failure::input(format!("{}: {error}", arguments.what.flight.display())))?;
+    let file = arguments.what.flight.display();
     let options = FlyOptions { host_ulp_error: arguments.plant_host_error, ..FlyOptions::default() };
     let report = while_busy("flying in QEMU", || fly(&replay, &options)).map_err(|error| {
         let line = format!("{file}: {error}");
         let FlyError::Differs(difference) = error else { return Failure::input(line) };
-        if arguments.json
+        if arguments.what.json
             && let Err(failure) = put_json(&difference_json(&difference))
         {
             return failure;
         }
         Failure::differs(line)
     })?;
-    if arguments.json {
+    if arguments.what.json {
         return put_json(&report_json(&report));
     }
     terminal::put(&text(&file.to_string(), &report))

@@ -12,6 +12,7 @@ mod fly;
 mod import;
 mod ladder;
 mod load;
+mod one_flight;
 mod progress;
 mod report;
 mod simulate;

@@ -5,35 +5,15 @@ use super::super::scenario::Scenario;
 use super::*;
 use crate::flight::Channel;
 
-/// A rough flight with every signal in motion, and sensors without any error of their own.
-const FLIGHT: &str = r#"
+/// A rough flight with every signal in motion; sensors without any error of their own.
+const PLAN: &str = include_str!("../../../tests/plans/rough.toml");
+const HEAD: &str = r#"
     name = "effects"
     latitude_deg = 60
     [vehicle]
     vibration_mps2 = 2
-    [captive]
-    duration_s = 20
-    altitude_m = 1500
-    airspeed_mps = 28
-    phugoid_amplitude_m = 3
-    phugoid_period_s = 15
-    uav_throttle = 0.1
-    [turbulence]
-    horizontal_sigma_mps = 1
-    vertical_sigma_mps = 0.5
-    [[free_flight]]
-    manoeuvre = "dive"
-    duration_s = 8
-    flight_path_deg = -30
-    [[free_flight]]
-    manoeuvre = "pull_up"
-    duration_s = 6
-    flight_path_deg = 20
-    [[free_flight]]
-    manoeuvre = "turn"
-    duration_s = 10
-    bank_deg = 40
-    airspeed_mps = 36
+"#;
+const SENSORS: &str = r#"
     [sensors.gps]
     sampling = { rate_hz = 200 }
     noise = {}
@@ -49,6 +29,12 @@ const FLIGHT: &str = r#"
     quantum_m = 0
     carrier_flow = {}
 "#;
+
+/// That flight with these effects.
+fn flight(effects: &str) -> String {
+    [HEAD, PLAN, SENSORS, effects].concat()
+}
+
 const RELEASE: usize = 20 * 200;
 const DT: f64 = 1.0 / 200.0;
 
@@ -67,8 +53,8 @@ fn added(channel: Channel, effects: &str) -> (Vec<f64>, Vec<TruthSample>) {
         };
         (series.into_iter().map(|(_, value)| metres(value)).collect::<Vec<f64>>(), truth)
     };
-    let (clean, truth) = read(FLIGHT);
-    let (dirty, _) = read(&format!("{FLIGHT}{effects}"));
+    let (clean, truth) = read(&flight(""));
+    let (dirty, _) = read(&flight(effects));
     assert_eq!((clean.len(), dirty.len()), (truth.len(), truth.len()));
     (dirty.iter().zip(clean).map(|(dirty, clean)| dirty - clean).collect(), truth)
 }
@@ -154,7 +140,7 @@ fn reference_effects_add_coefficient_times_regressor() {
 
 #[test]
 fn the_latency_effect_is_the_first_order_of_a_late_receiver() {
-    let late = FLIGHT.replace(
+    let late = flight("").replace(
         "[sensors.gps]\n    sampling = { rate_hz = 200 }",
         "[sensors.gps]\n    sampling = { rate_hz = 200, latency_s = 0.05 }",
     );
