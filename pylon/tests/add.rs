@@ -79,6 +79,26 @@ fn the_cores_filter_learns_what_the_diagnosis_estimates() {
     }
 }
 
+/// Without an airspeed the wind's share of it is estimated beside, of each flight its own: by both alike.
+#[test]
+fn the_cores_filter_knows_the_wind() {
+    let scenario = quickstart(&[(scenario::EffectId::BaroDynamicPressure, 0.12)]);
+    let mut other = scenario.clone();
+    (other.wind.north_mps, other.wind.east_mps) = (-6.0, 1.0);
+    let mut flights = [simulate(&scenario, 1).unwrap().0, simulate(&other, 2).unwrap().0];
+    for flight in &mut flights {
+        flight.channels.retain(|(channel, _)| channel.name() != "tas_mps");
+    }
+    let model = Model::default();
+    let (_, lesson) = study(&named(&flights, &model), &[], wish(EffectId::BaroDynamicPressure), &mut || ());
+    let lesson = lesson.unwrap();
+    assert!(lesson.wind.is_some());
+    let learned = learn(&lesson).unwrap();
+    let apart = (learned.coefficient - lesson.facts.coefficient).abs();
+    assert!(apart < 0.03 * learned.filter_sigma, "{learned:?} {:?}", lesson.facts);
+    assert!((learned.coefficient - 0.12).abs() < 4.0 * learned.sigma, "{learned:?}");
+}
+
 #[test]
 fn an_effect_without_movement_or_signal_has_no_lesson() {
     let (mut flight, _) = simulate(&quickstart(&[]), 1).unwrap();
@@ -172,7 +192,7 @@ fn an_effect_is_learned_written_and_laddered() {
     // Learned anew, and as a state: the old coefficient is kept, the file has one effect and two revisions.
     let again = stdout(directory, &[ADD.as_slice(), &["--estimate"]].concat());
     assert!(again.contains("the model had it already, with"), "{again}");
-    assert!(again.contains("revision 2") && again.contains("held-out manoeuvres"), "{again}");
+    assert!(again.contains("revision 2") && again.contains("Held-out manoeuvres"), "{again}");
     let model = Model::read(&directory.join("ours.toml")).unwrap();
     assert_eq!((model.effects.len(), model.revisions.len()), (1, 2));
     assert!(model.effects[0].estimate);

@@ -13,7 +13,7 @@ use pylon::replay::CalibrationWindow;
 use time::{Date, OffsetDateTime};
 
 use super::failure::Failure;
-use super::progress::while_busy;
+use super::progress::Counter;
 use super::{load, terminal};
 
 const EXAMPLES: &str = "\
@@ -107,7 +107,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         held_out: load::named(&arguments.hold_out, &held_out),
         window: arguments.calibrate,
     };
-    let addition = while_busy("learning", || add(&request, &mut || ()))?;
+    let mut counter = Counter::new("learning", "fits and flights");
+    let addition = add(&request, &mut || counter.step());
+    drop(counter);
+    let addition = addition?;
     if !addition.concerns.is_empty() && !arguments.force {
         return Err(refused(&addition));
     }

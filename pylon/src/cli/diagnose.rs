@@ -7,7 +7,7 @@ use pylon::diagnose::{diagnose, text};
 use pylon::replay::CalibrationWindow;
 
 use super::failure::Failure;
-use super::progress::while_busy;
+use super::progress::Counter;
 use super::{load, terminal};
 
 const EXAMPLES: &str = "\
@@ -57,7 +57,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let warnings = [warnings(&arguments.flights, &learned), warnings(&arguments.hold_out, &held)].concat();
     let learned = load::replays_calibrated_or_not(&arguments.flights, &learned, &model, arguments.calibrate)?;
     let held = load::replays_calibrated_or_not(&arguments.hold_out, &held, &model, arguments.calibrate)?;
-    let mut diagnosis = while_busy("diagnosing", || diagnose(&learned, &held, &mut || ()));
+    let mut counter = Counter::new("diagnosing", "fits");
+    let mut diagnosis = diagnose(&learned, &held, &mut || counter.step());
+    drop(counter);
     diagnosis.model.clone_from(&arguments.model);
     diagnosis.warnings.splice(0..0, warnings);
     if arguments.json {

@@ -55,12 +55,7 @@ pub fn replays<'a>(
     model: &Model,
     window: Option<CalibrationWindow>,
 ) -> Result<Vec<NamedReplay<'a>>, Failure> {
-    let named = files.iter().zip(flights).map(|(file, (flight, _))| {
-        let replay = Replay::new(flight, model, window)
-            .map_err(|error| Failure::input(format!("{}: {error}", file.display())))?;
-        Ok(NamedReplay { file: file.display().to_string(), replay })
-    });
-    named.collect()
+    replays_by(files, flights, |flight| Replay::new(flight, model, window))
 }
 
 /// As [`replays`], but a flight that has nothing to calibrate on is taken as it is: a diagnosis estimates the
@@ -71,12 +66,17 @@ pub fn replays_calibrated_or_not<'a>(
     model: &Model,
     window: Option<CalibrationWindow>,
 ) -> Result<Vec<NamedReplay<'a>>, Failure> {
+    replays_by(files, flights, |flight| Replay::calibrated_or_not(flight, model, window))
+}
+
+fn replays_by<'a>(
+    files: &[PathBuf],
+    flights: &'a [Read],
+    replay: impl Fn(&'a Flight) -> Result<Replay<'a>, ReplayError>,
+) -> Result<Vec<NamedReplay<'a>>, Failure> {
     let named = files.iter().zip(flights).map(|(file, (flight, _))| {
-        let replay = match Replay::new(flight, model, window) {
-            Err(ReplayError::NoQuietStretch { .. }) => Replay::uncalibrated(flight, model),
-            other => other,
-        };
-        let replay = replay.map_err(|error| Failure::input(format!("{}: {error}", file.display())))?;
+        let replay =
+            replay(flight).map_err(|error| Failure::input(format!("{}: {error}", file.display())))?;
         Ok(NamedReplay { file: file.display().to_string(), replay })
     });
     named.collect()

@@ -44,6 +44,48 @@ impl Drop for Progress {
     }
 }
 
+/// Counts the steps of something of which nobody knows beforehand how many they are; appears after a second, on a
+/// terminal only.
+#[derive(Debug)]
+pub struct Counter {
+    started: Instant,
+    what: &'static str,
+    steps: &'static str,
+    done: u64,
+    bar: Option<ProgressBar>,
+}
+
+impl Counter {
+    /// Of something, and what a step of it is, in the plural.
+    pub fn new(what: &'static str, steps: &'static str) -> Self {
+        Self { started: Instant::now(), what, steps, done: 0, bar: None }
+    }
+
+    /// One more is done.
+    pub fn step(&mut self) {
+        self.done += 1;
+        if self.bar.is_none() && self.started.elapsed() > PATIENCE {
+            let template = "{spinner} {msg}, {elapsed}";
+            let style =
+                ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_spinner());
+            let bar = ProgressBar::new_spinner().with_style(style).with_elapsed(self.started.elapsed());
+            bar.enable_steady_tick(Duration::from_millis(120));
+            self.bar = Some(bar);
+        }
+        if let Some(bar) = &self.bar {
+            bar.set_message(format!("{}: {} {}", self.what, self.done, self.steps));
+        }
+    }
+}
+
+impl Drop for Counter {
+    fn drop(&mut self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}
+
 /// Runs something whose end can not be foreseen; after a second a spinner says what is going on.
 pub fn while_busy<T>(what: &'static str, work: impl FnOnce() -> T) -> T {
     let (done, wait) = std::sync::mpsc::channel::<()>();

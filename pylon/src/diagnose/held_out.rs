@@ -7,7 +7,7 @@ use super::series::{BySensor, Series};
 use kf_core::sensor::SENSORS;
 
 /// Stretches of free flight that are left out in turn.
-const FOLDS: usize = 5;
+pub(super) const FOLDS: usize = 5;
 
 /// Sums of squares of the held-out errors, by sensor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -39,7 +39,7 @@ impl HeldOut {
 }
 
 /// The stretch of free flight that a block belongs to; `None` in captive flight.
-fn fold(flight: &Series, block: usize) -> Option<usize> {
+pub(super) fn fold(flight: &Series, block: usize) -> Option<usize> {
     let first = flight.free.iter().position(|free| *free)?;
     let at = block.checked_sub(first)?;
     Some((at * FOLDS / (flight.len() - first)).min(FOLDS - 1))

@@ -5,6 +5,7 @@ use kf_core::effect::{Clock, EffectId, Regressor};
 
 use super::candidates::Candidate;
 use super::diagnosis::{CandidateFacts, Diagnosis};
+use super::evidence::{self, Evidence, Fitted, Folds};
 use super::judge::{Findings, Judge};
 use super::noise::Noise;
 use super::roughness::scale;
@@ -65,6 +66,15 @@ pub struct Term {
     pub known_sigma: Option<f64>,
 }
 
+/// A column that is no effect, with a coefficient of each flight's own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nuisance {
+    /// Its column.
+    pub column: usize,
+    /// What is believed of its coefficient, as a sigma about zero.
+    pub sigma: f64,
+}
+
 /// What an effect's coefficient is learned from.
 #[derive(Clone, Debug)]
 pub struct Lesson {
@@ -74,6 +84,8 @@ pub struct Lesson {
     pub noise: Noise,
     /// The effect first; then what else acts, and what the model has already.
     pub terms: Vec<Term>,
+    /// The wind's share of the airspeed, north and east, where a flight has the speed over ground only.
+    pub wind: Option<[Nuisance; 2]>,
     /// By how much the coefficient's variance is larger than a fit with this noise says: the spread over
     /// the parts of the flights, and the autocorrelation that is left.
     pub inflation: f64,
@@ -81,6 +93,10 @@ pub struct Lesson {
     pub scale: f64,
     /// What the diagnosis itself makes of the coefficient, in f64, and the held-out errors.
     pub facts: CandidateFacts,
+    /// What the flights' own stretches say of the coefficient.
+    pub folds: Folds,
+    /// What the held-out flights say of it, if there are any.
+    pub held_out: Option<Evidence>,
 }
 
 /// A diagnosis of flights with a model that lacks the effect, and what the effect's coefficient is to be
@@ -134,17 +150,28 @@ impl Judge<'_> {
             column,
             known_sigma,
         };
-        // What has a column but is no effect, the wind's share of the airspeed, is not learned.
-        let effects = self.problem.known.iter().filter(|known| known.column < self.candidates.len());
-        let known = effects.map(|known| term(known.column, Some(known.sigma)));
-        let free = std::iter::once(column).chain(others).map(|column| term(column, None));
+        // What has a column but is no effect is the wind's.
+        let (effects, wind): (Vec<_>, Vec<_>) =
+            self.problem.known.iter().copied().partition(|known| known.column < self.candidates.len());
+        let known = effects.into_iter().map(|known| term(known.column, Some(known.sigma)));
+        let wind: Vec<Nuisance> =
+            wind.into_iter().map(|known| Nuisance { column: known.column, sigma: known.sigma }).collect();
+        let noise = findings.explanation.fit.noise;
+        let inflation = findings.inflation.get(at).copied().unwrap_or(1.0);
+        let fitted = Fitted { noise: &noise, others: &others, column, inflation };
+        let folds = evidence::of_folds(self.problem, &fitted);
+        let held_out = self.held.map(|held| evidence::of_flights(held, &fitted));
+        let free = std::iter::once(column).chain(others.iter().copied()).map(|column| term(column, None));
         Some(Lesson {
             flights: self.problem.flights.to_vec(),
-            noise: findings.explanation.fit.noise,
+            noise,
             terms: free.chain(known).collect(),
-            inflation: findings.inflation.get(at).copied().unwrap_or(1.0),
+            wind: wind.try_into().ok(),
+            inflation,
             scale: scale(self.epochs, effect),
             facts,
+            folds,
+            held_out,
         })
     }
 

@@ -28,7 +28,6 @@ pub fn inflation(problem: &Problem<'_>, noise: &Noise, picks: &[usize]) -> Vec<f
         });
         let matrix = DMatrix::from_row_slice(blocks.len(), width, &rows);
         let rest = against_others(&matrix, 0, width);
-        let lags = (LONGEST_LAG_S / flight.block_s).ceil() as usize;
         for k in 0..picks.len() {
             let column = 1 + problem.own() + k;
             let alone = against_others(&matrix, column, width);
@@ -37,11 +36,7 @@ pub fn inflation(problem: &Problem<'_>, noise: &Noise, picks: &[usize]) -> Vec<f
                 score[*block] += rest[row] * alone[row];
             }
             fitted[k] += alone.norm_squared();
-            for lag in 0..=lags.min(score.len().saturating_sub(1)) {
-                let product: f64 = score.iter().zip(&score[lag..]).map(|(a, b)| a * b).sum();
-                let weight = 1.0 - lag as f64 / (lags + 1) as f64;
-                long_run[k] += if lag == 0 { product } else { 2.0 * weight * product };
-            }
+            long_run[k] += variance(&score, flight.block_s);
         }
     }
     long_run
@@ -49,6 +44,18 @@ pub fn inflation(problem: &Problem<'_>, noise: &Noise, picks: &[usize]) -> Vec<f
         .zip(&fitted)
         .map(|(long_run, fitted)| if *fitted > 0.0 { (long_run / fitted).max(1.0) } else { 1.0 })
         .collect()
+}
+
+/// Long-run variance of a sum of blocks of that length (seconds).
+#[must_use]
+pub fn variance(score: &[f64], block_s: f64) -> f64 {
+    let lags = (LONGEST_LAG_S / block_s).ceil() as usize;
+    let terms = (0..=lags.min(score.len().saturating_sub(1))).map(|lag| {
+        let product: f64 = score.iter().zip(&score[lag..]).map(|(a, b)| a * b).sum();
+        let weight = 1.0 - lag as f64 / (lags + 1) as f64;
+        if lag == 0 { product } else { 2.0 * weight * product }
+    });
+    terms.sum()
 }
 
 /// What of a column is left after all the others but the residual are projected out of it.

@@ -24,6 +24,7 @@ mod diagnosis;
 mod dump;
 mod envelope;
 mod epochs;
+mod evidence;
 mod excitation;
 mod follower;
 mod glitches;
@@ -55,7 +56,8 @@ pub use diagnosis::{
 };
 pub use dump::dump;
 pub use envelope::envelope_m;
-pub use lesson::{Lesson, Term, Wish, study};
+pub use evidence::{Evidence, Folds};
+pub use lesson::{Lesson, Nuisance, Term, Wish, study};
 pub use noise::{GaussMarkov, Noise, SensorNoise};
 pub use series::{BySensor, Series};
 pub use text::text;

@@ -11,6 +11,7 @@ use time::Date;
 use super::document::{DocumentError, RevisionErrors, with_effect, with_revision};
 use super::filter::{LearnError, learn};
 use super::score::{Scores, SensorScore, pooled_rms_m, score};
+use super::verdict::HeldOutVerdict;
 use crate::diagnose::{Diagnosis, NamedReplay, Verdict, Wish, envelope_m, study};
 use crate::flight::Flight;
 use crate::replay::{CalibrationWindow, Replay, ReplayError};
@@ -44,7 +45,8 @@ pub struct Request<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum JudgedOn {
-    /// The held-out flights, by the mission.
+    /// The held-out flights, by the mission; where one of them has nothing to calibrate on, all of them about
+    /// biases fitted to them.
     HeldOutFlights,
     /// Stretches of the learning flights, each predicted from the rest.
     HeldOutManoeuvres,
@@ -83,8 +85,10 @@ pub struct Addition {
     pub rms_before_m: Option<f64>,
     /// And after, metres.
     pub rms_after_m: Option<f64>,
-    /// What these two are of.
+    /// What these two, and the verdict, are of.
     pub judged_on: JudgedOn,
+    /// What decides, rather than these two: the likelihood of what was held out, which knows the wander.
+    pub held_out_verdict: HeldOutVerdict,
     /// Root mean square error of the sensors concerned on the learning flights, before and after, metres.
     pub learning_rms_m: [Option<f64>; 2],
     /// The coefficient by the diagnosis' own fit, in double precision, and its sigma.
@@ -175,8 +179,10 @@ pub fn add(request: &Request<'_>, progress: &mut dyn FnMut()) -> Result<Addition
 
     let mut without = before.clone();
     without.effects.retain(|effect| effect.term.id() != id);
-    let learning = replays(&request.learning, &without, request.window)?;
-    let held_out = replays(&request.held_out, &without, request.window)?;
+    let learning = replays_calibrated_or_not(&request.learning, &without, request.window)?;
+    let held_out = replays_calibrated_or_not(&request.held_out, &without, request.window)?;
+    let not_flown = not_flown(learning.iter().chain(&held_out));
+    let is_held_out_flown = held_out.iter().all(|named| named.replay.is_calibrated());
     let (diagnosis, lesson) = study(&learning, &held_out, request.wish, progress);
     let files = || {
         let names: Vec<&str> = request.learning.iter().map(|(file, _)| file.as_str()).collect();
@@ -211,10 +217,14 @@ pub fn add(request: &Request<'_>, progress: &mut dyn FnMut()) -> Result<Addition
         ]
     };
     let learning_rms_m = rms(&learning);
-    let (judged_on, judged_m) = if held_out.is_empty() {
-        (JudgedOn::HeldOutManoeuvres, [lesson.facts.rms_before_m, lesson.facts.rms_after_m])
-    } else {
-        (JudgedOn::HeldOutFlights, rms(&held_out))
+    let of_fit_m = [lesson.facts.rms_before_m, lesson.facts.rms_after_m];
+    let (judged_on, judged_m, verdict) = match &lesson.held_out {
+        None => (JudgedOn::HeldOutManoeuvres, of_fit_m, HeldOutVerdict::on_stretches(&lesson.folds)),
+        Some(evidence) => {
+            let judged_m = if is_held_out_flown { rms(&held_out) } else { of_fit_m };
+            let verdict = HeldOutVerdict::on_flights(evidence, f64::from(term.coefficient));
+            (JudgedOn::HeldOutFlights, judged_m, verdict)
+        }
     };
     let replaced_coefficient = old.as_ref().map(|old| old.term.coefficient);
     let revision = before.next_revision();
@@ -222,7 +232,8 @@ pub fn add(request: &Request<'_>, progress: &mut dyn FnMut()) -> Result<Addition
     let text = with_revision(&text, revision, &effect, request.date, replaced_coefficient, &errors)?;
     // What is written must be a model, and this one.
     let warnings = Model::parse(&text)?.warnings();
-    let concerns = concerns(&diagnosis, &effect, judged_on, judged_m);
+    let concerns = concerns(&diagnosis, &effect, judged_on, judged_m, &verdict);
+    let remarks = doubts(&diagnosis, id).into_iter().chain(untold(judged_on, &verdict)).chain(not_flown);
     let has_time = id.has_time_constant();
     Ok(Addition {
         effect: id.name(),
@@ -232,6 +243,7 @@ pub fn add(request: &Request<'_>, progress: &mut dyn FnMut()) -> Result<Addition
         rms_before_m: judged_m[0],
         rms_after_m: judged_m[1],
         judged_on,
+        held_out_verdict: verdict,
         learning_rms_m,
         diagnosed: [lesson.facts.coefficient, lesson.facts.sigma],
         time_constant_s: has_time.then(|| f64::from(regressor.time_constant_s)),
@@ -243,7 +255,7 @@ pub fn add(request: &Request<'_>, progress: &mut dyn FnMut()) -> Result<Addition
         learning,
         held_out,
         concerns,
-        warnings: warnings.into_iter().chain(doubts(&diagnosis, id)).collect(),
+        warnings: warnings.into_iter().chain(remarks).collect(),
         text,
     })
 }
@@ -260,17 +272,33 @@ fn rounded(value: f64, sigma: f64) -> f32 {
     rounded as f32
 }
 
-fn replays<'a>(
+/// The flights as a diagnosis takes them: it estimates the biases beside everything else, so that one that has
+/// nothing to calibrate on can be learned from and judged on all the same.
+fn replays_calibrated_or_not<'a>(
     flights: &[NamedFlight<'a>],
     model: &Model,
     window: Option<CalibrationWindow>,
 ) -> Result<Vec<NamedReplay<'a>>, AddError> {
     let named = flights.iter().map(|(file, flight)| {
-        let replay = Replay::new(flight, model, window)
+        let replay = Replay::calibrated_or_not(flight, model, window)
             .map_err(|error| AddError::Replay { file: file.clone(), error })?;
         Ok(NamedReplay { file: file.clone(), replay })
     });
     named.collect()
+}
+
+/// The flights that no mission is flown over.
+fn not_flown<'a>(replays: impl Iterator<Item = &'a NamedReplay<'a>>) -> Vec<String> {
+    let uncalibrated = replays.filter(|named| !named.replay.is_calibrated());
+    uncalibrated
+        .map(|named| {
+            format!(
+                "{}: no launch column and no quiet stretch to calibrate on, so its errors are about biases fitted to \
+                 it and no mission was flown over it; give one by --calibrate START..END (seconds)",
+                named.file
+            )
+        })
+        .collect()
 }
 
 fn changes(
@@ -279,9 +307,9 @@ fn changes(
     window: Option<CalibrationWindow>,
     progress: &mut dyn FnMut(),
 ) -> Result<Vec<FlightChange>, AddError> {
-    let [before, after] = models.map(|model| replays(flights, model, window));
+    let [before, after] = models.map(|model| replays_calibrated_or_not(flights, model, window));
     let mut changes = Vec::new();
-    for (before, after) in before?.iter().zip(&after?) {
+    for (before, after) in before?.iter().zip(&after?).filter(|(before, _)| before.replay.is_calibrated()) {
         let failed = |error| AddError::Replay { file: before.file.clone(), error };
         let was = score(&before.replay).map_err(failed)?;
         progress();
@@ -308,6 +336,7 @@ fn concerns(
     effect: &Effect,
     judged_on: JudgedOn,
     judged_m: [Option<f64>; 2],
+    verdict: &HeldOutVerdict,
 ) -> Vec<String> {
     let mut concerns = Vec::new();
     let term = &effect.term;
@@ -327,18 +356,36 @@ fn concerns(
             others.join(", ")
         ));
     }
-    if let [Some(before), Some(after)] = judged_m
-        && after > before
-    {
-        let what = match judged_on {
-            JudgedOn::HeldOutFlights => "flights",
-            JudgedOn::HeldOutManoeuvres => "manoeuvres",
-        };
+    if verdict.is_worse {
+        let [before, after] =
+            judged_m.map(|rms_m| rms_m.map_or_else(|| "-".to_owned(), |m| format!("{m:.3}")));
         concerns.push(format!(
-            "it makes the error on the held-out {what} worse: {before:.3} m before, {after:.3} m after"
+            "the held-out {} are less likely with it, beyond chance: twice the log likelihood changes by {:.1}, chance is \
+             {:.1} (1 sigma); raw rms {before} m before, {after} m after",
+            held_out_name(judged_on),
+            verdict.gain,
+            verdict.gain_sigma
         ));
     }
     concerns
+}
+
+/// What was held out, in the plural.
+pub(super) const fn held_out_name(judged_on: JudgedOn) -> &'static str {
+    match judged_on {
+        JudgedOn::HeldOutFlights => "flights",
+        JudgedOn::HeldOutManoeuvres => "manoeuvres",
+    }
+}
+
+/// What a test that can not tell leaves open.
+fn untold(judged_on: JudgedOn, verdict: &HeldOutVerdict) -> Option<String> {
+    (!verdict.can_tell && !verdict.is_worse).then(|| {
+        format!(
+            "the held-out {} can't tell whether it acts there: it would move them by less than chance hides",
+            held_out_name(judged_on)
+        )
+    })
 }
 
 /// What of a diagnosis the user should know beside the concerns.

@@ -3,7 +3,7 @@
 use model::Effect;
 use thiserror::Error;
 use time::Date;
-use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, Value, value};
+use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, TableLike, Value, value};
 
 /// Why a model's text can not be changed.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -11,8 +11,10 @@ pub enum DocumentError {
     /// It is not TOML.
     #[error("{0}")]
     Syntax(String),
-    /// Its effects or revisions are written in another way.
-    #[error("{0} is not written as [[{0}]] tables, expected these")]
+    /// Its effects or revisions are neither tables nor an array of inline tables.
+    #[error(
+        "{0} is neither [[{0}]] tables nor an array of inline tables; write each one as a table below a line [[{0}]]"
+    )]
     NotTables(&'static str),
 }
 
@@ -31,11 +33,25 @@ pub struct RevisionErrors {
 /// See [`DocumentError`].
 pub fn with_effect(text: &str, effect: &Effect, date: Date) -> Result<String, DocumentError> {
     let mut document = parse(text)?;
+    let id = effect.term.id().name();
+    let has_id = |table: &dyn TableLike| table.get("id").and_then(Item::as_str) == Some(id);
+    if let Some(array) = inline_tables(&mut document, "effect") {
+        let at = array.iter().position(|table| table.as_inline_table().is_some_and(|table| has_id(table)));
+        match at.and_then(|at| array.get_mut(at)?.as_inline_table_mut()) {
+            Some(table) => fill(table, effect, date),
+            None => {
+                let mut table = InlineTable::new();
+                set(&mut table, "id", id);
+                fill(&mut table, effect, date);
+                append_inline(array, table);
+            }
+        }
+        return Ok(document.to_string());
+    }
     let is_first = !document.contains_key("effect");
     let trailing = take_trailing(&mut document, is_first);
-    let id = effect.term.id().name();
     let effects = tables(&mut document, "effect")?;
-    let at = effects.iter().position(|table| table.get("id").and_then(Item::as_str) == Some(id));
+    let at = effects.iter().position(|table| has_id(table));
     match at.and_then(|at| effects.get_mut(at)) {
         Some(table) => fill(table, effect, date),
         None => {
@@ -61,20 +77,39 @@ pub fn with_revision(
     errors: &RevisionErrors,
 ) -> Result<String, DocumentError> {
     let mut document = parse(text)?;
+    if let Some(array) = inline_tables(&mut document, "revision") {
+        let mut table = InlineTable::new();
+        fill_revision(&mut table, number, effect, date, replaced, errors);
+        append_inline(array, table);
+        return Ok(document.to_string());
+    }
     let trailing = take_trailing(&mut document, true);
     let mut table = Table::new();
-    set(&mut table, "number", i64::from(number));
-    set(&mut table, "date", datetime(date));
-    set(&mut table, "effect", effect.term.id().name());
+    fill_revision(&mut table, number, effect, date, replaced, errors);
+    append(tables(&mut document, "revision")?, table, &trailing, false);
+    Ok(document.to_string())
+}
+
+fn fill_revision(
+    table: &mut dyn TableLike,
+    number: u32,
+    effect: &Effect,
+    date: Date,
+    replaced: Option<f32>,
+    errors: &RevisionErrors,
+) {
+    set(table, "number", i64::from(number));
+    set(table, "date", datetime(date));
+    set(table, "effect", effect.term.id().name());
     if let Some(learned_from) = &effect.learned_from {
-        set(&mut table, "learned_from", learned_from.as_str());
+        set(table, "learned_from", learned_from.as_str());
     }
-    set(&mut table, "coefficient", decimal(effect.term.coefficient));
-    set(&mut table, "sigma", decimal(effect.term.sigma));
-    set(&mut table, "estimate", effect.estimate);
-    put_time_constant(&mut table, effect);
+    set(table, "coefficient", decimal(effect.term.coefficient));
+    set(table, "sigma", decimal(effect.term.sigma));
+    set(table, "estimate", effect.estimate);
+    put_time_constant(table, effect);
     if let Some(replaced) = replaced {
-        set(&mut table, "replaced_coefficient", decimal(replaced));
+        set(table, "replaced_coefficient", decimal(replaced));
     }
     let [before, after] = errors.learning;
     let [held_before, held_after] = errors.held_out;
@@ -85,11 +120,9 @@ pub fn with_revision(
         ("held_out_after_m", held_after),
     ] {
         if let Some(metres) = metres {
-            set(&mut table, key, (metres * 1e4).round() / 1e4);
+            set(table, key, (metres * 1e4).round() / 1e4);
         }
     }
-    append(tables(&mut document, "revision")?, table, &trailing, false);
-    Ok(document.to_string())
 }
 
 fn parse(text: &str) -> Result<DocumentMut, DocumentError> {
@@ -105,6 +138,41 @@ fn take_trailing(document: &mut DocumentMut, is_at_end: bool) -> String {
     } else {
         String::new()
     }
+}
+
+/// The array of inline tables, if they are written as one.
+fn inline_tables<'a>(document: &'a mut DocumentMut, key: &str) -> Option<&'a mut Array> {
+    let is_inline = document.get(key)?.as_array()?.iter().all(Value::is_inline_table);
+    if is_inline { document.get_mut(key)?.as_array_mut() } else { None }
+}
+
+/// Adds an inline table in the way in which the last one stands: behind it, or on a line of its own.
+fn append_inline(array: &mut Array, mut table: InlineTable) {
+    let first = array.iter().next().and_then(|table| table.decor().prefix()?.as_str());
+    let indent = first.and_then(|prefix| Some(&prefix[prefix.rfind('\n')?..])).map(str::to_owned);
+    // What stands behind the last, before the bracket or its comma, may be a comment: it stays there.
+    if let Some(last) = array.iter_mut().last() {
+        let behind = last.decor().suffix().and_then(|text| text.as_str()).unwrap_or_default().to_owned();
+        if !behind.is_empty() {
+            last.decor_mut().set_suffix("");
+            let trailing = array.trailing().as_str().unwrap_or_default().to_owned();
+            array.set_trailing(format!("{behind}{trailing}"));
+        }
+    }
+    let trailing = array.trailing().as_str().unwrap_or_default().to_owned();
+    let prefix = match (&indent, array.is_empty()) {
+        (Some(indent), _) => {
+            // Comments before the bracket stay before the new table.
+            let kept = trailing.rfind('\n').map_or("", |end| &trailing[..end]);
+            array.set_trailing(trailing.rfind('\n').map_or("\n", |end| &trailing[end..]).to_owned());
+            array.set_trailing_comma(true);
+            format!("{kept}{indent}")
+        }
+        (None, true) => String::new(),
+        (None, false) => " ".to_owned(),
+    };
+    table.decor_mut().set_prefix(prefix);
+    array.push_formatted(Value::InlineTable(table));
 }
 
 /// The `[[key]]` tables, made if there are none.
@@ -123,7 +191,7 @@ fn append(tables: &mut ArrayOfTables, mut table: Table, trailing: &str, is_alone
     tables.push(table);
 }
 
-fn fill(table: &mut Table, effect: &Effect, date: Date) {
+fn fill(table: &mut dyn TableLike, effect: &Effect, date: Date) {
     let term = &effect.term;
     set(table, "coefficient", decimal(term.coefficient));
     set(table, "sigma", decimal(term.sigma));
@@ -139,7 +207,7 @@ fn fill(table: &mut Table, effect: &Effect, date: Date) {
     }
 }
 
-fn put_time_constant(table: &mut Table, effect: &Effect) {
+fn put_time_constant(table: &mut dyn TableLike, effect: &Effect) {
     let regressor = &effect.term.regressor;
     if regressor.id.has_time_constant() {
         set(table, "time_constant_s", decimal(regressor.time_constant_s));
@@ -148,7 +216,7 @@ fn put_time_constant(table: &mut Table, effect: &Effect) {
 }
 
 /// Sets a key; the comment behind a value that was there stays.
-fn set(table: &mut Table, key: &str, new: impl Into<Value>) {
+fn set(table: &mut dyn TableLike, key: &str, new: impl Into<Value>) {
     match table.get_mut(key) {
         Some(Item::Value(old)) => {
             let decor = old.decor().clone();
@@ -274,9 +342,42 @@ number = 4
     }
 
     #[test]
-    fn effects_in_another_form_are_refused() {
-        let text = "effect = [{ id = \"baro.lag\", coefficient = 0.3 }]\n";
-        let refused = with_effect(text, &effect(0.06), day());
-        assert_eq!(refused, Err(DocumentError::NotTables("effect")));
+    fn inline_tables_stay_inline() {
+        let line = "effect = [{ id = \"baro.lag\", coefficient = 0.3 }] # ours\nsettling_s = 12\n";
+        let changed = added(line, 0.06);
+        assert!(
+            changed.starts_with("effect = [{ id = \"baro.lag\", coefficient = 0.3 }, { id = "),
+            "{changed}"
+        );
+        assert!(changed.contains("}] # ours\nsettling_s = 12\n\n[[revision]]\n"), "{changed}");
+        assert_eq!(Model::parse(&changed).unwrap().effects.len(), 2);
+
+        let lines = "\
+settling_s = 12
+effect = [
+    # of the installation
+    { id = \"baro.lag\", coefficient = 0.3 },  # s
+    { id = \"baro.scale\", coefficient = 0.01 }  # of the day
+    # the last
+]
+revision = []
+";
+        for lines in [lines.to_owned(), lines.replace("}  # of", "},  # of")] {
+            let changed = added(&lines, 0.06);
+            for comment in ["    # of the installation\n", "},  # s\n", "# of the day\n", "    # the last\n"]
+            {
+                assert!(changed.contains(comment), "{comment}\n{changed}");
+            }
+            let added_at = changed.find("\n    { id = \"baro.dynamic_pressure\"").unwrap();
+            assert!(added_at > changed.find("# the last").unwrap(), "{changed}");
+            let model = Model::parse(&changed).unwrap();
+            assert_eq!((model.effects.len(), model.revision_numbers()), (3, vec![1]));
+            // Learned anew: in its place.
+            let again = added(&changed, 0.0625);
+            let model = Model::parse(&again).unwrap();
+            assert_eq!((model.effects.len(), model.effects[2].term.coefficient), (3, 0.0625));
+            assert_eq!(model.revision_numbers(), [1, 2]);
+        }
+        assert_eq!(Model::parse(&added("effect = []\n", 0.06)).unwrap().effects.len(), 1);
     }
 }

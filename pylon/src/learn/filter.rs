@@ -1,7 +1,7 @@
 //! A coefficient by the core's own filter: what the flight computer would have learned, had it known the noise.
 //!
 //! The states are the reference's wander, the white noise of a block's fixes, each sensor's wander, the
-//! sensors' biases, and one coefficient a term. All of it in single precision.
+//! sensors' biases, the wind's two, and one coefficient a term. All of it in single precision.
 
 use kf_core::error::FilterError;
 use kf_core::sensor::SENSORS;
@@ -14,8 +14,10 @@ use crate::diagnose::{BySensor, Lesson, Noise, Series, Term};
 const WANDER: usize = 2;
 /// First state of the biases.
 const BIAS: usize = WANDER + SENSORS;
+/// First state of the wind's.
+const WIND: usize = BIAS + SENSORS;
 /// First state of the coefficients.
-const COEFFICIENTS: usize = BIAS + SENSORS;
+const COEFFICIENTS: usize = WIND + 2;
 /// A model's 16 effects, the five that a diagnosis may find, and the one that is learned.
 const MOST_TERMS: usize = 22;
 
@@ -72,7 +74,7 @@ fn sized<const STATES: usize>(lesson: &Lesson, terms: usize) -> Result<Learned, 
     let mut filter =
         start::<STATES>(&lesson.terms).map_err(|error| LearnError::Filter { block: 0, error })?;
     for flight in &lesson.flights {
-        fly(&mut filter, flight, &lesson.noise, &lesson.terms)?;
+        fly(&mut filter, flight, lesson)?;
     }
     let unit = unit(term);
     let coefficient = f64::from(filter.tail()[COEFFICIENTS]) * unit;
@@ -105,9 +107,10 @@ fn start<const STATES: usize>(terms: &[Term]) -> Result<UdFilter<0, STATES>, Fil
 fn fly<const STATES: usize>(
     filter: &mut UdFilter<0, STATES>,
     flight: &Series,
-    noise: &Noise,
-    terms: &[Term],
+    lesson: &Lesson,
 ) -> Result<(), LearnError> {
+    let Lesson { noise, terms, wind, .. } = lesson;
+    let wind_sigmas = wind.map_or([0.0; 2], |wind| wind.map(|nuisance| nuisance.sigma));
     // A bias is counted from the sensor's first reading: what is left is small enough for single precision.
     let first_m: BySensor = std::array::from_fn(|i| {
         let mut readings = flight.residual_m.iter().map(|residuals| residuals[i]);
@@ -118,7 +121,11 @@ fn fly<const STATES: usize>(
         let in_block = |error| LearnError::Filter { block, error };
         let elapsed_s = last_s.map(|last_s: f64| flight.time_s[block] - last_s);
         last_s = Some(flight.time_s[block]);
-        carry(filter, noise, elapsed_s, flight.free[block], flight.fixes[block]).map_err(in_block)?;
+        match elapsed_s {
+            None => begin(filter, noise, flight.fixes[block], wind_sigmas),
+            Some(elapsed_s) => carry(filter, noise, elapsed_s, flight.free[block], flight.fixes[block]),
+        }
+        .map_err(in_block)?;
         for sensor in 0..SENSORS {
             let residual_m = flight.residual_m[block][sensor];
             if !residual_m.is_finite() {
@@ -132,6 +139,9 @@ fn fly<const STATES: usize>(
             row[1] = 1.0;
             row[WANDER + sensor] = 1.0;
             row[BIAS + sensor] = 1.0;
+            for (slot, nuisance) in row.iter_mut().skip(WIND).zip(wind.iter().flatten()) {
+                *slot = flight.columns[nuisance.column][block][sensor] as f32;
+            }
             for (slot, term) in row.iter_mut().skip(COEFFICIENTS).zip(terms) {
                 *slot = (flight.columns[term.column][block][sensor] * unit(term)) as f32;
             }
@@ -144,41 +154,64 @@ fn fly<const STATES: usize>(
     Ok(())
 }
 
-/// Carries the noise to the next block; without a block before (`elapsed_s`: `None`) it starts anew, and so do the
-/// biases: those of one flight are not those of the next.
+/// The start of a flight: of its noise what is known is its size, and biases and wind are not those of the last
+/// flight.
+fn begin<const STATES: usize>(
+    filter: &mut UdFilter<0, STATES>,
+    noise: &Noise,
+    fixes: f64,
+    wind_sigmas: [f64; 2],
+) -> Result<(), FilterError> {
+    let mut added_m2 = [0.0; COEFFICIENTS];
+    let sigmas = [noise.reference.sigma_m, noise.fix_sigma_m / fixes.sqrt()]
+        .into_iter()
+        .chain(noise.sensors.map(|sensor| sensor.wander.sigma_m))
+        .chain([BIAS_SIGMA_M; SENSORS])
+        .chain(wind_sigmas);
+    for (added, sigma) in added_m2.iter_mut().zip(sigmas) {
+        *added = (sigma * sigma) as f32;
+    }
+    propagate(filter, &[0.0; COEFFICIENTS], &added_m2)
+}
+
+/// Carries the noise to the next block.
 fn carry<const STATES: usize>(
     filter: &mut UdFilter<0, STATES>,
     noise: &Noise,
-    elapsed_s: Option<f64>,
+    elapsed_s: f64,
     free: bool,
     fixes: f64,
 ) -> Result<(), FilterError> {
+    let mut kept = [1.0; COEFFICIENTS];
+    let mut added_m2 = [0.0; COEFFICIENTS];
+    let mut process = |state: usize, sigma_m: f64, time_s: f64| {
+        let share = (-elapsed_s / time_s).exp();
+        kept[state] = share as f32;
+        added_m2[state] = (sigma_m * sigma_m * (1.0 - share * share)) as f32;
+    };
+    process(0, noise.reference.sigma_m, noise.reference.time_s);
+    for (i, sensor) in noise.sensors.iter().enumerate() {
+        let factor = if free { sensor.free_flight_factor } else { 1.0 };
+        process(WANDER + i, sensor.wander.sigma_m * factor, sensor.wander.time_s);
+    }
+    kept[1] = 0.0;
+    added_m2[1] = (noise.fix_sigma_m * noise.fix_sigma_m / fixes) as f32;
+    propagate(filter, &kept, &added_m2)
+}
+
+/// Keeps of each state but the coefficients its share, and adds variance to it.
+fn propagate<const STATES: usize>(
+    filter: &mut UdFilter<0, STATES>,
+    kept: &[f32; COEFFICIENTS],
+    added_m2: &[f32; COEFFICIENTS],
+) -> Result<(), FilterError> {
     let mut transition = [[0.0; STATES]; STATES];
     for (state, row) in transition.iter_mut().enumerate() {
-        row[state] = if elapsed_s.is_none() && state < COEFFICIENTS { 0.0 } else { 1.0 };
+        row[state] = kept.get(state).copied().unwrap_or(1.0);
     }
     let mut inputs = [[0.0; COEFFICIENTS]; STATES];
     for (state, row) in inputs.iter_mut().take(COEFFICIENTS).enumerate() {
         row[state] = 1.0;
     }
-    let mut added = [0.0; COEFFICIENTS];
-    let mut process = |state: usize, sigma_m: f64, time_s: f64| {
-        let kept = elapsed_s.map_or(0.0, |elapsed_s| (-elapsed_s / time_s).exp());
-        transition[state][state] = kept as f32;
-        added[state] = (sigma_m * sigma_m * (1.0 - kept * kept)) as f32;
-    };
-    process(0, noise.reference.sigma_m, noise.reference.time_s);
-    for (i, sensor) in noise.sensors.iter().enumerate() {
-        // The wander starts as in captive flight, which a whole flight does.
-        let factor = if free && elapsed_s.is_some() { sensor.free_flight_factor } else { 1.0 };
-        process(WANDER + i, sensor.wander.sigma_m * factor, sensor.wander.time_s);
-    }
-    transition[1][1] = 0.0;
-    added[1] = (noise.fix_sigma_m * noise.fix_sigma_m / fixes) as f32;
-    if elapsed_s.is_none() {
-        for bias in &mut added[BIAS..] {
-            *bias = (BIAS_SIGMA_M * BIAS_SIGMA_M) as f32;
-        }
-    }
-    filter.propagate(&transition, &[0.0; STATES], &inputs, &added)
+    filter.propagate(&transition, &[0.0; STATES], &inputs, added_m2)
 }

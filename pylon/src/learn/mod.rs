@@ -4,8 +4,9 @@
 //! 2. `filter` learns it with the core's own filter.
 //! 3. `document` writes it into the model's text, which stays as it was but for that.
 //! 4. `score` flies the mission before and after.
-//! 5. `addition` puts these together and says what speaks against it.
-//! 6. `ladder` scores every revision of a model.
+//! 5. `verdict` says whether what was held out is predicted worse, beyond chance.
+//! 6. `addition` puts these together and says what speaks against it.
+//! 7. `ladder` scores every revision of a model.
 
 mod addition;
 mod document;
@@ -13,10 +14,12 @@ mod filter;
 mod ladder;
 mod score;
 mod text;
+mod verdict;
 
-pub use addition::{AddError, Addition, FlightChange, JudgedOn, Request, add, nearest_effects};
+pub use addition::{AddError, Addition, FlightChange, JudgedOn, NamedFlight, Request, add, nearest_effects};
 pub use document::DocumentError;
 pub use filter::{LearnError, Learned, learn};
 pub use ladder::{Ladder, Rung, RungFlight, ladder};
 pub use score::{Scores, SensorScore, pooled_rms_m, score};
 pub use text::{addition_text, ladder_text};
+pub use verdict::HeldOutVerdict;

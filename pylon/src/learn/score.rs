@@ -20,6 +20,8 @@ pub struct SensorScore {
     pub doubtful_after_s: Option<f64>,
     /// When it became untrustworthy, seconds after launch; `None`: never.
     pub untrustworthy_after_s: Option<f64>,
+    /// How long it flew free: from launch to the flight's last tick, seconds; `None` without launch.
+    pub free_flight_s: Option<f64>,
     /// Ticks of free flight with an error.
     #[serde(skip)]
     pub ticks: u64,
@@ -44,6 +46,7 @@ struct Tally {
 pub fn score(replay: &Replay<'_>) -> Result<Scores, ReplayError> {
     let mut tallies = [Tally::default(); SENSORS];
     let mut launch_us = None;
+    let mut last_us = None;
     let summary = replay.run(&mut |_, output| {
         if output.out_of_order {
             return;
@@ -51,6 +54,7 @@ pub fn score(replay: &Replay<'_>) -> Result<Scores, ReplayError> {
         if output.latched_now {
             launch_us = Some(output.time_us);
         }
+        last_us = Some(output.time_us);
         for (tally, sensor) in tallies.iter_mut().zip(&output.sensors) {
             match (output.phase, sensor.error_m) {
                 (Phase::Calibrating, Some(error_m)) => {
@@ -95,6 +99,7 @@ pub fn score(replay: &Replay<'_>) -> Result<Scores, ReplayError> {
             free_flight_rms_m: (free > 0.0).then(|| (free_squares / free).sqrt()),
             doubtful_after_s: after_s(tally.doubtful_us),
             untrustworthy_after_s: after_s(tally.untrustworthy_us),
+            free_flight_s: after_s(last_us),
             ticks: free as u64,
         };
         Some((sensor.name(), score))

@@ -82,15 +82,7 @@ pub fn addition_text(addition: &Addition, file: &str) -> String {
         }
     }
     put!(out, "{}", rendered(rows, 3));
-    if addition.judged_on == JudgedOn::HeldOutManoeuvres {
-        put!(
-            out,
-            "\nOn held-out manoeuvres of the learning flights: {} m without the effect, {} m with it.\n\
-             Check it on another flight (--hold-out).",
-            number(addition.rms_before_m, 2),
-            number(addition.rms_after_m, 2)
-        );
-    }
+    put!(out, "\n{}", held_out(addition));
     for concern in &addition.concerns {
         put!(out, "\nwritten all the same (--force): {concern}");
     }
@@ -98,6 +90,47 @@ pub fn addition_text(addition: &Addition, file: &str) -> String {
         put!(out, "\nwarning: {warning}");
     }
     out
+}
+
+/// What was held out, by its raw errors and by its likelihood.
+fn held_out(addition: &Addition) -> String {
+    let mut out = String::new();
+    let verdict = &addition.held_out_verdict;
+    let of = match addition.judged_on {
+        JudgedOn::HeldOutFlights => "Held-out flights",
+        JudgedOn::HeldOutManoeuvres => "Held-out manoeuvres of the learning flights",
+    };
+    put!(
+        out,
+        "{of}: raw rms {} m without the effect, {} m with it.",
+        number(addition.rms_before_m, 2),
+        number(addition.rms_after_m, 2)
+    );
+    let outcome = if verdict.is_worse {
+        "worse with the effect, beyond chance"
+    } else if verdict.gain > 0.0 {
+        "better with it"
+    } else {
+        "no worse than chance"
+    };
+    put!(
+        out,
+        "What decides is their likelihood, which knows the reference's wander: twice its logarithm changes by\n\
+         {:+.1} +- {:.1} (1 sigma), and by {:+.1} if the effect acts as learned: {outcome}.",
+        verdict.gain,
+        verdict.gain_sigma,
+        verdict.gain_as_learned
+    );
+    if let ([Some(before), Some(after)], false) =
+        ([addition.rms_before_m, addition.rms_after_m], verdict.is_worse)
+        && after > before
+    {
+        put!(out, "The raw rms is mostly that wander, and larger by chance.");
+    }
+    if addition.judged_on == JudgedOn::HeldOutManoeuvres {
+        put!(out, "Check it on another flight (--hold-out).");
+    }
+    out.trim_end().to_owned()
 }
 
 fn add_rows(rows: &mut Table, kind: &str, flight: &FlightChange) {

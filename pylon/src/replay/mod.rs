@@ -158,6 +158,28 @@ impl<'a> Replay<'a> {
         Ok(Self { flight, model, source: CalibrationSource::Uncalibrated(window) })
     }
 
+    /// As [`Self::new`], but a flight that has nothing to calibrate on is taken as it is, by
+    /// [`Self::uncalibrated`].
+    ///
+    /// # Errors
+    /// As those of both, but for a flight that is nowhere quiet.
+    pub fn calibrated_or_not(
+        flight: &'a Flight,
+        model: &Model,
+        window: Option<CalibrationWindow>,
+    ) -> Result<Self, ReplayError> {
+        match Self::new(flight, model, window) {
+            Err(ReplayError::NoQuietStretch { .. }) => Self::uncalibrated(flight, model),
+            other => other,
+        }
+    }
+
+    /// Whether there is anything to calibrate on.
+    #[must_use]
+    pub const fn is_calibrated(&self) -> bool {
+        !matches!(self.source, CalibrationSource::Uncalibrated(_))
+    }
+
     /// The flight.
     #[must_use]
     pub const fn flight(&self) -> &'a Flight {
