@@ -11,6 +11,7 @@ use browser::{Mouse, Sheet};
 use model::Model;
 use pylon::compare::{Options, compare};
 use pylon::diagnose::{NamedReplay, diagnose};
+use pylon::learn::ladder;
 use pylon::replay::Replay;
 use pylon::report::{FlightReport, Report};
 use pylon::simulate::{Scenario, simulate};
@@ -21,6 +22,23 @@ const SCENARIO: &str = include_str!("../../flights/quickstart.toml");
 /// The diagram that is played with, and one of its group.
 const FIGURE: &str = "document.querySelector('[data-chart=\"flight-1-fig4-baro\"]')";
 const SIBLING: &str = "document.querySelector('[data-chart=\"flight-1-fig4-imu_slave\"]')";
+
+/// Two revisions, of which the first learned too little of the effect that the scenario hides.
+const IMPROVED: &str = r#"
+[[effect]]
+id = "baro.dynamic_pressure"
+coefficient = 0.06
+[[revision]]
+number = 1
+effect = "baro.dynamic_pressure"
+coefficient = 0.02
+[[revision]]
+number = 2
+effect = "baro.dynamic_pressure"
+coefficient = 0.06
+replaced_coefficient = 0.02
+"#;
+const LADDER: &str = "document.querySelector('[data-chart=\"ladder-1\"]')";
 
 /// The report of a simulated flight, in a folder of its own.
 fn report() -> (TempDir, PathBuf) {
@@ -33,8 +51,18 @@ fn report() -> (TempDir, PathBuf) {
     let flights = [FlightReport::new(0, &replay, comparison).unwrap()];
     let named = NamedReplay { file: "quickstart.csv".into(), replay };
     let diagnosis = diagnose(&[named], &[], &mut || ());
-    let html =
-        Report { flights: &flights, model: &model, model_name: "default", diagnosis: &diagnosis }.html();
+    // What `pylon add` would have made of it: the effect that the scenario hides.
+    let improved = Model::parse(IMPROVED).unwrap();
+    let mut ladder = ladder(&improved, &[("quickstart.csv".into(), &flight)], None, &mut |_| ()).unwrap();
+    ladder.model = "improved.toml".into();
+    let report = Report {
+        flights: &flights,
+        model: &improved,
+        model_name: "improved.toml",
+        diagnosis: &diagnosis,
+        ladder: &ladder,
+    };
+    let html = report.html();
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("report.html");
     fs::write(&file, html).unwrap();
@@ -132,6 +160,50 @@ fn every_diagram_is_drawn_and_nothing_complains() {
     assert_eq!(*sheet.complaints.lock().unwrap(), Vec::<String>::new());
     // What its security policy forbids it would have complained of; it does not try either.
     assert_eq!(sheet.value("performance.getEntriesByType('resource').map((entry) => entry.name)"), json!([]));
+}
+
+#[test]
+fn the_ladder_shows_every_revision_and_its_flags() {
+    let (_folder, file) = report();
+    let sheet = Sheet::open(&file, 1366, 768);
+    show(&sheet, LADDER);
+    let (inked, colours) = drawn(&sheet, LADDER);
+    assert!(inked > 1_500 && colours > 3, "{inked} pixels in {colours} colours");
+    // Three named places, and the barometer's error falls from each to the next.
+    let names = sheet.value(&format!("{LADDER}.plot.axes[0]._values"));
+    assert_eq!(names, json!(["at first", "1: baro.dynamic_pressure", "2: baro.dynamic_pressure"]));
+    let label = |at: usize| format!("{LADDER}.plot.series[{at}].label");
+    let baro = (1..3).find(|at| sheet.value(&label(*at)) == json!("baro")).unwrap();
+    let rms_m = |rung: usize| sheet.number(&format!("{LADDER}.plot.data[{baro}][{}]", rung + 1));
+    assert!(rms_m(0) > rms_m(1) && rms_m(1) > rms_m(2), "{} {} {}", rms_m(0), rms_m(1), rms_m(2));
+    // The table says the same, the bars to scale, and a strip is as long as the flight.
+    let row = |rung: usize| {
+        let rows = "[...document.querySelectorAll('.rungs tbody tr')]";
+        format!("{rows}.filter((row) => row.cells[1].textContent === 'baro')[{rung}]")
+    };
+    let bar = |rung: usize| {
+        sheet.number(&format!("{}.querySelector('.length').getBoundingClientRect().width", row(rung)))
+    };
+    assert!((bar(2) / bar(0) - rms_m(2) / rms_m(0)).abs() < 0.02, "{} {}", bar(2), bar(0));
+    for rung in 0..3 {
+        let strip = format!("{}.querySelector('.strip')", row(rung));
+        let parts = sheet.number(&format!(
+            "[...{strip}.children].reduce((sum, part) => sum + part.getBoundingClientRect().width, 0)"
+        ));
+        let whole = sheet.number(&format!("{strip}.clientWidth"));
+        assert!((parts - whole).abs() < 1.5, "{parts} {whole}");
+    }
+    // Hovering over a revision names it.
+    let (first, last) = span(&sheet, LADDER);
+    sheet.mouse(Mouse::Move, point(&sheet, LADDER, (2.0 - first) / (last - first)), 0);
+    sheet.wait(&format!(
+        "{LADDER}.querySelector('.u-legend').textContent.includes('2: baro.dynamic_pressure')"
+    ));
+    keep_picture(&sheet, "ladder.png");
+    sheet.prefer("dark");
+    sheet.wait("getComputedStyle(document.body).backgroundColor === 'rgb(20, 24, 29)'");
+    keep_picture(&sheet, "ladder-dark.png");
+    assert_eq!(*sheet.complaints.lock().unwrap(), Vec::<String>::new());
 }
 
 #[test]

@@ -178,6 +178,31 @@ fn several_flights_share_a_page_and_a_model_shows_its_history() {
     {
         assert!(page.contains(text), "{text}");
     }
+    // The ladder's numbers are those of `pylon ladder`, on the flight that was held out too.
+    let third = Recipe { seed: 3, ..late_baro() }.make();
+    flight::write(&directory.path().join("third.csv"), &third).unwrap();
+    let model = fs::read_to_string(directory.path().join("model.toml")).unwrap();
+    let lag = "\n[[effect]]\nid = \"baro.lag\"\ncoefficient = 1.5\n";
+    fs::write(directory.path().join("model.toml"), format!("{model}{lag}")).unwrap();
+    let flights = ["made.csv", "--model", "model.toml"];
+    let page = self::page(directory.path(), &[&flights[..], &["--hold-out", "third.csv"]].concat());
+    let said =
+        stdout(directory.path(), &["ladder", "made.csv", "third.csv", "--model", "model.toml", "--json"]);
+    let ladder: Value = serde_json::from_str(&said).unwrap();
+    let charts = self::charts(&page);
+    for flight in 0..2 {
+        let chart = &charts[format!("ladder-{}", flight + 1)];
+        let baro = chart["lines"].as_array().unwrap().iter().find(|line| line["name"] == "baro").unwrap();
+        let drawn = numbers(&baro["y"]);
+        assert_eq!(drawn.len(), 2);
+        for (rung, drawn) in drawn.iter().enumerate() {
+            let score = &ladder["revisions"][rung]["flights"][flight]["sensors"]["baro"];
+            let rms_m = score["free_flight_rms_m"].as_f64().unwrap();
+            assert!((drawn - rms_m).abs() < 1e-3, "{drawn} {rms_m}");
+        }
+        assert!(drawn[0] > 5.0 * drawn[1], "{drawn:?}");
+    }
+    assert!(page.contains("never doubtful") && page.contains("untrustworthy after"), "flags in words");
 }
 
 #[test]

@@ -42,7 +42,7 @@ pub fn test(echo: bool) -> anyhow::Result<Done> {
     let story = fly(echo)?;
     let improvement = improve(echo)?;
     Ok(Done::all(format!(
-        "{} and {} ticks bit for bit, {} pictures, {} found and added",
+        "{} and {} ticks bit for bit, {} pictures, {} found and added, a report",
         story.flown.ticks,
         improvement.ticks,
         story.pictures.len(),
@@ -98,8 +98,18 @@ fn improve(echo: bool) -> anyhow::Result<Improvement> {
     add.arg("--hold-out").arg(&second).arg("-o").arg(&model).arg("--json");
     let addition: Addition = json(&mut add, echo)?;
     let flown: Flown = json(pylon("fly").arg(&second).arg("--model").arg(&model).arg("--json"), echo)?;
+    eprintln!("writing a report of both flights with the improved model");
+    let report = folder.join("report.html");
+    let mut write = pylon("report");
+    write.args([&first, &second]).arg("--model").arg(&model).arg("-o").arg(&report);
+    child::run(&mut write, echo)?;
+    let page =
+        fs::read_to_string(&report).with_context(|| format!("{} can not be read", report.display()))?;
+    if !page.contains("data-chart=\"ladder-2\"") || !page.contains(*effect) {
+        bail!("{} does not show how the error fell on the second flight", report.display());
+    }
     let (effect, sensor) = ((*effect).to_owned(), sensor.to_owned());
-    Ok(Improvement { effect, sensor, addition, ticks: flown.ticks, model })
+    Ok(Improvement { effect, sensor, addition, ticks: flown.ticks, model, report })
 }
 
 /// The workbench, which must have been built, with a command of its.

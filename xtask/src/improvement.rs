@@ -80,11 +80,13 @@ pub struct Improvement {
     pub ticks: u32,
     /// The improved model.
     pub model: PathBuf,
+    /// The report of both flights with it.
+    pub report: PathBuf,
 }
 
 impl fmt::Display for Improvement {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { effect, sensor, addition, ticks, model } = self;
+        let Self { effect, sensor, addition, ticks, model, report } = self;
         writeln!(
             formatter,
             "
@@ -107,8 +109,10 @@ Two simulated flights with an error in them that the default model does not know
             formatter,
             "  emulated    {ticks} ticks of the second with the improved model, each bit for bit the host's
 
-The improved model: {}",
-            workspace::shown(model)
+The improved model: {}
+To look at in a browser, both flights and how the error fell: {}",
+            workspace::shown(model),
+            workspace::shown(report)
         )
     }
 }
@@ -137,6 +141,7 @@ mod tests {
             addition: serde_json::from_str(&json).unwrap(),
             ticks: 40_000,
             model: workspace::root().join("target/demo/improved.toml"),
+            report: workspace::root().join("target/demo/report.html"),
         }
         .to_string();
         for words in [
@@ -147,6 +152,7 @@ mod tests {
             "after:  1.00 m, no flag",
             "40000 ticks",
             "target/demo/improved.toml",
+            "target/demo/report.html",
         ] {
             assert!(improvement.contains(words), "{words} is not in:\n{improvement}");
         }

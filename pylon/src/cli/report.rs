@@ -6,12 +6,13 @@ use clap::Args;
 use pylon::compare::{Options, compare};
 use pylon::diagnose::{NamedReplay, diagnose};
 use pylon::flight::Note;
+use pylon::learn::{NamedFlight, ladder};
 use pylon::output_file::write_atomically;
 use pylon::replay::CalibrationWindow;
 use pylon::report::{FlightReport, Report};
 
 use super::failure::Failure;
-use super::progress::{Progress, while_busy};
+use super::progress::{Counter, Progress};
 use super::{load, terminal};
 
 const EXAMPLES: &str = "\
@@ -58,11 +59,26 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     for (index, (named, (_, notes))) in learned_from.iter().zip(&learned).enumerate() {
         flights.push(flight(index, named, notes, &arguments.model)?);
     }
-    let mut diagnosis = while_busy("diagnosing", || diagnose(&learned_from, &held_out, &mut || ()));
+    let mut counter = Counter::new("diagnosing", "fits");
+    let mut diagnosis = diagnose(&learned_from, &held_out, &mut || counter.step());
+    drop(counter);
     diagnosis.model.clone_from(&arguments.model);
-    let html =
-        Report { flights: &flights, model: &model, model_name: &arguments.model, diagnosis: &diagnosis }
-            .html();
+    let mut all: Vec<NamedFlight<'_>> = load::named(&arguments.flights, &learned);
+    all.extend(load::named(&arguments.hold_out, &held));
+    let mut progress =
+        Progress::new("flying every revision", (model.revisions.len() as u64 + 1) * all.len() as u64);
+    let mut ladder = ladder(&model, &all, arguments.calibrate, &mut |done| progress.show(done))
+        .map_err(|(file, error)| Failure::input(format!("{file}: {error}")))?;
+    drop(progress);
+    ladder.model.clone_from(&arguments.model);
+    let report = Report {
+        flights: &flights,
+        model: &model,
+        model_name: &arguments.model,
+        diagnosis: &diagnosis,
+        ladder: &ladder,
+    };
+    let html = report.html();
     write_atomically(&arguments.output, |out| out.write_all(html.as_bytes()))?;
     let (count, size) = (flights.len(), html.len() as f64 / 1e6);
     let flights = if count == 1 { "1 flight".to_owned() } else { format!("{count} flights") };

@@ -42,6 +42,8 @@ pub struct Chart {
     pub unit: &'static str,
     /// Places on the axis, ascending.
     pub x: Vec<f64>,
+    /// Places that have names, instead of the axis' numbers.
+    pub x_ticks: Vec<(f64, String)>,
     /// Curves.
     pub lines: Vec<Line>,
     /// Areas between two curves.
@@ -67,6 +69,8 @@ pub struct Line {
     pub y: Values,
     /// Whether the values are dots instead.
     pub dots: bool,
+    /// Whether the values are marked on the curve.
+    pub knots: bool,
 }
 
 /// An area.
@@ -123,6 +127,7 @@ impl Chart {
             y_name,
             unit: "m",
             x,
+            x_ticks: Vec::new(),
             lines: Vec::new(),
             bands: Vec::new(),
             levels: Vec::new(),
@@ -133,7 +138,7 @@ impl Chart {
     }
 
     pub(super) fn line(mut self, name: &str, role: Role, y: Values) -> Self {
-        self.lines.push(Line { name: name.to_owned(), role, y, dots: false });
+        self.lines.push(Line { name: name.to_owned(), role, y, dots: false, knots: false });
         self
     }
 

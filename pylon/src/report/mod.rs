@@ -6,6 +6,7 @@
 mod chart;
 mod dependence;
 mod figures;
+mod ladder;
 mod page;
 mod recording;
 mod signals;
@@ -17,6 +18,7 @@ use model::Model;
 
 use crate::compare::Comparison;
 use crate::diagnose::Diagnosis;
+use crate::learn::Ladder;
 use crate::replay::{Replay, ReplayError};
 use dependence::Dependence;
 use recording::{ERROR, Recording};
@@ -61,6 +63,8 @@ pub struct Report<'a> {
     pub model_name: &'a str,
     /// What the model lacks, by all the flights together.
     pub diagnosis: &'a Diagnosis,
+    /// Every revision of the model on the flights, and on those that were held out.
+    pub ladder: &'a Ladder,
 }
 
 impl FlightReport {

@@ -38,7 +38,8 @@ const pylonCharts = (() => {
   // uPlot's columns and series; every band is two series and the area between them.
   function layers(spec) {
     const columns = [spec.x];
-    const series = [{ label: spec.x_name, value: (_, value) => number(value) }];
+    const named = new Map(spec.x_ticks);
+    const series = [{ label: spec.x_name, value: (_, value) => named.get(value) ?? number(value) }];
     const bands = [];
     const roles = ["ink"];
     const add = (values, role, options) => {
@@ -61,6 +62,8 @@ const pylonCharts = (() => {
       if (line.dots) {
         const fill = () => faint(line.role, 0.55);
         add(line.y, line.role, { label: line.name, stroke, paths: () => null, points: { show: true, size: 4, width: 0, fill, stroke: fill } });
+      } else if (line.knots) {
+        add(line.y, line.role, { label: line.name, stroke, width: 2, points: { show: true, size: 9, fill: stroke, stroke } });
       } else {
         add(line.y, line.role, { label: line.name, stroke, width: line.role === "measured" ? 1 : 2 });
       }
@@ -169,13 +172,17 @@ const pylonCharts = (() => {
   function draw(place, spec) {
     const { columns, series, bands, roles } = layers(spec);
     const axis = { stroke: () => colour("ink"), grid: { stroke: () => colour("grid"), width: 1 }, ticks: { stroke: () => colour("rule"), width: 1 }, font: font(), labelFont: font() };
+    const named = spec.x_ticks.length > 0 && {
+      splits: () => spec.x_ticks.map(([x]) => x),
+      values: () => spec.x_ticks.map(([, name]) => name),
+    };
     const plot = new uPlot({
       ...size(place),
       series,
       bands,
       scales: { x: { time: false }, y: { range: (self, least, greatest) => yRange(self, least, greatest, spec) } },
       axes: [
-        { ...axis, label: spec.x_name, labelSize: textSize() * 1.7, size: textSize() * 2.4 },
+        { ...axis, ...named, label: spec.x_name, labelSize: textSize() * 1.7, size: textSize() * 2.4 },
         { ...axis, label: spec.y_name, labelSize: textSize() * 1.8, size: textSize() * 5 },
       ],
       cursor: { drag: { x: true, y: false, dist: 4 }, sync: spec.group ? { key: spec.group, setSeries: false } : undefined },

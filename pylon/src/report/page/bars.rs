@@ -4,17 +4,31 @@ use maud::{Markup, html};
 
 use crate::compare::text::number::metres;
 
+/// One error, drawn to the scale on which `greatest` is the whole length.
+pub(super) fn bar(value: f64, greatest: f64) -> Markup {
+    html! {
+        div.bar.after {
+            span.track { span.length style=(format!("width: {:.1}%", share(value, greatest))) {} }
+            span.value { (metres(Some(value))) }
+        }
+    }
+}
+
+/// Per cent.
+pub(super) fn share(value: f64, greatest: f64) -> f64 {
+    if greatest > 0.0 { 100.0 * value / greatest } else { 0.0 }
+}
+
 /// Errors before and after, each with its word, drawn to the scale on which `greatest` is the whole length.
 pub(super) fn bars(before: (&str, Option<f64>), after: (&str, Option<f64>), greatest: f64) -> Markup {
     if before.1.is_none() && after.1.is_none() {
         return html! { "-" };
     }
-    let share = |value: f64| if greatest > 0.0 { 100.0 * value / greatest } else { 0.0 };
     html! {
         @for (kind, (word, value)) in [("before", before), ("after", after)] {
             @if let Some(value) = value {
                 div class=(format!("bar {kind}")) {
-                    span.track { span.length style=(format!("width: {:.1}%", share(value))) {} }
+                    span.track { span.length style=(format!("width: {:.1}%", share(value, greatest))) {} }
                     span.value { (word) " " (metres(Some(value))) }
                 }
             }

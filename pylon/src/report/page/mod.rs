@@ -13,6 +13,7 @@ use std::collections::BTreeMap;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
+use super::ladder::LadderFlight;
 use super::{Chart, Report};
 
 const STYLE: &str = include_str!("../assets/report.css");
@@ -24,6 +25,7 @@ const UPLOT_LICENCE: &str = include_str!(concat!(env!("OUT_DIR"), "/uplot-licens
 
 pub(super) fn page(report: &Report<'_>) -> String {
     let title = title(report);
+    let rungs = super::ladder::flights(report.ladder);
     html! {
         (DOCTYPE)
         html lang="en" {
@@ -46,12 +48,12 @@ pub(super) fn page(report: &Report<'_>) -> String {
                     (opening(report))
                     @for found in report.flights { (flight::summary(found, report.flights.len() > 1)) }
                     (diagnosis::section(report.diagnosis))
-                    (ladder::section(report.model, report.model_name))
+                    (ladder::section(report.model, report.model_name, &rungs))
                     @for found in report.flights { (flight::section(found)) }
                     (glossary::section())
                 }
                 (footer())
-                script #chart-data type="application/json" { (PreEscaped(data(report))) }
+                script #chart-data type="application/json" { (PreEscaped(data(report, &rungs))) }
                 script { (PreEscaped(UPLOT)) }
                 script { (PreEscaped(CHARTS)) }
                 script { (PreEscaped(PAGE)) }
@@ -77,7 +79,7 @@ fn header(report: &Report<'_>, title: &str) -> Markup {
             }
             nav aria-label="Parts of this page" {
                 a href="#diagnosis" { "What is missing" }
-                a href="#ladder" { "Model" }
+                a href="#ladder" { "How the error fell" }
                 @for found in report.flights {
                     a href=(format!("#{}", found.id)) {
                         @if report.flights.len() > 1 { (file_name(&found.comparison.flight.file)) } @else { "Flight" }
@@ -119,11 +121,12 @@ fn footer() -> Markup {
 }
 
 /// The diagrams' data, such that no text in them can end the element that they stand in.
-fn data(report: &Report<'_>) -> String {
+fn data(report: &Report<'_>, rungs: &[LadderFlight<'_>]) -> String {
     let charts: BTreeMap<&str, &Chart> = report
         .flights
         .iter()
         .flat_map(super::FlightReport::charts)
+        .chain(rungs.iter().filter_map(|flight| flight.chart.as_ref()))
         .map(|chart| (chart.id.as_str(), chart))
         .collect();
     // Numbers and text only: nothing in them can fail to be written.
