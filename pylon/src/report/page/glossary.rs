@@ -29,6 +29,11 @@ const WORDS: &[(&str, &str)] = &[
         "effect",
         "a physical cause that adds a coefficient times something measured (its regressor) to what a sensor reads.",
     ),
+    ("revision", "a change of the model: an effect that was learned, or learned anew."),
+    (
+        "identified, indistinguishable, unknown effect",
+        "one effect explains the misfit; several could, and these flights can't tell which; none of the catalogue does.",
+    ),
     ("held out", "judged on data that the coefficient was not learned from."),
 ];
 
