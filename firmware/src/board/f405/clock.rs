@@ -2,13 +2,15 @@
 
 use cortex_m::peripheral::{DCB, DWT};
 use flight_record::CostUnit;
+use stm32f4xx_hal::gpio::Output;
 use stm32f4xx_hal::pac::{RCC, TIM5};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Config;
 
 use super::Sensors;
-use super::wiring::{CORE_MHZ, CRYSTAL_MHZ};
+use super::wiring::{CORE_MHZ, CRYSTAL_MHZ, Led};
 use crate::board::Next;
+use crate::tick_timer::TICK_HZ;
 
 /// The timers' clock: APB1 runs at a quarter of the core's, its timers at twice that.
 const TIMER_MHZ: u16 = 84;
@@ -40,26 +42,33 @@ impl CostClock {
 }
 
 /// The clock of the mission: TIM5 in microseconds, carried beyond its 32 bits (71 minutes) by looking at
-/// it at every tick.
+/// it at every tick. The LED changes every half second as long as there are ticks.
 pub struct Source {
     tim5: TIM5,
     now_us: u64,
+    led: Led<Output>,
+    ticks_to_blink: u32,
 }
 
 impl Source {
-    pub(super) fn start(tim5: TIM5, rcc: &RCC) -> Self {
+    pub(super) fn start(tim5: TIM5, led: Led, rcc: &RCC) -> Self {
         rcc.apb1enr().modify(|_, w| w.tim5en().enabled());
         tim5.psc().write(|w| w.psc().set(TIMER_MHZ - 1));
         tim5.arr().write(|w| w.arr().set(u32::MAX));
         tim5.egr().write(|w| w.ug().set_bit());
         tim5.cr1().modify(|_, w| w.cen().enabled());
-        Self { tim5, now_us: 0 }
+        Self { tim5, now_us: 0, led: led.into_push_pull_output(), ticks_to_blink: 0 }
     }
 
     /// Every tick runs the mission; a flight cannot wait.
     pub fn next(&mut self, _sensors: &mut Sensors, _room: bool) -> Next {
         let elapsed_us = self.tim5.cnt().read().bits().wrapping_sub(self.now_us as u32);
         self.now_us += u64::from(elapsed_us);
+        if self.ticks_to_blink == 0 {
+            self.led.toggle();
+            self.ticks_to_blink = TICK_HZ / 2;
+        }
+        self.ticks_to_blink -= 1;
         Next::Tick(self.now_us)
     }
 }

@@ -1,23 +1,30 @@
-//! The flight computer: an STM32F405RG at 168 MHz from an 8 MHz crystal.
-//!
-//! The drivers of its chips come with their own issue; until then every sensor of this board says that
-//! there is no such device, and the mission runs without samples.
+//! The flight computer: an STM32F405RG at 168 MHz from an 8 MHz crystal, with the chips and lines of [`wiring`].
 
 mod absent;
+mod break_wire;
 mod clock;
 mod results;
+mod sensors;
+mod spi;
+mod uart;
+mod watched;
 mod wiring;
 
-use absent::Absent;
 use cortex_m::peripheral::SCB;
 use defmt_rtt as _;
-use drivers::Suite;
 use flight_record::{ExitStatus, Summary};
+use stm32f4xx_hal::dma::StreamsTuple;
 use stm32f4xx_hal::pac::Peripherals;
 use stm32f4xx_hal::prelude::*;
 
 pub use clock::{CostClock, Source};
 pub use results::Sink;
+pub use sensors::Sensors;
+
+use break_wire::BreakWire;
+use sensors::SensorStorage;
+use watched::Teller;
+use wiring::Pins;
 
 use super::Board;
 use crate::tick_timer::TickTimer;
@@ -25,16 +32,15 @@ use crate::tick_timer::TickTimer;
 /// The board's name.
 pub const NAME: &str = "f405";
 
-/// The sensors of this board.
-pub type Sensors = Suite<Absent, Absent, Absent, Absent, Absent, Absent, Absent>;
-
-/// What the board needs in static memory: nothing.
-pub struct Storage;
+/// What the board needs in static memory.
+pub struct Storage {
+    sensors: SensorStorage,
+}
 
 impl Storage {
     /// Empty.
     pub const fn new() -> Self {
-        Self
+        Self { sensors: SensorStorage::new() }
     }
 }
 
@@ -42,19 +48,29 @@ impl Storage {
 pub fn start(
     device: Peripherals,
     core: cortex_m::Peripherals,
-    _storage: &'static mut Storage,
+    storage: &'static mut Storage,
 ) -> Result<Board, ExitStatus> {
+    let storage = &storage.sensors;
     let mut rcc = device.RCC.freeze(clock::tree());
     if rcc.clocks.timclk1().raw() != clock::TIMER_HZ {
         return Err(ExitStatus::Configuration);
     }
-    let port_a = device.GPIOA.split(&mut rcc);
     CostClock::start(core.DCB, core.DWT);
+    let ports = (device.GPIOA.split(&mut rcc), device.GPIOB.split(&mut rcc), device.GPIOC.split(&mut rcc));
+    let pins = Pins::take(ports.0, ports.1, ports.2);
+
+    let Ok(imu) = spi::imu(device.SPI1, pins.imu, pins.imu_select, &mut rcc);
+    let Ok(barometer) = spi::barometer(device.SPI3, pins.baro, pins.baro_select, &mut rcc);
+    let streams = StreamsTuple::new(device.DMA1, &mut rcc);
+    let receiver = sensors::receiver_port(device.USART3, pins.receiver, streams.1, storage, &mut rcc)
+        .map_err(|_| ExitStatus::Configuration)?;
+    let break_wire = BreakWire::start(pins.break_wire, device.EXTI, &mut device.SYSCFG.constrain(&mut rcc));
+
     Ok(Board {
-        source: Source::start(device.TIM5, &rcc),
-        feeder: Feeder,
-        sensors: Suite::new(Absent, Absent, Absent, Absent, Absent, Absent, Absent),
-        sink: Sink::start(device.USART1, port_a.pa9, &mut rcc)?,
+        source: Source::start(device.TIM5, pins.led, &rcc),
+        feeder: Feeder { teller: storage.teller() },
+        sensors: sensors::suite(storage, receiver, barometer, imu, break_wire),
+        sink: Sink::start(device.USART1, pins.results, &mut rcc)?,
         timer: TickTimer::start(device.TIM2, &rcc, clock::TIMER_HZ),
     })
 }
@@ -64,12 +80,16 @@ pub fn exit(_status: ExitStatus) -> ! {
     SCB::sys_reset()
 }
 
-/// The chips feed themselves.
-pub struct Feeder;
+/// The chips feed themselves: what is left is to say in the log how they do.
+pub struct Feeder {
+    teller: Teller<4, 1>,
+}
 
 impl Feeder {
-    /// Nothing to do.
-    pub fn feed(&mut self) {}
+    /// Called after every tick.
+    pub fn feed(&mut self) {
+        self.teller.tell();
+    }
 
     /// Nothing to add.
     pub fn summarise(&self, summary: Summary) -> Summary {

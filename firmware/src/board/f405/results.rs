@@ -2,23 +2,22 @@
 
 use flight_record::{Encoder, ExitStatus, Header, MAX_STUFFED, Payload, Stream};
 use stm32f4xx_hal::nb;
-use stm32f4xx_hal::pac::USART1;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::serial::{Config, Tx};
 
-use super::wiring::{RESULTS_BAUD, ResultsTx};
+use super::wiring::{RESULTS_BAUD, ResultsTx, ResultsUart};
 use crate::flown_model::FINGERPRINT;
 
 /// Sends results, each a frame of the flight record.
 pub struct Sink {
-    line: Tx<USART1>,
+    line: Tx<ResultsUart>,
     encoder: Encoder,
     failed: bool,
 }
 
 impl Sink {
-    pub(super) fn start(usart: USART1, pin: ResultsTx, rcc: &mut Rcc) -> Result<Self, ExitStatus> {
+    pub(super) fn start(usart: ResultsUart, pin: ResultsTx, rcc: &mut Rcc) -> Result<Self, ExitStatus> {
         let config = Config::default().baudrate(RESULTS_BAUD.bps());
         let line = usart.tx(pin, config, rcc).map_err(|_| ExitStatus::NoOutput)?;
         let mut sink = Self { line, encoder: Encoder::new(), failed: false };

@@ -1,14 +1,109 @@
 //! What is wired to which pin, and at what rate it runs. Nothing else in the image names a pin or a rate of this
-//! board.
+//! board: another board with this chip is another one of these files.
+//!
+//! The pins are those of the OMNIBUS F4 family, which many boards share (ArduPilot's `hwdef/omnibusf4pro`): the
+//! inertial unit on SPI1, the barometer on SPI3, pads for the UARTs. `docs/bring-up.md` has this as tables, from the first
+//! lines of these comments; `cargo test --package xtask` holds the one against the other.
 
-use stm32f4xx_hal::gpio::PA9;
+use stm32f4xx_hal::dma::Stream1;
+use stm32f4xx_hal::gpio::{
+    Debugger, Input, PA3, PA4, PA5, PA6, PA7, PA9, PB3, PB5, PB10, PB11, PC10, PC11, PC12,
+};
+use stm32f4xx_hal::gpio::{gpioa, gpiob, gpioc};
+use stm32f4xx_hal::pac::{DMA1, SPI1, SPI3, USART1, USART3};
 
 /// The crystal, MHz.
 pub const CRYSTAL_MHZ: u32 = 8;
 /// The core's clock, MHz.
 pub const CORE_MHZ: u32 = 168;
 
-/// USART1_TX: the results.
+/// The inertial unit's bus.
+pub type ImuSpi = SPI1;
+/// SPI1_SCK: ICM-42688-P, SCLK
+pub type ImuSck = PA5;
+/// SPI1_MISO: ICM-42688-P, SDO
+pub type ImuMiso = PA6;
+/// SPI1_MOSI: ICM-42688-P, SDI
+pub type ImuMosi = PA7;
+/// output: ICM-42688-P, CS
+pub type ImuSelect<Mode = Input> = PA4<Mode>;
+/// Clock of the inertial unit's bus, Hz: the chip takes 24 MHz, and half a period must last the 39 ns from its
+/// select to the first edge (DS-000347, table 6).
+pub const IMU_SPI_HZ: u32 = 10_500_000;
+
+/// The barometer's bus.
+pub type BaroSpi = SPI3;
+/// SPI3_SCK: MS5611, SCLK
+pub type BaroSck = PC10;
+/// SPI3_MISO: MS5611, SDO
+pub type BaroMiso = PC11;
+/// SPI3_MOSI: MS5611, SDI
+pub type BaroMosi = PC12;
+/// output: MS5611, CSB (its PS pin to ground: SPI)
+pub type BaroSelect<Mode = Debugger> = PB3<Mode>;
+/// Clock of the barometer's bus, Hz: the chip takes 20 MHz.
+pub const BARO_SPI_HZ: u32 = 10_500_000;
+
+/// The satellite receiver's UART.
+pub type ReceiverUart = USART3;
+/// The DMA stream of its receiver, and that stream's channel (RM0090, table 42).
+pub type ReceiverStream = Stream1<DMA1>;
+/// See [`ReceiverStream`].
+pub const RECEIVER_CHANNEL: u8 = 4;
+/// USART3_TX: u-blox receiver, RXD
+pub type ReceiverTx = PB10;
+/// USART3_RX: u-blox receiver, TXD
+pub type ReceiverRx = PB11;
+/// Rate of the satellite receiver's line, baud: where u-blox generations 9 and 10 start.
+pub const RECEIVER_BAUD: u32 = 38_400;
+/// Time from one fix to the next, ms: 10 fixes of 100 bytes a second fill a quarter of the line.
+pub const RECEIVER_PERIOD_MS: u16 = 100;
+
+/// input, pulled up: umbilical's break-wire, whose other end is ground on the mother ship; open is launched
+pub type BreakWirePin<Mode = Input> = PA3<Mode>;
+
+/// The results' UART.
+pub type ResultsUart = USART1;
+/// USART1_TX: the results' reader, RX
 pub type ResultsTx = PA9;
-/// The rate of the results' line, baud: a tick's result is about 150 bytes, so 200 Hz fill a third of it.
+/// Rate of the results' line, baud: a tick's result is about 150 bytes, so 200 Hz fill a third of it.
 pub const RESULTS_BAUD: u32 = 921_600;
+
+/// output: the board's LED
+pub type Led<Mode = Input> = PB5<Mode>;
+
+/// The pins that are in use.
+pub struct Pins {
+    /// SCK, MISO, MOSI of the inertial unit.
+    pub imu: (ImuSck, ImuMiso, ImuMosi),
+    /// Its select.
+    pub imu_select: ImuSelect,
+    /// SCK, MISO, MOSI of the barometer.
+    pub baro: (BaroSck, BaroMiso, BaroMosi),
+    /// Its select.
+    pub baro_select: BaroSelect,
+    /// TX, RX of the satellite receiver's UART.
+    pub receiver: (ReceiverTx, ReceiverRx),
+    /// The break-wire.
+    pub break_wire: BreakWirePin,
+    /// TX of the results' UART.
+    pub results: ResultsTx,
+    /// The LED.
+    pub led: Led,
+}
+
+impl Pins {
+    /// Takes them from their ports.
+    pub fn take(port_a: gpioa::Parts, port_b: gpiob::Parts, port_c: gpioc::Parts) -> Self {
+        Self {
+            imu: (port_a.pa5, port_a.pa6, port_a.pa7),
+            imu_select: port_a.pa4,
+            baro: (port_c.pc10, port_c.pc11, port_c.pc12),
+            baro_select: port_b.pb3,
+            receiver: (port_b.pb10, port_b.pb11),
+            break_wire: port_a.pa3,
+            results: port_a.pa9,
+            led: port_b.pb5,
+        }
+    }
+}

@@ -1,0 +1,216 @@
+//! A UART whose receiver is emptied by a DMA stream into a ring: no byte costs an interrupt, and none is lost while a
+//! tick computes. The driver at the other end takes what has arrived at each tick.
+//!
+//! # Errors
+//! Each is counted ([`LineCounts`]), and each discards what has arrived until then: a frame is broken in any case, and the
+//! driver finds the next one.
+
+use core::sync::atomic::{AtomicU8, AtomicU32, Ordering, fence};
+
+use embedded_io::ErrorKind;
+use stm32f4xx_hal::ReadFlags;
+use stm32f4xx_hal::dma::config::Priority;
+use stm32f4xx_hal::dma::traits::{Channel, DMASet, Direction, PeriAddress};
+use stm32f4xx_hal::dma::{ChannelX, DmaDataSize, DmaFlag, PeripheralToMemory};
+use stm32f4xx_hal::nb;
+use stm32f4xx_hal::prelude::*;
+use stm32f4xx_hal::serial::{Flag, Instance, Rx, RxISR, Serial, TxISR};
+
+use super::clock::CostClock;
+use super::wiring::CORE_MHZ;
+
+/// Bytes of a ring: 22 ms at 115,200 baud.
+const RING_BYTES: usize = 256;
+/// Bits of a byte on the line: start, data, stop.
+const BITS: u64 = 10;
+
+/// What the DMA writes into.
+pub type Ring = [AtomicU8; RING_BYTES];
+
+/// An empty ring.
+pub const fn ring() -> Ring {
+    [const { AtomicU8::new(0) }; RING_BYTES]
+}
+
+/// What went wrong on a line since power-up. All saturate.
+pub struct LineCounts {
+    /// Polls that found a framing error or an overrun of the receiver: a wrong rate, a loose wire.
+    pub broken: AtomicU32,
+    /// Polls that came so late that the ring may have been written around.
+    pub late: AtomicU32,
+    /// Times that the DMA stream had stopped, and was started again.
+    pub stopped: AtomicU32,
+}
+
+impl LineCounts {
+    /// Nothing yet.
+    pub const fn new() -> Self {
+        Self { broken: AtomicU32::new(0), late: AtomicU32::new(0), stopped: AtomicU32::new(0) }
+    }
+}
+
+/// Only the tick writes these.
+fn count(counter: &AtomicU32) {
+    counter.store(counter.load(Ordering::Relaxed).saturating_add(1), Ordering::Relaxed);
+}
+
+/// The line.
+pub struct Port<UART: Instance, Stream> {
+    serial: Serial<UART>,
+    stream: Stream,
+    ring: &'static Ring,
+    counts: &'static LineCounts,
+    /// The next byte to hand out, and the next that the DMA will write, as it was last seen.
+    next: usize,
+    arrived: usize,
+    /// When it was seen, in cycles, and after how many the ring may be full.
+    seen: u32,
+    lap_cycles: u32,
+    /// Where the ring was when the last error of the line was told.
+    broken_at: Option<usize>,
+}
+
+impl<UART: Instance, Stream: stm32f4xx_hal::dma::traits::Stream> Port<UART, Stream> {
+    /// Takes a UART that has been set up for receiving by DMA. The stream and its channel are the UART's own, or this does
+    /// not compile.
+    pub fn start<const CHANNEL: u8>(
+        serial: Serial<UART>,
+        mut stream: Stream,
+        ring: &'static Ring,
+        counts: &'static LineCounts,
+        baud: u32,
+    ) -> Self
+    where
+        ChannelX<CHANNEL>: Channel,
+        Rx<UART>: DMASet<Stream, CHANNEL, PeripheralToMemory>,
+    {
+        let receiver: &Rx<UART> = serial.as_ref();
+        // RM0090, 10.3.17, for a stream that a reset has stopped. Direct mode: a byte that has been counted is not held
+        // back in the FIFO.
+        stream.set_peripheral_address(receiver.address());
+        stream.set_channel(ChannelX::<CHANNEL>::VALUE);
+        stream.set_direction(PeripheralToMemory::direction());
+        stream.set_priority(Priority::High);
+        stream.set_fifo_enable(false);
+        stream.set_memory_increment(true);
+        stream.set_circular_mode(true);
+        // SAFETY: the data register and the ring are bytes.
+        unsafe {
+            stream.set_peripheral_size(DmaDataSize::Byte);
+            stream.set_memory_size(DmaDataSize::Byte);
+        }
+        let lap_cycles = RING_BYTES as u64 * BITS * CORE_MHZ as u64 * 1_000_000 / u64::from(baud);
+        let mut port = Self {
+            serial,
+            stream,
+            ring,
+            counts,
+            next: 0,
+            arrived: 0,
+            seen: CostClock::now(),
+            lap_cycles: lap_cycles as u32,
+            broken_at: None,
+        };
+        port.begin();
+        port
+    }
+
+    /// Starts the stream at the beginning of the ring.
+    fn begin(&mut self) {
+        self.stream.clear_flags(
+            DmaFlag::TransferComplete
+                | DmaFlag::HalfTransfer
+                | DmaFlag::TransferError
+                | DmaFlag::DirectModeError
+                | DmaFlag::FifoError,
+        );
+        self.stream.set_memory_address(self.ring.as_ptr() as u32);
+        self.stream.set_number_of_transfers(RING_BYTES as u16);
+        // What came before nobody waits for: it has left its error behind.
+        self.serial.clear_idle_interrupt();
+        self.next = 0;
+        self.arrived = 0;
+        // SAFETY: the stream is stopped and set up; the ring is static, and nobody but the stream writes to it.
+        unsafe { self.stream.enable() };
+    }
+
+    /// Looks how far the DMA has come.
+    fn look(&mut self) -> Result<(), ErrorKind> {
+        let now = CostClock::now();
+        let elapsed = now.wrapping_sub(self.seen);
+        self.seen = now;
+        // A fault of the bus stops it (RM0090, 10.3.18).
+        if !self.stream.is_enabled() {
+            count(&self.counts.stopped);
+            self.begin();
+            return Err(ErrorKind::Other);
+        }
+        // From the count to the byte's place in memory the DMA takes a few cycles of the bus: the look at the flags, over
+        // the slower peripheral bus, takes longer. And no byte is read before.
+        self.arrived = RING_BYTES.wrapping_sub(self.stream.number_of_transfers().into()) % RING_BYTES;
+        let flags = self.serial.flags();
+        fence(Ordering::Acquire);
+        if elapsed >= self.lap_cycles {
+            count(&self.counts.late);
+            self.next = self.arrived;
+            return Err(ErrorKind::Other);
+        }
+        // The flags stay until the DMA has fetched another byte after this look at them.
+        if !flags.contains(Flag::FramingError) && !flags.contains(Flag::Overrun) {
+            self.broken_at = None;
+        } else if self.broken_at.replace(self.arrived) != Some(self.arrived) {
+            count(&self.counts.broken);
+            self.next = self.arrived;
+            return Err(ErrorKind::InvalidData);
+        }
+        Ok(())
+    }
+}
+
+impl<UART: Instance, Stream> embedded_io::ErrorType for Port<UART, Stream> {
+    type Error = ErrorKind;
+}
+
+impl<UART: Instance, Stream: stm32f4xx_hal::dma::traits::Stream> embedded_io::ReadReady
+    for Port<UART, Stream>
+{
+    fn read_ready(&mut self) -> Result<bool, ErrorKind> {
+        if self.next == self.arrived {
+            self.look()?;
+        }
+        Ok(self.next != self.arrived)
+    }
+}
+
+impl<UART: Instance, Stream: stm32f4xx_hal::dma::traits::Stream> embedded_io::Read for Port<UART, Stream> {
+    /// Takes what has arrived; waits for nothing, so that it may be 0 bytes.
+    fn read(&mut self, bytes: &mut [u8]) -> Result<usize, ErrorKind> {
+        let mut taken = 0;
+        for byte in bytes {
+            let Some(arrived) = self.ring.get(self.next).filter(|_| self.next != self.arrived) else { break };
+            *byte = arrived.load(Ordering::Relaxed);
+            self.next = (self.next + 1) % RING_BYTES;
+            taken += 1;
+        }
+        Ok(taken)
+    }
+}
+
+impl<UART: Instance, Stream> embedded_io::WriteReady for Port<UART, Stream> {
+    fn write_ready(&mut self) -> Result<bool, ErrorKind> {
+        Ok(self.serial.is_tx_empty())
+    }
+}
+
+impl<UART: Instance, Stream> embedded_io::Write for Port<UART, Stream> {
+    /// Sends one byte; a line that was ready does not wait.
+    fn write(&mut self, bytes: &[u8]) -> Result<usize, ErrorKind> {
+        let Some(&byte) = bytes.first() else { return Ok(0) };
+        nb::block!(self.serial.write(byte)).map_err(|_| ErrorKind::Other)?;
+        Ok(1)
+    }
+
+    fn flush(&mut self) -> Result<(), ErrorKind> {
+        nb::block!(self.serial.flush()).map_err(|_| ErrorKind::Other)
+    }
+}

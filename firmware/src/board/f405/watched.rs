@@ -1,0 +1,207 @@
+//! What the log says of the board's devices: that one delivers, or why it does not, each time that this changes.
+
+use core::cell::Cell;
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use cortex_m::interrupt::{self, Mutex};
+use drivers::{
+    AltitudeLink, Barometer, BarometerSample, InertialUnit, LaunchDiscrete, SatelliteReceiver, SensorError,
+};
+use kf_core::input::{GpsFix, ImuSample, LaunchDoubt};
+
+use super::break_wire::BreakWire;
+use super::uart::LineCounts;
+use crate::tick_timer::TICK_HZ;
+
+/// What came of a device's last poll that had something to say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Outcome {
+    Silent,
+    Delivers,
+    Fails(SensorError),
+    /// With so many openings that no poll has seen.
+    Closed(u32),
+    /// Since then, microseconds of the mission, if that is known.
+    Open(Option<u64>),
+}
+
+impl Outcome {
+    const fn of<T>(polled: &Result<Option<T>, SensorError>) -> Option<Self> {
+        match polled {
+            Ok(Some(_)) => Some(Self::Delivers),
+            Ok(None) => None,
+            Err(error) => Some(Self::Fails(*error)),
+        }
+    }
+}
+
+/// A device whose outcomes the log tells.
+pub struct Watch {
+    name: &'static str,
+    outcome: Mutex<Cell<Outcome>>,
+}
+
+impl Watch {
+    /// A device that has not been polled.
+    pub const fn new(name: &'static str) -> Self {
+        Self { name, outcome: Mutex::new(Cell::new(Outcome::Silent)) }
+    }
+
+    fn note(&self, outcome: Option<Outcome>) {
+        if let Some(outcome) = outcome {
+            interrupt::free(|section| self.outcome.borrow(section).set(outcome));
+        }
+    }
+}
+
+/// A driver that is watched.
+pub struct Watched<Driver> {
+    driver: Driver,
+    watch: &'static Watch,
+}
+
+impl<Driver> Watched<Driver> {
+    /// Watches a driver.
+    pub const fn new(driver: Driver, watch: &'static Watch) -> Self {
+        Self { driver, watch }
+    }
+
+    fn noted<T>(&self, polled: Result<Option<T>, SensorError>) -> Result<Option<T>, SensorError> {
+        self.watch.note(Outcome::of(&polled));
+        polled
+    }
+}
+
+impl<Driver: SatelliteReceiver> SatelliteReceiver for Watched<Driver> {
+    fn poll(&mut self, now_us: u64) -> Result<Option<GpsFix>, SensorError> {
+        let polled = self.driver.poll(now_us);
+        self.noted(polled)
+    }
+}
+
+impl<Driver: Barometer> Barometer for Watched<Driver> {
+    fn poll(&mut self, now_us: u64) -> Result<Option<BarometerSample>, SensorError> {
+        let polled = self.driver.poll(now_us);
+        self.noted(polled)
+    }
+}
+
+impl<Driver: InertialUnit> InertialUnit for Watched<Driver> {
+    fn poll(&mut self, now_us: u64) -> Result<Option<ImuSample>, SensorError> {
+        let polled = self.driver.poll(now_us);
+        self.noted(polled)
+    }
+}
+
+impl<Driver: AltitudeLink> AltitudeLink for Watched<Driver> {
+    fn poll(&mut self, now_us: u64) -> Result<Option<f32>, SensorError> {
+        let polled = self.driver.poll(now_us);
+        self.noted(polled)
+    }
+
+    fn set_attached(&mut self, attached: bool) {
+        self.driver.set_attached(attached);
+    }
+}
+
+impl LaunchDiscrete for Watched<BreakWire> {
+    fn poll(&mut self, now_us: u64) -> Result<bool, SensorError> {
+        let polled = self.driver.poll(now_us);
+        self.watch.note(Some(match polled {
+            Ok(false) => Outcome::Closed(self.driver.short_openings()),
+            Ok(true) => Outcome::Open(self.driver.opened_us()),
+            Err(error) => Outcome::Fails(error),
+        }));
+        polled
+    }
+
+    fn doubt(&self) -> LaunchDoubt {
+        self.driver.doubt()
+    }
+}
+
+/// A device and what the log has said of it.
+struct Told {
+    watch: &'static Watch,
+    outcome: Outcome,
+    /// Ticks until the log may speak of it again: what changes with every tick is told once a second.
+    rest: u32,
+}
+
+impl Told {
+    fn tell(&mut self) {
+        self.rest = self.rest.saturating_sub(1);
+        let outcome = interrupt::free(|section| self.watch.outcome.borrow(section).get());
+        if self.rest > 0 || outcome == self.outcome {
+            return;
+        }
+        self.rest = TICK_HZ;
+        self.outcome = outcome;
+        let name = self.watch.name;
+        match outcome {
+            Outcome::Silent => {}
+            Outcome::Delivers => defmt::info!("{=str}: delivers", name),
+            Outcome::Fails(error) => defmt::warn!("{=str}: {}", name, error),
+            Outcome::Closed(0) => defmt::info!("{=str}: closed", name),
+            Outcome::Closed(short) => {
+                defmt::warn!("{=str}: closed, {=u32} openings too short for a tick", name, short);
+            }
+            Outcome::Open(Some(since_us)) => defmt::info!("{=str}: open since {=u64} us", name, since_us),
+            Outcome::Open(None) => defmt::info!("{=str}: open since before the start", name),
+        }
+    }
+}
+
+/// A line, and how many of its errors the log has told.
+struct ToldLine {
+    name: &'static str,
+    counts: &'static LineCounts,
+    told: [u32; 3],
+    rest: u32,
+}
+
+impl ToldLine {
+    fn tell(&mut self) {
+        self.rest = self.rest.saturating_sub(1);
+        let LineCounts { broken, late, stopped } = self.counts;
+        let counts = [broken, late, stopped].map(|counter: &AtomicU32| counter.load(Ordering::Relaxed));
+        if self.rest > 0 || counts == self.told {
+            return;
+        }
+        self.rest = TICK_HZ;
+        self.told = counts;
+        let [broken, late, stopped] = counts;
+        defmt::warn!(
+            "{=str}'s line: {=u32} times broken bytes, {=u32} times read too late, {=u32} times stopped",
+            self.name,
+            broken,
+            late,
+            stopped
+        );
+    }
+}
+
+/// Writes it down, with what time is left.
+pub struct Teller<const DEVICES: usize, const LINES: usize> {
+    devices: [Told; DEVICES],
+    lines: [ToldLine; LINES],
+}
+
+impl<const DEVICES: usize, const LINES: usize> Teller<DEVICES, LINES> {
+    /// Nothing has been told.
+    pub fn new(
+        devices: [&'static Watch; DEVICES],
+        lines: [(&'static str, &'static LineCounts); LINES],
+    ) -> Self {
+        Self {
+            devices: devices.map(|watch| Told { watch, outcome: Outcome::Silent, rest: 0 }),
+            lines: lines.map(|(name, counts)| ToldLine { name, counts, told: [0; 3], rest: 0 }),
+        }
+    }
+
+    /// Tells what has changed; called once a tick.
+    pub fn tell(&mut self) {
+        self.devices.iter_mut().for_each(Told::tell);
+        self.lines.iter_mut().for_each(ToldLine::tell);
+    }
+}
