@@ -136,11 +136,10 @@ fn figures(replays: &[Replay], flights: &[Flight]) -> Vec<Figure> {
         figures.push(Figure::at_least(name, replay.replay_ticks_per_s / 1e6, 2.0, " million ticks/s"));
     }
     if let Some(flight) = flights.first() {
-        let Flight { csv, parse, compare, diagnose, .. } = flight;
+        let Flight { parse, compare, diagnose, .. } = flight;
         for (name, ratio) in [
             ("compare / parsing every cell with the csv crate, time", compare.seconds / parse.seconds),
             ("the same, time of all cores", compare.cpu_seconds / parse.cpu_seconds),
-            ("compare / only cutting rows into cells, time", compare.seconds / csv.seconds),
         ] {
             figures.push(Figure::at_most(name, ratio, 3.0, ""));
         }
@@ -224,7 +223,6 @@ mod tests {
             [
                 ("2.50", true),
                 ("3.75", false),
-                ("3.12", false),
                 ("5.00 s", true),
                 ("2.00", true),
                 ("1.10", false),

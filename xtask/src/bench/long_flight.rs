@@ -17,8 +17,12 @@ const ROUND: [(&str, u32, &str); 9] = [
     ("decelerate", 40, "airspeed_mps = 26.0"),
 ];
 const ROUNDS: u32 = 10;
+/// What is hidden in it. A diagnosis that finds nothing is done soon; these take it several rounds.
+const EFFECTS: [(&str, &str); 3] =
+    [("baro.dynamic_pressure", "0.1"), ("gps.latency", "0.8"), ("imu.velocity_error", "0.02")];
 
-/// The scenario of a flight of so many hours, all its sensors at their usual rates, 200 rows a second.
+/// The scenario of a flight of so many hours, all its sensors at their usual rates, 200 rows a second, with three
+/// hidden effects.
 pub fn scenario(hours: u32) -> String {
     let mut text = format!(
         "name = \"bench-{hours}-h\"\nsource = \"simulated to be measured\"\n\n[captive]\nduration_s = {}.0\n\
@@ -34,6 +38,9 @@ pub fn scenario(hours: u32) -> String {
                 "\n[[free_flight]]\nmanoeuvre = \"{manoeuvre}\"\nduration_s = {duration_s}.0\n{wish}\n"
             );
         }
+    }
+    for (effect, coefficient) in EFFECTS {
+        let _ = write!(text, "\n[[effect]]\nid = \"{effect}\"\ncoefficient = {coefficient}\n");
     }
     text
 }
