@@ -6,6 +6,8 @@
 //! what they compute from the datasheet's formulas, the models invert from those formulas anew. Only
 //! integers and `f32`, no clock and no heap: the same bytes on the host and on the target.
 //!
+//! [`flown`] is the whole board: the drivers on these models, fed from a flight.
+//!
 //! A model is exact where the datasheet is (registers, commands, CRCs, quantisation, longest conversion
 //! time) and ideal where it speaks of noise: noise belongs to the flight that feeds it.
 #![cfg_attr(not(test), no_std)]
@@ -13,7 +15,11 @@
 
 pub mod bmp390;
 pub mod bus;
+pub mod flown;
 pub mod icm42688p;
+pub mod line;
+pub mod metered;
+pub mod mother_ship;
 pub mod ms5611;
 pub mod source;
 pub mod ublox;

@@ -18,19 +18,20 @@ const CRUISE: Solution = Solution {
     mean_sea_level_m: 3_000.456,
     velocity_ned_mps: [61.5, -12.25, 0.125],
     vertical_accuracy_m: 2.5,
+    speed_accuracy_mps: 0.25,
     satellites: 17,
     fix_type: 3,
 };
 
 struct Bench {
-    driver: Ublox<ReceiverModel<Held<Solution>>>,
+    driver: Ublox<ReceiverModel<Held<Option<Solution>>>>,
     now_us: u64,
 }
 
 impl Bench {
     fn new(generation: u8, config: Config, solution: Solution) -> Self {
         Self {
-            driver: Ublox::new(ReceiverModel::new(generation, 115_200, Held(solution)), config),
+            driver: Ublox::new(ReceiverModel::new(generation, 115_200, Held(Some(solution))), config),
             now_us: 0,
         }
     }
@@ -45,7 +46,7 @@ impl Bench {
         bench
     }
 
-    fn model(&mut self) -> &mut ReceiverModel<Held<Solution>> {
+    fn model(&mut self) -> &mut ReceiverModel<Held<Option<Solution>>> {
         self.driver.port_mut()
     }
 
@@ -58,7 +59,7 @@ impl Bench {
         let outcome = self.driver.poll(now_us);
         let taken = self.driver.link_counts().bytes - before;
         assert!(taken as usize <= MAX_POLL_BYTES, "{taken} bytes in one poll");
-        assert_eq!(self.model().overrun_bytes, 0);
+        assert_eq!(self.model().line.overrun_bytes, 0);
         outcome
     }
 
@@ -164,7 +165,7 @@ fn a_lost_byte_costs_its_fix_and_no_more() {
     for lost in [1, 3, 50, 99] {
         let mut bench = Bench::running(9);
         while bench.poll().unwrap().is_none() {}
-        bench.model().faults.lose_bytes = lost;
+        bench.model().line.faults.lose_bytes = lost;
         // Of a frame without its beginning nothing is left to find wrong.
         let mut errors = (0..3 * PERIOD_TICKS).filter_map(|_| bench.poll().err());
         assert!(errors.all(|error| error == SensorError::Check), "{lost}");
@@ -189,7 +190,7 @@ fn a_flipped_bit_is_an_error() {
     for after in [6, 40, 91, 99] {
         let mut bench = Bench::running(9);
         while bench.poll().unwrap().is_none() {}
-        bench.model().faults.flip_bits = Some((after, 0x10));
+        bench.model().line.faults.flip_bits = Some((after, 0x10));
         assert_eq!(bench.next_error(3 * PERIOD_TICKS), SensorError::Check, "{after}");
         bench.assert_recovers(2 * PERIOD_TICKS);
     }
@@ -199,7 +200,7 @@ fn a_flipped_bit_is_an_error() {
 fn silence_is_stale_and_ends() {
     let mut bench = Bench::running(9);
     while bench.poll().unwrap().is_none() {}
-    bench.model().faults.unplugged = true;
+    bench.model().line.faults.unplugged = true;
     let ticks = (1..).find(|_| bench.poll().is_err()).unwrap();
     assert_eq!(bench.driver.health().last_error, Some(SensorError::Stale));
     // Five periods, and at least a second.
@@ -207,7 +208,7 @@ fn silence_is_stale_and_ends() {
     for _ in 0..2_000 {
         let _ = bench.poll();
     }
-    bench.model().faults.unplugged = false;
+    bench.model().line.faults.unplugged = false;
     bench.assert_recovers(400);
 }
 
@@ -257,13 +258,13 @@ fn a_solution_that_is_no_fix_is_counted() {
     let mut bench = Bench::running(9);
     for fix_type in [0, 1, 2, 5] {
         while bench.poll().unwrap().is_none() {}
-        bench.model().solutions.0.fix_type = fix_type;
+        bench.model().solutions.0 = Some(Solution { fix_type, ..CRUISE });
         let before = bench.driver.link_counts().no_fix;
         for _ in 0..10 * PERIOD_TICKS {
             assert_eq!(bench.poll(), Ok(None), "{fix_type}");
         }
         assert_eq!(bench.driver.link_counts().no_fix - before, 10);
-        bench.model().solutions.0.fix_type = 3;
+        bench.model().solutions.0 = Some(Solution { fix_type: 3, ..CRUISE });
     }
     bench.assert_recovers(0);
 }

@@ -1,7 +1,7 @@
 //! What a sensor driver is to the flight computer: one trait for each kind of sensor, and the suite
 //! that turns one poll of every sensor into the estimator's input.
 //!
-//! The drivers of the chips implement these traits ([`ms5611`], [`bmp390`], [`icm42688p`], [`ublox`]); another chip is one more file. The
+//! The drivers of the chips implement these traits ([`ms5611`], [`bmp390`], [`icm42688p`], [`ublox`], [`umbilical`]); another chip is one more file. The
 //! emulated board has the ones of [`Replay`], fed from a flight record.
 //!
 //! A driver is split-phase: `poll` never waits. It starts the next transfer or conversion when one is
@@ -15,10 +15,12 @@ mod error;
 mod health;
 pub mod icm42688p;
 pub mod ms5611;
+mod port;
 mod replay;
 mod sensor;
 mod suite;
 pub mod ublox;
+pub mod umbilical;
 
 pub use error::SensorError;
 pub use health::Health;

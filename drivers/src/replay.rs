@@ -1,6 +1,6 @@
 //! Sensors that deliver what a flight record says.
 
-use kf_core::input::{GpsFix, ImuSample, LaunchDoubt, TickInput};
+use kf_core::input::{GpsFix, ImuSample, LaunchDoubt, Signals, TickInput};
 
 use crate::error::SensorError;
 use crate::sensor::{
@@ -19,11 +19,30 @@ impl<Sample> Replay<Sample> {
     pub const fn new() -> Self {
         Self(None)
     }
+
+    /// Gives it what it is to deliver at the next poll.
+    pub fn load(&mut self, sample: Option<Sample>) {
+        self.0 = sample;
+    }
 }
 
 impl<Sample> Default for Replay<Sample> {
     fn default() -> Self {
         Self::new()
+    }
+}
+
+/// What of a record's signals comes over the vehicle's link.
+impl From<&Signals> for VehicleState {
+    fn from(signals: &Signals) -> Self {
+        Self {
+            true_airspeed_mps: signals.true_airspeed_mps,
+            angle_of_attack_rad: signals.angle_of_attack_rad,
+            sideslip_rad: signals.sideslip_rad,
+            throttle: signals.throttle,
+            outside_air_temperature_c: signals.outside_air_temperature_c,
+            attitude_rad: signals.attitude_rad,
+        }
     }
 }
 
@@ -70,6 +89,12 @@ impl ReplayUmbilical {
     pub const fn new() -> Self {
         Self { open: false, doubt: LaunchDoubt::None }
     }
+
+    /// Opens or closes it, with what stands behind that.
+    pub const fn set(&mut self, open: bool, doubt: LaunchDoubt) {
+        self.open = open;
+        self.doubt = doubt;
+    }
 }
 
 impl LaunchDiscrete for ReplayUmbilical {
@@ -110,28 +135,20 @@ impl ReplayedSuite {
 
     /// Gives every sensor its part of a record, to deliver at the next poll.
     pub fn load(&mut self, record: &TickInput) {
-        let signals = record.signals;
-        self.receiver.0 = record.gps;
-        self.barometer.0 =
-            Some(BarometerSample { reading: record.baro, temperature_c: signals.baro_temperature_c });
-        self.imu.0 = record.imu;
-        self.imu_master.0 = record.imu_master_altitude_m;
-        self.imu_slave.0 = record.imu_slave_altitude_m;
-        self.vehicle.0 = Some(VehicleState {
-            true_airspeed_mps: signals.true_airspeed_mps,
-            angle_of_attack_rad: signals.angle_of_attack_rad,
-            sideslip_rad: signals.sideslip_rad,
-            throttle: signals.throttle,
-            outside_air_temperature_c: signals.outside_air_temperature_c,
-            attitude_rad: signals.attitude_rad,
-        });
-        self.launch = ReplayUmbilical { open: record.launch, doubt: record.launch_doubt };
+        self.receiver.load(record.gps);
+        let temperature_c = record.signals.baro_temperature_c;
+        self.barometer.load(Some(BarometerSample { reading: record.baro, temperature_c }));
+        self.imu.load(record.imu);
+        self.imu_master.load(record.imu_master_altitude_m);
+        self.imu_slave.load(record.imu_slave_altitude_m);
+        self.vehicle.load(Some(VehicleState::from(&record.signals)));
+        self.launch.set(record.launch, record.launch_doubt);
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use kf_core::input::{BaroReading, Signals};
+    use kf_core::input::BaroReading;
     use proptest::prelude::*;
 
     use super::*;

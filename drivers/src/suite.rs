@@ -38,6 +38,16 @@ pub trait Sensors {
     }
 }
 
+impl<Suite: Sensors> Sensors for &mut Suite {
+    fn poll_each(&mut self, now_us: u64, polled: &mut impl FnMut(Device)) -> TickInput {
+        (**self).poll_each(now_us, polled)
+    }
+
+    fn faults(&self) -> Faults {
+        (**self).faults()
+    }
+}
+
 /// How often polls have failed; none ever stops the others.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Faults {

@@ -31,8 +31,8 @@ pub use encoder::{EncodeError, Encoder};
 pub use exit::ExitStatus;
 pub use frame::{Frame, FrameError, MAX_FRAME, MAX_STUFFED, PayloadError};
 pub use payload::{
-    CostUnit, End, FORMAT_VERSION, Header, Kind, MAGIC, MAX_PARTS, PartCost, Payload, Stream, Summary,
-    TickRecord,
+    CostUnit, End, FORMAT_VERSION, Header, Kind, MAGIC, MAX_PARTS, PartCost, Payload, SensorSource, Stream,
+    Summary, TickRecord,
 };
 
 use crc::{CRC_32_ISO_HDLC, Crc};

@@ -9,7 +9,7 @@ use serde::de::DeserializeOwned;
 /// First bytes of a header's payload.
 pub const MAGIC: [u8; 4] = *b"PYFR";
 /// Version of this format; a reader refuses any other.
-pub const FORMAT_VERSION: u16 = 5;
+pub const FORMAT_VERSION: u16 = 6;
 /// Most parts that a tick's cost can be divided into.
 pub const MAX_PARTS: usize = 16;
 
@@ -29,6 +29,8 @@ pub enum Kind {
     Summary = 5,
     /// [`LatchRecord`].
     Latch = 6,
+    /// A fault of a chip, `chip_models::flown::ChipFault`: it begins with the input that follows.
+    ChipFault = 7,
 }
 
 impl Kind {
@@ -42,6 +44,7 @@ impl Kind {
             4 => Some(Self::End),
             5 => Some(Self::Summary),
             6 => Some(Self::Latch),
+            7 => Some(Self::ChipFault),
             _ => None,
         }
     }
@@ -60,6 +63,16 @@ pub enum Stream {
     Inputs,
     /// Out of it: one [`TickRecord`] a tick.
     Outputs,
+}
+
+/// How the inputs of a record come to the emulated flight computer's estimator.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, serde::Deserialize)]
+pub enum SensorSource {
+    /// As they are.
+    #[default]
+    Ideal,
+    /// Through models of the sensors' chips, and the drivers.
+    Chips,
 }
 
 /// What [`TickRecord::cost`] counts.
@@ -82,13 +95,15 @@ pub struct Header {
     pub stream: Stream,
     /// Fingerprint of the model that the flight is meant for, or was flown with.
     pub model: u64,
+    /// What the inputs are for, or what the outputs came from.
+    pub sensors: SensorSource,
 }
 
 impl Header {
     /// The header of a stream of this version.
     #[must_use]
-    pub const fn new(stream: Stream, model: u64) -> Self {
-        Self { magic: MAGIC, version: FORMAT_VERSION, stream, model }
+    pub const fn new(stream: Stream, model: u64, sensors: SensorSource) -> Self {
+        Self { magic: MAGIC, version: FORMAT_VERSION, stream, model, sensors }
     }
 }
 

@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used)]
 
 use flight_record::{
-    Decoder, Encoder, End, FrameError, Header, Kind, MAX_FRAME, MAX_STUFFED, Payload, PayloadError, Stream,
-    TickRecord,
+    Decoder, Encoder, End, FrameError, Header, Kind, MAX_FRAME, MAX_STUFFED, Payload, PayloadError,
+    SensorSource, Stream, TickRecord,
 };
 use heapless::Vec as HeaplessVec;
 use kf_core::config::MAX_ESTIMATED_EFFECTS;
@@ -147,7 +147,7 @@ fn nan_keeps_its_bits() {
 
 #[test]
 fn a_payload_of_another_kind_is_refused() {
-    let bytes = stream(&[Header::new(Stream::Inputs, 7)]);
+    let bytes = stream(&[Header::new(Stream::Inputs, 7, SensorSource::Chips)]);
     assert_eq!(read::<End>(&bytes), [Ok((0, Err(PayloadError::Kind(Kind::Header))))]);
 }
 

@@ -7,7 +7,7 @@
 
 mod ticks;
 
-use flight_record::{Encoder, End, ExitStatus, Header, MAX_STUFFED, Payload, Stream};
+use flight_record::{Encoder, End, ExitStatus, Header, MAX_STUFFED, Payload, SensorSource, Stream};
 use kf_core::input::{BaroReading, TickInput};
 use kf_core::output::{Phase, Rejection, Trust};
 use model::Model;
@@ -41,7 +41,7 @@ fn fly_raw(change: impl FnOnce(&mut Vec<TickInput>)) -> RawFlight {
 fn stream(inputs: &[TickInput]) -> Vec<u8> {
     let mut encoder = Encoder::new();
     let mut buffer = [0; MAX_STUFFED];
-    let header = Header::new(Stream::Inputs, model().fingerprint().unwrap());
+    let header = Header::new(Stream::Inputs, model().fingerprint().unwrap(), SensorSource::Ideal);
     let mut bytes = encoder.encode(&header, &mut buffer).unwrap().to_vec();
     for input in inputs {
         bytes.extend(encoder.encode(input, &mut buffer).unwrap());
@@ -211,7 +211,7 @@ fn frames_out_of_place_are_counted_and_skipped() {
     let mut buffer = [0; MAX_STUFFED];
     // The second header has the number that follows the first's.
     encoder.encode(&End { inputs: 0 }, &mut buffer).unwrap();
-    bytes.extend(encoder.encode(&Header::new(Stream::Inputs, 0), &mut buffer).unwrap());
+    bytes.extend(encoder.encode(&Header::new(Stream::Inputs, 0, SensorSource::Ideal), &mut buffer).unwrap());
     for input in &flight()[..10] {
         bytes.extend(encoder.encode(input, &mut buffer).unwrap());
     }
@@ -234,9 +234,12 @@ fn what_is_no_record_is_refused_with_a_status_of_its_own() {
     let mut buffer = [0; MAX_STUFFED];
     let mut header = |header: Header| Encoder::new().encode(&header, &mut buffer).unwrap().to_vec();
     let fingerprint = model().fingerprint().unwrap();
-    assert_eq!(refused(&header(Header::new(Stream::Outputs, fingerprint))), Some(ExitStatus::NoHeader));
-    let later = Header { version: u16::MAX, ..Header::new(Stream::Inputs, fingerprint) };
+    assert_eq!(
+        refused(&header(Header::new(Stream::Outputs, fingerprint, SensorSource::Ideal))),
+        Some(ExitStatus::NoHeader)
+    );
+    let later = Header { version: u16::MAX, ..Header::new(Stream::Inputs, fingerprint, SensorSource::Ideal) };
     assert_eq!(refused(&header(later)), Some(ExitStatus::NoHeader));
-    let other = Header::new(Stream::Inputs, fingerprint ^ 1);
+    let other = Header::new(Stream::Inputs, fingerprint ^ 1, SensorSource::Ideal);
     assert_eq!(refused(&header(other)), Some(ExitStatus::OtherModel));
 }

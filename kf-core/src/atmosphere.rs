@@ -38,6 +38,25 @@ pub fn pressure_altitude_m(pressure_pa: f32) -> Option<f32> {
     }
 }
 
+/// Static pressure in pascals at a pressure altitude in metres (ICAO Doc 7488, eqs 4 and 5): the inverse of
+/// [`pressure_altitude_m`], to the rounding of f32.
+///
+/// `None` for an altitude that is not finite, or at which the standard atmosphere has no pressure that f32 can hold.
+#[must_use]
+pub fn static_pressure_pa(altitude_m: f32) -> Option<f32> {
+    if !altitude_m.is_finite() {
+        return None;
+    }
+    let pressure_pa = if altitude_m <= TROPOPAUSE_ALTITUDE_M {
+        let ratio = 1.0 - altitude_m * (LAPSE_RATE_K_PER_M / SEA_LEVEL_TEMPERATURE_K);
+        SEA_LEVEL_PRESSURE_PA * libm::expf(libm::logf(ratio) / TROPOSPHERE_EXPONENT)
+    } else {
+        let scale_m = AIR_GAS_CONSTANT * TROPOPAUSE_TEMPERATURE_K / STANDARD_GRAVITY_MPS2;
+        TROPOPAUSE_PRESSURE_PA * libm::expf((TROPOPAUSE_ALTITUDE_M - altitude_m) / scale_m)
+    };
+    (pressure_pa.is_finite() && pressure_pa > 0.0).then_some(pressure_pa)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -61,6 +80,22 @@ mod tests {
             let last_digit_pa = 10.0_f32.powi(pressure_pa.log10().floor() as i32 - 5);
             let resolution_m = 0.5 * last_digit_pa / pressure_pa * 8_700.0 + 0.01;
             assert!((got - altitude_m).abs() < resolution_m, "{altitude_m}: {got}");
+        }
+    }
+
+    #[test]
+    fn there_and_back_is_the_same() {
+        for altitude_m in [-500.0, -1.0, 0.0, 0.5, 1_234.5, 8_848.0, 10_999.0, 11_001.0, 20_000.0_f32] {
+            let back = pressure_altitude_m(static_pressure_pa(altitude_m).unwrap()).unwrap();
+            // f32 keeps 44,331 m to 4 mm, and pressure to 6e-8 of itself (half a millimetre).
+            assert!((back - altitude_m).abs() < 0.01, "{altitude_m}: {back}");
+        }
+        for (altitude_m, pressure_pa) in TABLE {
+            let got = static_pressure_pa(altitude_m).unwrap();
+            assert!((got / pressure_pa - 1.0).abs() < 1e-5, "{altitude_m}: {got}");
+        }
+        for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e9] {
+            assert_eq!(static_pressure_pa(bad), None, "{bad}");
         }
     }
 

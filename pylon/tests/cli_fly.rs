@@ -16,13 +16,25 @@ fn bits_that_are_the_same_are_status_0_and_others_status_1() {
         text.starts_with("made.csv: the emulated flight computer and the host agree to the bit"),
         "{text}"
     );
-    for part in ["all 850 ticks", "instructions a tick", "stack", "latched              at 14.000 s"] {
+    // 850 rows of 20 ms, the last at 16.98 s, on ticks of 5 ms.
+    for part in [
+        "all 3397 ticks",
+        "instructions a tick",
+        "mission",
+        "stack",
+        "latched              at 14.000 s",
+        "on chips: 850 rows on 3397 ticks",
+        "m from ideal sensors (within",
+    ] {
         assert!(text.contains(part), "{part}: {text}");
     }
+    let ideal = stdout(directory.path(), &["fly", "made.csv", "--ideal-sensors"]);
+    assert!(ideal.contains("all 850 ticks") && ideal.contains("sensors              ideal"), "{ideal}");
     let same: Value =
         serde_json::from_str(&stdout(directory.path(), &["fly", "made.csv", "--json"])).unwrap();
     assert_eq!(same["bit_for_bit"], true);
-    assert_eq!(same["ticks"], 850);
+    assert_eq!(same["ticks"], 3397);
+    assert_eq!(same["chips"]["agreement"]["baro"]["within_bound"], true);
     assert!(same["instructions_mean"].as_f64().unwrap() > 100.0);
 
     let output = run(directory.path(), &["fly", "made.csv", "--json", "--plant-host-error"]);
@@ -33,4 +45,21 @@ fn bits_that_are_the_same_are_status_0_and_others_status_1() {
     let other: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(other["bit_for_bit"], false);
     assert!(other["ticks_that_differ"].as_u64().unwrap() > 0);
+}
+
+#[test]
+fn a_fault_that_can_not_be_is_one_line_and_status_2() {
+    let directory = tempfile::tempdir().unwrap();
+    Recipe { captive_s: 14.0, free_s: 3.0, ..Recipe::default() }.write(directory.path());
+    for (arguments, said) in [
+        (&["--fault", "baro melted 3..4"][..], "fault 'melted', expected one of stuck-low"),
+        (&["--fault", "gps stuck-low 3..4"], "gps can not be stuck-low"),
+        (&["--fault", "baro reset 99"], "fault at 99 s, and the flight goes from 0.000 s to 16.980 s"),
+        (&["--fault", "baro reset 3", "--ideal-sensors"], "cannot be used with"),
+    ] {
+        let output = run(directory.path(), &[&["fly", "made.csv"], arguments].concat());
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{stderr}");
+        assert!(stderr.contains(said), "{arguments:?}: {stderr}");
+    }
 }

@@ -11,14 +11,17 @@ use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
 use frame::{Fletcher, Incoming};
 use heapless::Deque;
 
+use crate::line::Line;
 use crate::source::Source;
 
 /// From power to the first byte, microseconds.
 const BOOT_US: u64 = 500_000;
 /// What a sentence of a receiver that nobody has configured yet looks like.
 const NMEA: &[u8] = b"$GNGGA,092725.00,4717.11399,N,00833.91590,E,1,08,1.01,499.6,M,48.0,M,,*5B\r\n";
-/// What waits in the receiver, and in the UART's buffer of the flight computer.
-const BUFFER_BYTES: usize = 512;
+/// Longest span that is gone through epoch by epoch, microseconds.
+const LONGEST_SPAN_US: u64 = 10_000_000;
+/// Solutions that wait for their latency to pass.
+const WAITING: usize = 16;
 /// A week, ms.
 const WEEK_MS: u64 = 604_800_000;
 
@@ -31,23 +34,19 @@ pub struct Solution {
     pub mean_sea_level_m: f32,
     /// North, east, down, m/s.
     pub velocity_ned_mps: [f32; 3],
-    /// Vertical accuracy, metres.
+    /// Vertical accuracy, metres; one that is not known is `f32::INFINITY`.
     pub vertical_accuracy_m: f32,
+    /// Accuracy of the velocity, m/s; one that is not known is `f32::INFINITY`.
+    pub speed_accuracy_mps: f32,
     /// Satellites used.
     pub satellites: u8,
     /// fixType: 3 is three-dimensional.
     pub fix_type: u8,
 }
 
-/// What is wrong with the receiver or its line at present.
+/// What is wrong with the receiver at present; its line has faults of its own.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Faults {
-    /// Nothing passes, either way.
-    pub unplugged: bool,
-    /// Bytes to lose, counted down: the next ones that the receiver sends.
-    pub lose_bytes: u32,
-    /// A byte to damage: after so many more, these bits.
-    pub flip_bits: Option<(u32, u8)>,
     /// The receiver refuses every configuration message.
     pub refuses: bool,
     /// The receiver obeys and does not acknowledge.
@@ -67,118 +66,111 @@ const DEFAULT: Settings = Settings { solutions: false, nmea: true, period_us: 1_
 /// The receiver and its line.
 #[derive(Clone, Debug)]
 pub struct ReceiverModel<Surroundings> {
-    /// Its solutions, sampled at the navigation epochs.
+    /// Its solutions, sampled at the navigation epochs; `None`: there is nothing new at this one.
     pub solutions: Surroundings,
     /// What is wrong at present.
     pub faults: Faults,
+    /// Its line to the flight computer.
+    pub line: Line,
     /// From the epoch of a solution to its first byte, microseconds.
     pub latency_us: u64,
     /// Time of week at time 0, ms.
     pub time_of_week_ms: u64,
-    /// Bytes that the flight computer was too slow to take.
-    pub overrun_bytes: u32,
+    /// Solutions of [`Self::solve`] that nobody was told of: not configured to, or too many at a time.
+    pub untold_solutions: u32,
+    /// Epochs that were left out of a long span without the time being set.
+    pub skipped_epochs: u32,
     generation: u8,
-    byte_time_ns: u64,
     settings: Settings,
     now_us: u64,
     booted_us: u64,
     epoch_us: u64,
-    line_free_ns: u64,
-    outgoing: Deque<u8, BUFFER_BYTES>,
-    arrived: Deque<u8, BUFFER_BYTES>,
+    waiting: Deque<(u64, Solution), WAITING>,
     incoming: Incoming,
 }
 
-impl<Surroundings: Source<Solution>> ReceiverModel<Surroundings> {
+impl<Surroundings: Source<Option<Solution>>> ReceiverModel<Surroundings> {
     /// A receiver of generation 8, or of 9 and later, that has just got power, at a line speed in baud.
-    pub fn new(generation: u8, baud: u32, solutions: Surroundings) -> Self {
+    pub const fn new(generation: u8, baud: u32, solutions: Surroundings) -> Self {
         Self {
             solutions,
-            faults: Faults::default(),
+            faults: Faults { refuses: false, silent: false },
+            line: Line::new(baud),
             latency_us: 50_000,
             time_of_week_ms: 200_000_000,
-            overrun_bytes: 0,
+            untold_solutions: 0,
+            skipped_epochs: 0,
             generation,
-            // A start bit, 8 bits, a stop bit.
-            byte_time_ns: 10_000_000_000 / u64::from(baud.max(1)),
             settings: DEFAULT,
             now_us: 0,
             booted_us: BOOT_US,
             epoch_us: BOOT_US,
-            line_free_ns: 0,
-            outgoing: Deque::new(),
-            arrived: Deque::new(),
+            waiting: Deque::new(),
             incoming: Incoming::new(),
         }
     }
 
-    /// Lets time pass: the receiver computes, the line carries. Microseconds, never backward.
+    /// Lets time pass: the receiver computes, the line carries. Microseconds, never backward. Of more than
+    /// [`LONGEST_SPAN_US`] at once only the end is gone through: nobody has read the line meanwhile.
     pub fn set_time(&mut self, now_us: u64) {
         self.now_us = now_us;
+        if let Some(beyond_us) = now_us.saturating_sub(self.epoch_us).checked_sub(LONGEST_SPAN_US) {
+            let skipped = beyond_us / self.settings.period_us;
+            self.epoch_us += skipped * self.settings.period_us;
+            self.skipped_epochs =
+                self.skipped_epochs.saturating_add(u32::try_from(skipped).unwrap_or(u32::MAX));
+        }
         while self.epoch_us.saturating_add(self.latency_us) <= now_us {
             let epoch_us = self.epoch_us;
-            if self.settings.solutions {
-                let solution = self.solutions.at(epoch_us);
+            if self.settings.solutions
+                && let Some(solution) = self.solutions.at(epoch_us)
+            {
                 self.send_solution(epoch_us, solution);
             }
             if self.settings.nmea && epoch_us % 1_000_000 < self.settings.period_us {
-                NMEA.iter().for_each(|&byte| self.send_byte(byte));
+                self.inject(NMEA);
             }
             self.epoch_us = epoch_us + self.settings.period_us;
         }
-        while self.line_free_ns + self.byte_time_ns <= now_us * 1_000 {
-            match self.outgoing.pop_front() {
-                Some(byte) => {
-                    self.line_free_ns += self.byte_time_ns;
-                    self.carry(byte);
-                }
-                None => self.line_free_ns = now_us * 1_000,
-            }
+        while let Some((epoch_us, solution)) = self.waiting.front().copied()
+            && epoch_us.saturating_add(self.latency_us) <= now_us
+        {
+            let _ = self.waiting.pop_front();
+            self.send_solution(epoch_us, solution);
         }
+        self.line.carry_until(now_us);
+    }
+
+    /// A navigation epoch now, beside those of the receiver's own raster: for a flight that is replayed fix by fix.
+    pub fn solve(&mut self, solution: Solution) {
+        let told = self.settings.solutions
+            && self.now_us >= self.booted_us
+            && self.waiting.push_back((self.now_us, solution)).is_ok();
+        if !told {
+            self.untold_solutions = self.untold_solutions.saturating_add(1);
+        }
+    }
+
+    /// It gets its power now, microseconds, not at time 0.
+    pub fn power_on(&mut self, now_us: u64) {
+        self.now_us = now_us;
+        self.power_dip();
+        self.line.carry_until(now_us);
     }
 
     /// Power dips: what it was told is forgotten, what was on the line is lost.
     pub fn power_dip(&mut self) {
         self.settings = DEFAULT;
-        self.outgoing.clear();
+        self.waiting.clear();
+        self.line.cut();
         self.incoming = Incoming::new();
-        self.booted_us = self.now_us + BOOT_US;
+        self.booted_us = self.now_us.saturating_add(BOOT_US);
         self.epoch_us = self.booted_us;
     }
 
     /// Puts bytes on the line as if the receiver had sent them.
     pub fn inject(&mut self, bytes: &[u8]) {
-        bytes.iter().for_each(|&byte| self.send_byte(byte));
-    }
-
-    fn send_byte(&mut self, byte: u8) {
-        // A receiver whose buffer is full drops what it can not send.
-        let _ = self.outgoing.push_back(byte);
-    }
-
-    fn carry(&mut self, byte: u8) {
-        if self.faults.unplugged {
-            return;
-        }
-        if self.faults.lose_bytes > 0 {
-            self.faults.lose_bytes -= 1;
-            return;
-        }
-        let byte = match &mut self.faults.flip_bits {
-            Some((0, mask)) => {
-                let flipped = byte ^ *mask;
-                self.faults.flip_bits = None;
-                flipped
-            }
-            Some((after, _)) => {
-                *after -= 1;
-                byte
-            }
-            None => byte,
-        };
-        if self.arrived.push_back(byte).is_err() {
-            self.overrun_bytes += 1;
-        }
+        bytes.iter().for_each(|&byte| self.line.send(byte));
     }
 
     fn send(&mut self, class: u8, id: u8, payload: &[u8]) {
@@ -187,7 +179,7 @@ impl<Surroundings: Source<Solution>> ReceiverModel<Surroundings> {
         self.inject(&[0xB5, 0x62]);
         for &byte in [class, id, low, high].iter().chain(payload) {
             sum.add(byte);
-            self.send_byte(byte);
+            self.line.send(byte);
         }
         self.inject(&sum.bytes());
     }
@@ -205,7 +197,8 @@ impl<Surroundings: Source<Solution>> ReceiverModel<Surroundings> {
         put(20, &[solution.fix_type, u8::from(solution.fix_type >= 2), 0, solution.satellites]);
         put(32, &millis(solution.ellipsoid_m).to_le_bytes());
         put(36, &millis(solution.mean_sea_level_m).to_le_bytes());
-        put(44, &millis(solution.vertical_accuracy_m).to_le_bytes());
+        put(44, &accuracy(solution.vertical_accuracy_m).to_le_bytes());
+        put(68, &accuracy(solution.speed_accuracy_mps).to_le_bytes());
         for (index, velocity) in solution.velocity_ned_mps.into_iter().enumerate() {
             put(48 + 4 * index, &millis(velocity).to_le_bytes());
         }
@@ -282,6 +275,12 @@ fn set_period(settings: &mut Settings, period_ms: [u8; 2]) -> bool {
     settings.period_us >= 25_000
 }
 
+/// Metres to millimetres, to the nearest; all ones for what is beyond 32 bits, as a receiver says "not known".
+fn accuracy(value: f32) -> u32 {
+    // A cast of a float saturates.
+    (value * 1_000.0 + 0.5) as u32
+}
+
 /// Metres to millimetres, to the nearest.
 fn millis(value: f32) -> i32 {
     let scaled = value * 1_000.0;
@@ -292,34 +291,28 @@ impl<Surroundings> ErrorType for ReceiverModel<Surroundings> {
     type Error = Infallible;
 }
 
-impl<Surroundings: Source<Solution>> ReadReady for ReceiverModel<Surroundings> {
+impl<Surroundings: Source<Option<Solution>>> ReadReady for ReceiverModel<Surroundings> {
     fn read_ready(&mut self) -> Result<bool, Infallible> {
-        Ok(!self.arrived.is_empty())
+        Ok(self.line.has_arrived())
     }
 }
 
-impl<Surroundings: Source<Solution>> Read for ReceiverModel<Surroundings> {
+impl<Surroundings: Source<Option<Solution>>> Read for ReceiverModel<Surroundings> {
     fn read(&mut self, buffer: &mut [u8]) -> Result<usize, Infallible> {
-        let mut count = 0;
-        for slot in buffer {
-            let Some(byte) = self.arrived.pop_front() else { break };
-            *slot = byte;
-            count += 1;
-        }
-        Ok(count)
+        Ok(self.line.read(buffer))
     }
 }
 
-impl<Surroundings: Source<Solution>> WriteReady for ReceiverModel<Surroundings> {
+impl<Surroundings: Source<Option<Solution>>> WriteReady for ReceiverModel<Surroundings> {
     fn write_ready(&mut self) -> Result<bool, Infallible> {
         Ok(true)
     }
 }
 
-impl<Surroundings: Source<Solution>> Write for ReceiverModel<Surroundings> {
+impl<Surroundings: Source<Option<Solution>>> Write for ReceiverModel<Surroundings> {
     fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
         for &byte in bytes {
-            if self.faults.unplugged || self.now_us < self.booted_us {
+            if self.line.faults.unplugged || self.now_us < self.booted_us {
                 continue;
             }
             if let Some(arrived) = self.incoming.take(byte) {

@@ -37,6 +37,10 @@ const PARSER_BYTES: usize = 256;
 /// Longest time from one solution to the next, in periods, and at least so long in microseconds.
 const STALE_PERIODS: u64 = 5;
 const STALE_AT_LEAST_US: u64 = 1_000_000;
+/// Velocity is no measurement where the receiver's own estimate of its accuracy (sAcc) is worse, mm/s.
+const WORST_SPEED_ACCURACY_MMPS: u32 = 10_000;
+/// An accuracy that the receiver does not know: the field is full.
+const UNKNOWN_ACCURACY: u32 = u32::MAX;
 /// A week, ms: time of week starts anew after it.
 const WEEK_MS: u64 = 604_800_000;
 
@@ -145,7 +149,8 @@ impl<Port: Read + ReadReady + Write + WriteReady> Ublox<Port> {
 
     fn step(&mut self, now_us: u64) -> Result<Option<GpsFix>, SensorError> {
         let mut bytes = [0; MAX_POLL_BYTES];
-        let arrived = self.receive(&mut bytes)?;
+        let arrived = crate::port::receive(&mut self.port, &mut bytes)?;
+        self.counts.bytes = self.counts.bytes.saturating_add(u32::try_from(arrived).unwrap_or(u32::MAX));
         let received = self.parse(bytes.get(..arrived).unwrap_or_default());
         if received.solution {
             self.last_solution_us = Some(now_us);
@@ -172,21 +177,6 @@ impl<Port: Read + ReadReady + Write + WriteReady> Ublox<Port> {
             _ => self.last_solution_us = Some(now_us),
         }
         Ok(None)
-    }
-
-    fn receive(&mut self, bytes: &mut [u8; MAX_POLL_BYTES]) -> Result<usize, SensorError> {
-        let mut arrived = 0;
-        while let Some(room) = bytes.get_mut(arrived..)
-            && !room.is_empty()
-            && self.port.read_ready().map_err(|_| SensorError::Bus)?
-        {
-            match self.port.read(room).map_err(|_| SensorError::Bus)? {
-                0 => break,
-                count => arrived += count,
-            }
-        }
-        self.counts.bytes = self.counts.bytes.saturating_add(u32::try_from(arrived).unwrap_or(u32::MAX));
-        Ok(arrived)
     }
 
     fn parse(&mut self, bytes: &[u8]) -> Received {
@@ -253,12 +243,15 @@ fn fix(solution: &NavPvtRef<'_>, datum: Datum, time_ms: u64) -> GpsFix {
         Datum::MeanSeaLevel => solution.height_msl_raw(),
     };
     let metres = |millimetres: i32| millimetres as f32 / 1_000.0;
+    let moves = solution.speed_accuracy_raw() <= WORST_SPEED_ACCURACY_MMPS;
+    let vertical_accuracy_mm = solution.vertical_accuracy_raw();
     GpsFix {
         altitude_m: metres(altitude_mm),
-        velocity_north_mps: Some(metres(solution.vel_north_raw())),
-        velocity_east_mps: Some(metres(solution.vel_east_raw())),
-        velocity_down_mps: Some(metres(solution.vel_down_raw())),
-        vertical_accuracy_m: Some(solution.vertical_accuracy_raw() as f32 / 1_000.0),
+        velocity_north_mps: moves.then(|| metres(solution.vel_north_raw())),
+        velocity_east_mps: moves.then(|| metres(solution.vel_east_raw())),
+        velocity_down_mps: moves.then(|| metres(solution.vel_down_raw())),
+        vertical_accuracy_m: (vertical_accuracy_mm != UNKNOWN_ACCURACY)
+            .then(|| vertical_accuracy_mm as f32 / 1_000.0),
         satellites: Some(solution.num_satellites()),
         fix_time_us: Some(time_ms.saturating_mul(1_000)),
     }

@@ -5,10 +5,11 @@
 //! The timers run at 1 GHz whatever the prescalers of the clock tree say; with `-icount shift=0` an
 //! instruction takes one nanosecond, so a timer counts instructions.
 
-use core::sync::atomic::{AtomicBool, Ordering};
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
+use chip_models::flown::{ChipFault, RecordedSensors};
+use chip_models::metered::WorkObserver;
 use defmt_semihosting as _;
-use drivers::ReplayedSuite;
 use flight_record::{
     CostUnit, Decoder, Encoder, End, ExitStatus, Header, INPUT_FILE, Kind, MAX_STUFFED, OUTPUT_FILE, Payload,
     Stream, Summary,
@@ -35,18 +36,27 @@ const INPUTS: usize = 16;
 const CHUNK: usize = 512;
 
 /// The sensors of the flight record.
-pub type Sensors = ReplayedSuite;
+pub type Sensors = &'static mut RecordedSensors<ModelsWork>;
+
+/// What a record brings, in its order.
+enum Item {
+    /// A tick.
+    Tick(TickInput),
+    /// A chip's fault, from the next tick on.
+    Fault(ChipFault),
+}
 
 /// What the board needs in static memory.
 pub struct Storage {
-    inputs: Queue<TickInput, INPUTS>,
+    inputs: Queue<Item, INPUTS>,
     ended: AtomicBool,
+    sensors: Option<RecordedSensors<ModelsWork>>,
 }
 
 impl Storage {
     /// Empty.
     pub const fn new() -> Self {
-        Self { inputs: Queue::new(), ended: AtomicBool::new(false) }
+        Self { inputs: Queue::new(), ended: AtomicBool::new(false), sensors: None }
     }
 }
 
@@ -56,15 +66,16 @@ pub fn start(
     _core: cortex_m::Peripherals,
     storage: &'static mut Storage,
 ) -> Result<Board, ExitStatus> {
-    let Storage { inputs, ended } = storage;
+    let Storage { inputs, ended, sensors } = storage;
     let (inputs_in, inputs_out) = inputs.split();
     let rcc = device.RCC.freeze(Config::hsi());
     CostClock::start(&device.TIM5, &rcc);
+    let (feeder, header) = Feeder::open(inputs_in, ended)?;
     Ok(Board {
-        feeder: Feeder::open(inputs_in, ended)?,
+        feeder,
         source: Source { inputs: inputs_out, ended },
-        sensors: ReplayedSuite::replayed(),
-        sink: Sink::create()?,
+        sensors: sensors.insert(RecordedSensors::new(header.sensors, &ModelsWork)),
+        sink: Sink::create(&header)?,
         timer: TickTimer::start(device.TIM2, &rcc, TIMER_HZ),
     })
 }
@@ -74,9 +85,29 @@ pub fn exit(status: ExitStatus) -> ! {
     semihosting::process::exit(status.code().into())
 }
 
-/// Counts instructions: TIM5, which is this clock's alone once it runs.
+/// Counts the flight computer's instructions: TIM5, which is this clock's alone once it runs, without those of the models of
+/// its chips.
 #[derive(Clone, Copy)]
 pub struct CostClock;
+
+/// Instructions that the models of the chips have taken.
+static MODELS_WORK: AtomicU32 = AtomicU32::new(0);
+
+/// Keeps the models' work out of the count.
+#[derive(Clone, Copy)]
+pub struct ModelsWork;
+
+impl WorkObserver for ModelsWork {
+    fn begin(&mut self) -> u32 {
+        CostClock::count()
+    }
+
+    fn end(&mut self, begun: u32) {
+        let took = CostClock::count().wrapping_sub(begun);
+        // No read-modify-write is needed: only a tick polls sensors, and nothing interrupts it that does.
+        MODELS_WORK.store(MODELS_WORK.load(Ordering::Relaxed).wrapping_add(took), Ordering::Relaxed);
+    }
+}
 
 impl CostClock {
     /// What it counts.
@@ -92,6 +123,11 @@ impl CostClock {
 
     /// Now, wrapping.
     pub fn now() -> u32 {
+        Self::count().wrapping_sub(MODELS_WORK.load(Ordering::Relaxed))
+    }
+
+    /// All instructions, wrapping.
+    fn count() -> u32 {
         // SAFETY: a read of the counter, which changes nothing; nobody else has TIM5.
         unsafe { (*TIM5::ptr()).cnt().read().bits() }
     }
@@ -99,7 +135,7 @@ impl CostClock {
 
 /// Hands the record's inputs to the sensors, one a tick. Time is the record's.
 pub struct Source {
-    inputs: Consumer<'static, TickInput>,
+    inputs: Consumer<'static, Item>,
     ended: &'static AtomicBool,
 }
 
@@ -112,20 +148,28 @@ impl Source {
         if !room {
             return Next::Stall;
         }
-        match self.inputs.dequeue() {
-            Some(input) => {
-                sensors.load(&input);
-                Next::Tick(input.time_us)
-            }
-            None if ended => Next::End,
-            None => Next::Underrun,
+        loop {
+            return match self.inputs.dequeue() {
+                Some(Item::Fault(fault)) => {
+                    if !sensors.inject(fault) {
+                        defmt::warn!("a fault of a chip, and the record flies without chips");
+                    }
+                    continue;
+                }
+                Some(Item::Tick(input)) => {
+                    sensors.load(&input);
+                    Next::Tick(input.time_us)
+                }
+                None if ended => Next::End,
+                None => Next::Underrun,
+            };
         }
     }
 }
 
 /// Reads the record.
 pub struct Feeder {
-    inputs: Producer<'static, TickInput>,
+    inputs: Producer<'static, Item>,
     ended: &'static AtomicBool,
     bytes: Bytes,
     decoder: Decoder,
@@ -138,7 +182,10 @@ pub struct Feeder {
 
 impl Feeder {
     /// Opens the record and reads its header.
-    fn open(inputs: Producer<'static, TickInput>, ended: &'static AtomicBool) -> Result<Self, ExitStatus> {
+    fn open(
+        inputs: Producer<'static, Item>,
+        ended: &'static AtomicBool,
+    ) -> Result<(Self, Header), ExitStatus> {
         let file = File::open(INPUT_FILE).map_err(|_| ExitStatus::NoInput)?;
         let mut bytes = Bytes { file, chunk: [0; CHUNK], at: 0, len: 0 };
         let mut decoder = Decoder::new();
@@ -148,14 +195,14 @@ impl Feeder {
                 break frame.payload::<Header>().map_err(|_| ExitStatus::NoHeader)?;
             }
         };
-        if header != Header::new(Stream::Inputs, header.model) {
+        if header != Header::new(Stream::Inputs, header.model, header.sensors) {
             return Err(ExitStatus::NoHeader);
         }
         if header.model != FINGERPRINT {
             defmt::error!("the record is meant for model {=u64:016x}", header.model);
             return Err(ExitStatus::OtherModel);
         }
-        Ok(Self {
+        let feeder = Self {
             inputs,
             ended,
             bytes,
@@ -165,7 +212,8 @@ impl Feeder {
             bad_payloads: 0,
             missed_frames: 0,
             cut: false,
-        })
+        };
+        Ok((feeder, header))
     }
 
     /// Reads ahead as far as there is room. What is no input is counted and skipped.
@@ -189,9 +237,16 @@ impl Feeder {
                 self.end(!whole);
                 return;
             }
+            let is_fault = frame.kind == Kind::ChipFault;
+            let item =
+                if is_fault { frame.payload().map(Item::Fault) } else { frame.payload().map(Item::Tick) };
             // Cannot be full: `ready` was asked above.
-            let taken = frame.payload::<TickInput>().is_ok_and(|input| self.inputs.enqueue(input).is_ok());
-            let counter = if taken { &mut self.received } else { &mut self.bad_payloads };
+            let taken = item.is_ok_and(|item| self.inputs.enqueue(item).is_ok());
+            let counter = match (taken, is_fault) {
+                (true, true) => continue,
+                (true, false) => &mut self.received,
+                (false, _) => &mut self.bad_payloads,
+            };
             *counter = counter.saturating_add(1);
         }
     }
@@ -242,10 +297,11 @@ pub struct Sink {
 }
 
 impl Sink {
-    fn create() -> Result<Self, ExitStatus> {
+    /// Begins a stream of outputs for a stream of inputs.
+    fn create(inputs: &Header) -> Result<Self, ExitStatus> {
         let file = File::create(OUTPUT_FILE).map_err(|_| ExitStatus::NoOutput)?;
         let mut sink = Self { file, encoder: Encoder::new(), failed: false };
-        sink.write(&Header::new(Stream::Outputs, FINGERPRINT));
+        sink.write(&Header::new(Stream::Outputs, FINGERPRINT, inputs.sensors));
         Ok(sink)
     }
 

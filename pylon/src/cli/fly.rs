@@ -1,7 +1,7 @@
 //! `pylon fly`.
 
 use clap::Args;
-use pylon::fly::{Difference, FlyError, FlyOptions, FlyReport, fly};
+use pylon::fly::{ChipsReport, Difference, FlyError, FlyOptions, FlyReport, PlannedFault, SensorSource, fly};
 use pylon::replay::Replay;
 use serde_json::{Value, json};
 
@@ -13,8 +13,20 @@ use super::{load, terminal};
 const EXAMPLES: &str = "\
 Examples:
   pylon fly flight.csv
-      fly it through the firmware, emulated by QEMU, and compare every tick with the host's bits
+      fly it through the firmware, emulated by QEMU, on models of the sensors' chips and their drivers, and compare
+      every tick with the host's bits
   pylon fly flight.csv --model improved.toml --json
+  pylon fly flight.csv --ideal-sensors
+      without chips and drivers: the estimator gets the flight's rows as they are
+  pylon fly flight.csv --fault \"baro stuck-low 60..65\" --fault \"imu reset 70\"
+      the same bits, with a barometer whose data line hangs for 5 s and an inertial unit whose power dips
+
+Faults (CHIP FAULT START..END, in seconds of the flight's time; those marked * happen once, at START):
+  baro, imu       stuck-low, stuck-high, bus-error, flip-bits=MASK *, reset *
+  baro            slow=MICROSECONDS (conversions take so much longer)
+  imu             stalled (no new samples)
+  gps, umbilical  unplugged, lose-bytes=COUNT *, flip-bits=MASK *
+  gps             refuses, silent (to be configured, to acknowledge), reset *
 
 Exit status: 0 every bit is the same; 1 bits differ; 2 bad usage or bad input, or no emulator.";
 
@@ -24,6 +36,12 @@ Exit status: 0 every bit is the same; 1 bits differ; 2 bad usage or bad input, o
 pub struct Arguments {
     #[command(flatten)]
     what: OneFlight,
+    /// Give the estimator the flight's rows as they are, without chips and drivers
+    #[arg(long)]
+    ideal_sensors: bool,
+    /// Let a chip fail, such as "baro stuck-low 60..65"; may be given more than once
+    #[arg(long = "fault", value_name = "FAULT", conflicts_with = "ideal_sensors")]
+    faults: Vec<PlannedFault>,
     /// Give the host's mission every barometer reading one unit in the last place off: to see that
     /// it is found
     #[arg(long, hide = true)]
@@ -38,7 +56,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let replay = Replay::new(&flight, &model, arguments.what.calibrate)
         .map_err(|error| Failure::input(format!("{}: {error}", arguments.what.flight.display())))?;
     let file = arguments.what.flight.display();
-    let options = FlyOptions { host_ulp_error: arguments.plant_host_error, ..FlyOptions::default() };
+    let options = FlyOptions {
+        sensors: if arguments.ideal_sensors { SensorSource::Ideal } else { SensorSource::Chips },
+        faults: arguments.faults.clone(),
+        host_ulp_error: arguments.plant_host_error,
+        ..FlyOptions::default()
+    };
     let report = while_busy("flying in QEMU", || fly(&replay, &options)).map_err(|error| {
         let line = format!("{file}: {error}");
         let FlyError::Differs(difference) = error else { return Failure::input(line) };
@@ -87,6 +110,12 @@ fn text(file: &str, report: &FlyReport) -> String {
         }
         None => text.push_str("  latched              nothing: no launch\n"),
     }
+    if report.chips.is_none() {
+        text.push_str("  sensors              ideal: the flight's rows as they are\n");
+    }
+    if let Some(chips) = &report.chips {
+        text.push_str(&chips_text(chips, report.sensor_faults));
+    }
     if report.underruns > 0 || report.stalls > 0 {
         text.push_str(&format!(
             "  waited               {} timer ticks for input, {} for room for results\n",
@@ -94,6 +123,78 @@ fn text(file: &str, report: &FlyReport) -> String {
         ));
     }
     text
+}
+
+fn chips_text(chips: &ChipsReport, sensor_faults: u32) -> String {
+    let ChipsReport { grid, truth, untold_fixes, agreement } = chips;
+    let mut text = format!(
+        "  sensors              on chips: {} rows on {} ticks of 5 ms; {sensor_faults} polls failed, the same on both\n",
+        grid.rows, grid.ticks
+    );
+    let counts = [
+        ("rows that share a tick", grid.shared),
+        ("samples replaced by a later one at the same tick", grid.superseded_samples),
+        ("rows before the row before them", grid.late_rows),
+        ("values that are not finite", truth.not_finite.into()),
+        ("values beyond the barometer's range", truth.baro_beyond_range.into()),
+        ("values beyond the inertial unit's range", truth.imu_beyond_range.into()),
+        ("values beyond the receiver's range", truth.gps_beyond_range.into()),
+        ("barometer readings without a temperature: 25 degrees assumed", truth.assumed_temperatures.into()),
+        ("fixes without a satellite count: 12 assumed", truth.assumed_satellites.into()),
+        ("fixes with a part of their velocity, not used", truth.partial_velocities.into()),
+        ("fixes that were held, sent once", truth.held_fixes.into()),
+        ("altitudes of the mother ship after launch, not sent", truth.after_launch.into()),
+        ("ticks at an impossible time", truth.impossible_times.into()),
+        ("fixes while the receiver was starting, not sent", (*untold_fixes).into()),
+    ];
+    for (what, count) in counts.into_iter().filter(|(_, count)| *count > 0) {
+        text.push_str(&format!("    {count} {what}\n"));
+    }
+    for sensor in agreement.iter().flat_map(|agreement| &agreement.sensors) {
+        text.push_str(&format!(
+            "    {:<19}latched {:.3} m, {:+.4} m from ideal sensors ({} m by the chips' resolution and delays)\n",
+            sensor.sensor.name(),
+            sensor.chips_bias_m,
+            sensor.difference_m(),
+            if sensor.is_within_bound() {
+                format!("within {:.4}", sensor.bound_m)
+            } else {
+                format!("BEYOND {:.4}", sensor.bound_m)
+            },
+        ));
+    }
+    text
+}
+
+fn chips_json(chips: &ChipsReport) -> Value {
+    let ChipsReport { grid, truth, untold_fixes, agreement } = chips;
+    json!({
+        "rows": grid.rows,
+        "ticks": grid.ticks,
+        "rows_that_share_a_tick": grid.shared,
+        "samples_superseded": grid.superseded_samples,
+        "late_rows": grid.late_rows,
+        "not_finite": truth.not_finite,
+        "baro_beyond_range": truth.baro_beyond_range,
+        "imu_beyond_range": truth.imu_beyond_range,
+        "gps_beyond_range": truth.gps_beyond_range,
+        "assumed_temperatures": truth.assumed_temperatures,
+        "assumed_satellites": truth.assumed_satellites,
+        "partial_velocities": truth.partial_velocities,
+        "held_fixes": truth.held_fixes,
+        "after_launch": truth.after_launch,
+        "impossible_times": truth.impossible_times,
+        "untold_fixes": untold_fixes,
+        "agreement": agreement.as_ref().map(|agreement| {
+            agreement.sensors.iter().map(|sensor| (sensor.sensor.name().to_owned(), json!({
+                "ideal_bias_m": sensor.ideal_bias_m,
+                "chips_bias_m": sensor.chips_bias_m,
+                "difference_m": sensor.difference_m(),
+                "bound_m": sensor.bound_m,
+                "within_bound": sensor.is_within_bound(),
+            }))).collect::<serde_json::Map<_, _>>()
+        }),
+    })
 }
 
 fn put_json(value: &Value) -> Result<(), Failure> {
@@ -132,6 +233,8 @@ fn report_json(report: &FlyReport) -> Value {
         "stack_size_bytes": report.stack_size_bytes,
         "flash_bytes": report.flash_bytes,
         "static_ram_bytes": report.static_ram_bytes,
+        "sensor_faults": report.sensor_faults,
+        "chips": report.chips.as_ref().map(chips_json),
         "underruns": report.underruns,
         "stalls": report.stalls,
         "latched_s": report.latch.as_ref().map(|latch| latch.time_us as f64 * 1e-6),

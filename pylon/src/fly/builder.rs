@@ -41,6 +41,8 @@ pub enum Program {
     Bench,
     /// The mission's tick and nothing else.
     CoreOnly,
+    /// The chain of a tick: the drivers and the mission.
+    ChainOnly,
 }
 
 impl Program {
@@ -49,6 +51,7 @@ impl Program {
             Self::Flight(_) => "flight",
             Self::Bench => "bench",
             Self::CoreOnly => "core_only",
+            Self::ChainOnly => "chain_only",
         }
     }
 
@@ -56,7 +59,7 @@ impl Program {
         match self {
             Self::Flight(board) => board.feature(),
             Self::Bench => "board-qemu,peers",
-            Self::CoreOnly => "",
+            Self::CoreOnly | Self::ChainOnly => "",
         }
     }
 }

@@ -7,6 +7,7 @@ use model::ModelError;
 use thiserror::Error;
 
 use super::compare::Difference;
+use super::fault_script::FaultError;
 
 /// Why a flight through the firmware failed; displays as one line.
 #[derive(Debug, Error)]
@@ -62,6 +63,9 @@ pub enum FlyError {
     /// The host's mission refuses the model, or the flight.
     #[error("{0}")]
     Host(String),
+    /// The planned faults can not be followed.
+    #[error(transparent)]
+    Fault(#[from] FaultError),
     /// The emulation ended otherwise than at the end of the record.
     #[error("the emulated flight computer stopped: {}{}", ended(*.status), last_line(.log))]
     Stopped {

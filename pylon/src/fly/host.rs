@@ -1,7 +1,9 @@
 //! The host's flight computer: the one of the firmware, beside it.
 
-use drivers::{Device, Faults, ReplayedSuite, Sensors};
+use chip_models::flown::RecordedSensors;
+use drivers::{Device, Faults, Sensors};
 use flight_computer::{Estimation, FlightComputer};
+use flight_record::SensorSource;
 use kf_core::input::{BaroReading, TickInput};
 use kf_core::output::TickOutput;
 use model::Model;
@@ -21,7 +23,7 @@ impl Estimation for Box<dyn AnyMission> {
 /// The sensors of a record, with an error planted if asked for.
 pub(super) struct HostSensors {
     /// The sensors.
-    pub(super) recorded: ReplayedSuite,
+    pub(super) recorded: RecordedSensors<()>,
     /// Every barometer reading is one unit in the last place off.
     ulp_error: bool,
 }
@@ -38,9 +40,13 @@ impl Sensors for HostSensors {
 }
 
 /// A flight computer before its first tick.
-pub(super) fn computer(model: &Model, ulp_error: bool) -> Result<HostComputer, FlyError> {
+pub(super) fn computer(
+    model: &Model,
+    source: SensorSource,
+    ulp_error: bool,
+) -> Result<HostComputer, FlyError> {
     let mission = mission(model).map_err(|error| FlyError::Host(error.to_string()))?;
-    let sensors = HostSensors { recorded: ReplayedSuite::replayed(), ulp_error };
+    let sensors = HostSensors { recorded: RecordedSensors::new(source, &()), ulp_error };
     Ok(FlightComputer::new(sensors, mission))
 }
 

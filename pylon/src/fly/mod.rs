@@ -1,9 +1,12 @@
 //! A flight through the firmware, in the emulated flight computer, compared with the host to the bit.
 
+mod agreement;
 mod builder;
 mod compare;
 mod emulator;
 mod error;
+mod fault_script;
+mod grid;
 mod host;
 mod image;
 mod log;
@@ -14,20 +17,28 @@ use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
+use chip_models::flown::TruthCounts;
+use drivers::Sensors as _;
 use flight_computer::{Part, Step};
+pub use flight_record::SensorSource;
 use flight_record::{ExitStatus, INPUT_FILE, OUTPUT_FILE, Summary, TickRecord};
 use kf_core::input::TickInput;
 use kf_core::latch::LatchRecord;
 use model::Model;
 
+pub use agreement::{Agreement, SensorAgreement};
 pub use builder::{Board, PlantedError, Program, TARGET, build};
 pub use compare::Difference;
 pub use emulator::{Emulation, emulate};
 pub use error::FlyError;
+pub use fault_script::{FaultError, PlannedFault};
+pub use grid::{GridReport, TICK_US};
 pub use image::Image;
 pub use record::{FlightResult, Results};
 
 use crate::replay::Replay;
+use fault_script::{Item, Scripted, schedule};
+use grid::OnGrid;
 
 /// Longest wait for an emulation that does not end, besides [`PATIENCE_PER_TICK`].
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -35,8 +46,13 @@ const PATIENCE: Duration = Duration::from_secs(120);
 const PATIENCE_PER_TICK: Duration = Duration::from_millis(10);
 
 /// How to fly.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct FlyOptions {
+    /// How the flight's samples come to the estimator; by default as they are. On chips the rows are put on the flight
+    /// computer's grid of ticks.
+    pub sensors: SensorSource,
+    /// Faults of the chips.
+    pub faults: Vec<PlannedFault>,
     /// An error planted in the firmware, to see that it is found.
     pub target_error: Option<PlantedError>,
     /// The host's flight computer gets every barometer reading one unit in the last place off, to see that it
@@ -69,10 +85,27 @@ pub struct FlyReport {
     pub flash_bytes: u64,
     /// RAM that its static variables take, bytes.
     pub static_ram_bytes: u64,
+    /// How many polls of sensors failed, the same on both.
+    pub sensor_faults: u32,
+    /// What there is to say about a flight on chips.
+    pub chips: Option<ChipsReport>,
     /// The latched calibration, the same on both; `None` for a flight without launch.
     pub latch: Option<LatchRecord>,
     /// What the firmware logged.
     pub log: Vec<String>,
+}
+
+/// What there is to say about a flight on chips.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChipsReport {
+    /// What became of the flight's rows.
+    pub grid: GridReport,
+    /// What could not go through the chips as the flight has it.
+    pub truth: TruthCounts,
+    /// Fixes that came before the receiver was configured, or too many at a time.
+    pub untold_fixes: u32,
+    /// How far the latched calibration is from the one of ideal sensors; `None` without a launch, or with faults planned.
+    pub agreement: Option<Agreement>,
 }
 
 /// What one part of the ticks took.
@@ -103,22 +136,84 @@ pub fn fly_inputs(
     model: &Model,
     options: &FlyOptions,
 ) -> Result<FlyReport, FlyError> {
+    let events = schedule(&options.faults)?;
+    match options.sensors {
+        SensorSource::Ideal if !events.is_empty() => {
+            Err(FlyError::Host("ideal sensors have no chips that could fail".to_owned()))
+        }
+        SensorSource::Ideal => fly_items(inputs.map(Item::Tick), model, options),
+        SensorSource::Chips => {
+            let grid = GridReport::of(inputs.clone())?;
+            fault_script::check(&events, OnGrid::new(inputs.clone()))?;
+            let items = Scripted::new(OnGrid::new(inputs.clone()), &events);
+            let mut report = fly_items(items, model, options)?;
+            if let Some(chips) = &mut report.chips {
+                chips.grid = grid;
+                chips.agreement = match &report.latch {
+                    Some(latch) if events.is_empty() => agreement::of(inputs, model, latch)?,
+                    _ => None,
+                };
+            }
+            Ok(report)
+        }
+    }
+}
+
+/// Flies a flight through the host's flight computer alone, and shows every tick: what [`fly_inputs`] compares the target with.
+/// Returns how many polls of sensors failed.
+///
+/// # Errors
+/// As [`fly_inputs`], but for all that has to do with the firmware.
+pub fn fly_on_host(
+    inputs: impl Iterator<Item = TickInput> + Clone,
+    model: &Model,
+    options: &FlyOptions,
+    on_tick: &mut dyn FnMut(&Step, u32),
+) -> Result<u32, FlyError> {
+    let events = schedule(&options.faults)?;
+    let mut computer = host::computer(model, options.sensors, options.host_ulp_error)?;
+    let mut take = |item| match item {
+        Item::Fault(fault) => {
+            computer.sensors.recorded.inject(fault);
+        }
+        Item::Tick(input) => {
+            computer.sensors.recorded.load(&input);
+            let step = computer.tick(input.time_us);
+            on_tick(&step, computer.sensors.faults().count);
+        }
+    };
+    match options.sensors {
+        SensorSource::Ideal => inputs.map(Item::Tick).for_each(take),
+        SensorSource::Chips => {
+            GridReport::of(inputs.clone())?;
+            Scripted::new(OnGrid::new(inputs), &events).for_each(&mut take);
+        }
+    }
+    Ok(computer.sensors.faults().count)
+}
+
+fn fly_items(
+    items: impl Iterator<Item = Item> + Clone,
+    model: &Model,
+    options: &FlyOptions,
+) -> Result<FlyReport, FlyError> {
     let image_path = build(Program::Flight(Board::Qemu), model, options.target_error)?;
     let image = Image::read(&image_path)?;
     let directory = tempfile::tempdir().map_err(FlyError::io("temporary directory"))?;
     let count = record::write_inputs(
         &directory.path().join(name(INPUT_FILE)?),
         model.fingerprint()?,
-        inputs.clone(),
+        options.sensors,
+        items.clone(),
     )?;
 
     let mut run = run(&image_path, directory.path(), count)?;
     if run.status != Some(ExitStatus::Finished) {
         return Err(FlyError::Stopped { status: run.status, log: run.log });
     }
-    let compared = compare(inputs, model, options, &mut run.results)?;
+    let compared = compare(items, model, options, &mut run.results)?;
     let summary = compared.summary;
-    check_complete(&summary, count, compared.ticks)?;
+    check_complete(&summary, count, compared.ticks, compared.sensor_faults)?;
     Ok(FlyReport {
         ticks: summary.ticks,
         instructions_mean: summary.cost_sum as f64 / f64::from(summary.ticks.max(1)),
@@ -131,6 +226,8 @@ pub fn fly_inputs(
         stack_size_bytes: summary.stack_size_bytes,
         flash_bytes: image.flash_bytes,
         static_ram_bytes: image.static_ram_bytes,
+        sensor_faults: compared.sensor_faults,
+        chips: compared.chips,
         latch: compared.latch,
         log: run.log,
     })
@@ -215,17 +312,19 @@ struct Compared {
     ticks: u64,
     worst_time_us: u64,
     latch: Option<LatchRecord>,
+    sensor_faults: u32,
+    chips: Option<ChipsReport>,
     summary: Summary,
 }
 
 /// Runs the host's flight computer beside the target's results.
 fn compare(
-    mut inputs: impl Iterator<Item = TickInput>,
+    mut items: impl Iterator<Item = Item>,
     model: &Model,
     options: &FlyOptions,
     results: &mut Results,
 ) -> Result<Compared, FlyError> {
-    let mut computer = host::computer(model, options.host_ulp_error)?;
+    let mut computer = host::computer(model, options.sensors, options.host_ulp_error)?;
     let mut first: Option<Difference> = None;
     let mut differing = 0_u64;
     let mut ticks = 0_u64;
@@ -246,8 +345,15 @@ fn compare(
     let summary = loop {
         match results.next_result()? {
             Some(FlightResult::Tick(record)) => {
-                let Some(input) = inputs.next() else {
-                    return Err(FlyError::Results("there are more than inputs".to_owned()));
+                let input = loop {
+                    match items.next() {
+                        Some(Item::Tick(input)) => break input,
+                        // A flight without chips and with faults was refused.
+                        Some(Item::Fault(fault)) => {
+                            computer.sensors.recorded.inject(fault);
+                        }
+                        None => return Err(FlyError::Results("there are more than inputs".to_owned())),
+                    }
                 };
                 computer.sensors.recorded.load(&input);
                 let host = computer.tick(input.time_us);
@@ -275,22 +381,36 @@ fn compare(
         Some(first) => {
             Err(FlyError::Differs(Box::new(Difference { ticks_that_differ: differing, ticks, ..first })))
         }
-        None => Ok(Compared { ticks, worst_time_us, latch: target_latch, summary }),
+        None => {
+            let chips = (options.sensors == SensorSource::Chips).then(|| ChipsReport {
+                grid: GridReport::default(),
+                truth: computer.sensors.recorded.counts(),
+                untold_fixes: computer.sensors.recorded.untold_solutions(),
+                agreement: None,
+            });
+            let sensor_faults = computer.sensors.faults().count;
+            Ok(Compared { ticks, worst_time_us, latch: target_latch, sensor_faults, chips, summary })
+        }
     }
 }
 
 /// A good record must have been flown from its first input to its last.
-fn check_complete(summary: &Summary, inputs: u32, compared: u64) -> Result<(), FlyError> {
+fn check_complete(summary: &Summary, inputs: u32, compared: u64, host_faults: u32) -> Result<(), FlyError> {
     let counts = [
         ("lost results", summary.lost_results),
         ("damaged frames", summary.bad_frames),
         ("damaged payloads", summary.bad_payloads),
         ("missing frames", summary.missed_frames),
-        ("failed polls of sensors", summary.sensor_faults),
         ("cut record", u32::from(summary.input_cut)),
     ];
     if let Some((what, count)) = counts.into_iter().find(|(_, count)| *count > 0) {
         return Err(FlyError::Incomplete(format!("{what}: {count}")));
+    }
+    if summary.sensor_faults != host_faults {
+        return Err(FlyError::Incomplete(format!(
+            "{} polls of sensors failed on the target, {host_faults} on the host",
+            summary.sensor_faults
+        )));
     }
     if summary.ticks != inputs || compared != u64::from(inputs) {
         return Err(FlyError::Incomplete(format!(

@@ -4,11 +4,13 @@ use std::fs::File;
 use std::io::{BufReader, BufWriter, Read, Write};
 use std::path::Path;
 
-use flight_record::{Decoder, Encoder, End, Header, Kind, MAX_STUFFED, Payload, Stream, Summary, TickRecord};
-use kf_core::input::TickInput;
+use flight_record::{
+    Decoder, Encoder, End, Header, Kind, MAX_STUFFED, Payload, SensorSource, Stream, Summary, TickRecord,
+};
 use kf_core::latch::LatchRecord;
 
 use super::error::FlyError;
+use super::fault_script::Item;
 
 /// Bytes read at a time.
 const CHUNK: usize = 64 * 1024;
@@ -17,13 +19,21 @@ const CHUNK: usize = 64 * 1024;
 pub(super) fn write_inputs(
     path: &Path,
     model: u64,
-    inputs: impl Iterator<Item = TickInput>,
+    sensors: SensorSource,
+    items: impl Iterator<Item = Item>,
 ) -> Result<u32, FlyError> {
     let file = File::create(path).map_err(FlyError::io(path.display().to_string()))?;
     let mut writer = Writer { file: BufWriter::new(file), path, encoder: Encoder::new() };
-    writer.write(&Header::new(Stream::Inputs, model))?;
+    writer.write(&Header::new(Stream::Inputs, model, sensors))?;
     let mut count = 0_u32;
-    for input in inputs {
+    for item in items {
+        let input = match item {
+            Item::Fault(fault) => {
+                writer.write(&fault)?;
+                continue;
+            }
+            Item::Tick(input) => input,
+        };
         writer.write(&input)?;
         count = count.checked_add(1).ok_or_else(|| {
             FlyError::Host("the flight has more than 2^32 rows: a flight record can not hold it".to_owned())
@@ -101,7 +111,7 @@ impl Results {
             match (frame.kind, self.header) {
                 (Kind::Header, None) => {
                     let header: Header = frame.payload().map_err(bad_payload)?;
-                    if header != Header::new(Stream::Outputs, header.model) {
+                    if header != Header::new(Stream::Outputs, header.model, header.sensors) {
                         return Err(damaged("they are of another version of the format"));
                     }
                     self.header = Some(header);
@@ -116,7 +126,7 @@ impl Results {
                 (Kind::Summary, _) => {
                     return frame.payload().map(FlightResult::Summary).map(Some).map_err(bad_payload);
                 }
-                (Kind::Header | Kind::Input | Kind::End, _) => {
+                (Kind::Header | Kind::Input | Kind::ChipFault | Kind::End, _) => {
                     return Err(damaged("a frame is out of place"));
                 }
             }

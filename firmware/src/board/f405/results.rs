@@ -1,6 +1,6 @@
 //! The results' line.
 
-use flight_record::{Encoder, ExitStatus, Header, MAX_STUFFED, Payload, Stream};
+use flight_record::{Encoder, ExitStatus, Header, MAX_STUFFED, Payload, SensorSource, Stream};
 use stm32f4xx_hal::nb;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
@@ -21,7 +21,7 @@ impl Sink {
         let config = Config::default().baudrate(RESULTS_BAUD.bps());
         let line = usart.tx(pin, config, rcc).map_err(|_| ExitStatus::NoOutput)?;
         let mut sink = Self { line, encoder: Encoder::new(), failed: false };
-        sink.write(&Header::new(Stream::Outputs, FINGERPRINT));
+        sink.write(&Header::new(Stream::Outputs, FINGERPRINT, SensorSource::Ideal));
         Ok(sink)
     }
 

@@ -1,0 +1,83 @@
+//! The sensors that a flight record is flown on.
+
+use drivers::{Device, Faults, ReplayedSuite, Sensors};
+use kf_core::input::TickInput;
+
+pub use flight_record::SensorSource;
+
+use super::fault::ChipFault;
+use super::suite::ModelledSuite;
+use super::truth::TruthCounts;
+use crate::metered::WorkObserver;
+
+/// Sensors of either kind.
+#[expect(clippy::large_enum_variant, reason = "there is one, and no heap")]
+pub enum RecordedSensors<Observer> {
+    /// They deliver what the record says, as it is.
+    Ideal(ReplayedSuite),
+    /// They are drivers on models of their chips.
+    Chips(ModelledSuite<Observer>),
+}
+
+impl<Observer: WorkObserver + Clone> RecordedSensors<Observer> {
+    /// Sensors before the first tick.
+    pub fn new(source: SensorSource, observer: &Observer) -> Self {
+        match source {
+            SensorSource::Ideal => Self::Ideal(ReplayedSuite::replayed()),
+            SensorSource::Chips => Self::Chips(ModelledSuite::new(observer)),
+        }
+    }
+}
+
+impl<Observer: WorkObserver> RecordedSensors<Observer> {
+    /// Gives them what the record has for the next poll.
+    pub fn load(&mut self, record: &TickInput) {
+        match self {
+            Self::Ideal(suite) => suite.load(record),
+            Self::Chips(suite) => suite.load(record),
+        }
+    }
+
+    /// A fault of a chip begins, or ends; whether there is such a chip.
+    pub fn inject(&mut self, event: ChipFault) -> bool {
+        match self {
+            Self::Ideal(_) => false,
+            Self::Chips(suite) => {
+                suite.inject(event);
+                true
+            }
+        }
+    }
+
+    /// What could not go through the chips as the flight has it; nothing, for ideal sensors.
+    pub fn counts(&self) -> TruthCounts {
+        match self {
+            Self::Ideal(_) => TruthCounts::default(),
+            Self::Chips(suite) => suite.counts(),
+        }
+    }
+
+    /// Fixes that the receiver told nobody of; see [`ModelledSuite::untold_solutions`].
+    pub fn untold_solutions(&mut self) -> u32 {
+        match self {
+            Self::Ideal(_) => 0,
+            Self::Chips(suite) => suite.untold_solutions(),
+        }
+    }
+}
+
+impl<Observer: WorkObserver> Sensors for RecordedSensors<Observer> {
+    fn poll_each(&mut self, now_us: u64, polled: &mut impl FnMut(Device)) -> TickInput {
+        match self {
+            Self::Ideal(suite) => suite.poll_each(now_us, polled),
+            Self::Chips(suite) => suite.poll_each(now_us, polled),
+        }
+    }
+
+    fn faults(&self) -> Faults {
+        match self {
+            Self::Ideal(suite) => suite.faults(),
+            Self::Chips(suite) => suite.faults(),
+        }
+    }
+}

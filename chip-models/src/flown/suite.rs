@@ -1,0 +1,287 @@
+//! The board's chips and drivers.
+
+use drivers::icm42688p::{AccelRange, GyroRange, Icm42688p, Mounting};
+use drivers::ms5611::Ms5611;
+use drivers::ublox::{Datum, Ublox};
+use drivers::umbilical::Umbilical;
+use drivers::{Device, Faults, Replay, ReplayUmbilical, Sensors, Suite, VehicleState};
+use kf_core::input::{GpsFix, TickInput};
+use kf_core::reading::is_held;
+
+use super::fault::{Chip, ChipFault, Fault};
+use super::fitted::Fitted;
+use super::truth::{self, ASSUMED_TEMPERATURE_C, TruthCounts, count};
+use crate::bus::{ChipOnBus, SpiChip};
+use crate::icm42688p::Icm42688pModel;
+use crate::line::{Line, LineFaults};
+use crate::metered::{Metered, MeteredUart, WorkObserver};
+use crate::mother_ship::MotherShipModel;
+use crate::ms5611::{EXAMPLE_CALIBRATION, Ms5611Model};
+use crate::source::{Air, Held, Motion, Source};
+use crate::ublox::{ReceiverModel, Solution};
+
+/// Speed of the receiver's line, baud: a flight may have more fixes a second than any receiver makes, and 200 of them take
+/// 200 kbaud.
+pub const RECEIVER_BAUD: u32 = 460_800;
+/// Speed of the umbilical's line, baud.
+pub const UMBILICAL_BAUD: u32 = 115_200;
+
+/// What the receiver is configured for, milliseconds. The flight's fixes come when they come.
+const PERIOD_MS: u16 = 100;
+/// Generation of the receiver.
+const GENERATION: u8 = 9;
+/// Latest time that the chips' sums of times hold, microseconds: 9,000 years.
+const LATEST_US: u64 = 1 << 58;
+/// MAVLink system of the mother ship.
+const SYSTEM: u8 = 1;
+
+/// A receiver without epochs of its own.
+#[derive(Clone, Copy, Debug)]
+pub struct NoEpochs;
+
+impl Source<Option<Solution>> for NoEpochs {
+    fn at(&mut self, _time_us: u64) -> Option<Solution> {
+        None
+    }
+}
+
+type Spi<Model, Observer> = Metered<ChipOnBus<Model>, Observer>;
+type Baro<Observer> = Ms5611<Spi<Ms5611Model<Held<Air>>, Observer>>;
+type Imu<Observer> = Icm42688p<Spi<Icm42688pModel<Held<Motion>>, Observer>>;
+type Receiver<Observer> = Ublox<MeteredUart<ReceiverModel<NoEpochs>, Observer>>;
+type Master<Observer> = Umbilical<MeteredUart<MotherShipModel, Observer>>;
+type Board<Observer> = Suite<
+    Fitted<Receiver<Observer>>,
+    Fitted<Baro<Observer>>,
+    Fitted<Imu<Observer>>,
+    Fitted<Master<Observer>>,
+    Replay<f32>,
+    Replay<VehicleState>,
+    ReplayUmbilical,
+>;
+
+/// The board on models of its chips, for a flight that is replayed tick by tick.
+pub struct ModelledSuite<Observer> {
+    board: Board<Observer>,
+    now_us: u64,
+    last_fix: Option<GpsFix>,
+    temperature_c: Option<f32>,
+    counts: TruthCounts,
+}
+
+impl<Observer: WorkObserver + Clone> ModelledSuite<Observer> {
+    /// A board without a chip on it; `observer` is told when the models work.
+    pub fn new(observer: &Observer) -> Self {
+        let imu_config = drivers::icm42688p::Config {
+            accel_range: AccelRange::G16,
+            gyro_range: GyroRange::Dps2000,
+            mounting: Mounting::ALIGNED,
+        };
+        let gps_config = drivers::ublox::Config { datum: Datum::MeanSeaLevel, period_ms: PERIOD_MS };
+        let still =
+            Motion { accel_mps2: [0.0; 3], gyro_radps: [0.0; 3], temperature_c: ASSUMED_TEMPERATURE_C };
+        let vacuum = Air { pressure_pa: 0.0, temperature_c: ASSUMED_TEMPERATURE_C };
+        let baro = Ms5611Model::new(EXAMPLE_CALIBRATION, Held(vacuum));
+        let mut receiver = ReceiverModel::new(GENERATION, RECEIVER_BAUD, NoEpochs);
+        // A flight has a fix at the time at which it arrived.
+        receiver.latency_us = 0;
+        let mother_ship = MotherShipModel::new(SYSTEM, UMBILICAL_BAUD);
+        Self {
+            board: Suite::new(
+                Fitted::absent(Ublox::new(MeteredUart::new(receiver, observer.clone()), gps_config)),
+                Fitted::absent(Ms5611::new(Metered::new(ChipOnBus::new(baro), observer.clone()))),
+                Fitted::absent(Icm42688p::new(
+                    Metered::new(ChipOnBus::new(Icm42688pModel::new(Held(still))), observer.clone()),
+                    imu_config,
+                )),
+                Fitted::absent(Umbilical::new(MeteredUart::new(mother_ship, observer.clone()))),
+                Replay::new(),
+                Replay::new(),
+                ReplayUmbilical::new(),
+            ),
+            now_us: 0,
+            last_fix: None,
+            temperature_c: None,
+            counts: TruthCounts::default(),
+        }
+    }
+}
+
+impl<Observer: WorkObserver> ModelledSuite<Observer> {
+    /// What could not go through the chips as the flight has it.
+    pub fn counts(&self) -> TruthCounts {
+        self.counts
+    }
+
+    /// Solutions that the receiver told nobody: it was not configured yet, or too many came at a time.
+    pub fn untold_solutions(&mut self) -> u32 {
+        self.board.receiver.driver.port_mut().0.port.untold_solutions
+    }
+
+    /// Lets time pass up to a tick, and surrounds the chips with what is new at it.
+    pub fn load(&mut self, record: &TickInput) {
+        if (self.now_us..=LATEST_US).contains(&record.time_us) {
+            self.now_us = record.time_us;
+        } else {
+            count(&mut self.counts.impossible_times);
+        }
+        let now_us = self.now_us;
+        self.board.launch.set(record.launch, record.launch_doubt);
+        self.board.imu_slave.load(record.imu_slave_altitude_m);
+        self.board.vehicle.load(Some(VehicleState::from(&record.signals)));
+        self.load_barometer(record, now_us);
+        self.load_inertial_unit(record, now_us);
+        self.load_receiver(record, now_us);
+        self.load_mother_ship(record, now_us);
+    }
+
+    fn load_barometer(&mut self, record: &TickInput, now_us: u64) {
+        if let Some(temperature_c) = record.signals.baro_temperature_c {
+            if temperature_c.is_finite() {
+                self.temperature_c = Some(temperature_c);
+            } else {
+                count(&mut self.counts.not_finite);
+            }
+        }
+        let air = record.baro.and_then(|reading| truth::air(reading, self.temperature_c, &mut self.counts));
+        let baro = &mut self.board.barometer;
+        if let Some(air) = air {
+            let is_new = baro.fit();
+            let bus = &mut baro.driver.bus_mut().port;
+            bus.chip.air.0 = air;
+            power(bus, is_new, now_us);
+        } else if let (Some(driver), Some(temperature_c)) = (baro.fitted(), self.temperature_c) {
+            driver.bus_mut().port.chip.air.0.temperature_c = temperature_c;
+        }
+        if let Some(driver) = baro.fitted() {
+            driver.bus_mut().port.set_time(now_us);
+        }
+    }
+
+    fn load_inertial_unit(&mut self, record: &TickInput, now_us: u64) {
+        let motion = record.imu.and_then(|sample| truth::motion(&sample, &mut self.counts));
+        let imu = &mut self.board.imu;
+        if let Some(motion) = motion {
+            let is_new = imu.fit();
+            let bus = &mut imu.driver.bus_mut().port;
+            bus.chip.motion.0 = motion;
+            power(bus, is_new, now_us);
+        }
+        if let Some(driver) = imu.fitted() {
+            driver.bus_mut().port.set_time(now_us);
+        }
+    }
+
+    fn load_receiver(&mut self, record: &TickInput, now_us: u64) {
+        let mut fix = record.gps;
+        if let (Some(new), Some(last)) = (&fix, &self.last_fix)
+            && is_held(new, last)
+        {
+            count(&mut self.counts.held_fixes);
+            fix = None;
+        }
+        self.last_fix = record.gps.or(self.last_fix);
+        let solution = fix.and_then(|fix| truth::solution(&fix, &mut self.counts));
+        let receiver = &mut self.board.receiver;
+        if solution.is_some() && receiver.fit() {
+            receiver.driver.port_mut().0.port.power_on(now_us);
+        }
+        if let Some(driver) = receiver.fitted() {
+            let model = &mut driver.port_mut().0.port;
+            model.set_time(now_us);
+            if let Some(solution) = solution {
+                model.solve(solution);
+            }
+        }
+    }
+
+    fn load_mother_ship(&mut self, record: &TickInput, now_us: u64) {
+        let mut altitude_m = record.imu_master_altitude_m;
+        if record.launch && altitude_m.take().is_some() {
+            count(&mut self.counts.after_launch);
+        }
+        if altitude_m.is_some_and(|altitude_m| !altitude_m.is_finite()) {
+            count(&mut self.counts.not_finite);
+            altitude_m = None;
+        }
+        let master = &mut self.board.imu_master;
+        if altitude_m.is_some() && master.fit() {
+            master.driver.port_mut().0.port.line.carry_until(now_us);
+        }
+        if let Some(driver) = master.fitted() {
+            let model = &mut driver.port_mut().0.port;
+            model.set_time(now_us);
+            if let Some(altitude_m) = altitude_m {
+                model.navigate(altitude_m);
+            }
+        }
+    }
+
+    /// A fault begins, or ends.
+    pub fn inject(&mut self, event: ChipFault) {
+        let ChipFault { chip, fault } = event;
+        if !chip.can(fault) {
+            count(&mut self.counts.impossible_faults);
+            return;
+        }
+        match chip {
+            Chip::Baro => {
+                let bus = &mut self.board.barometer.driver.bus_mut().port;
+                bus.fault = fault.of_wires();
+                bus.chip.slower_by_us = if let Fault::Slow { by_us } = fault { by_us.into() } else { 0 };
+                if fault == Fault::Reset {
+                    bus.power_dip();
+                }
+            }
+            Chip::Imu => {
+                let bus = &mut self.board.imu.driver.bus_mut().port;
+                bus.fault = fault.of_wires();
+                bus.chip.stalled = fault == Fault::Stalled;
+                if fault == Fault::Reset {
+                    bus.power_dip();
+                }
+            }
+            Chip::Gps => {
+                let model = &mut self.board.receiver.driver.port_mut().0.port;
+                line_fault(&mut model.line, fault);
+                model.faults.refuses = fault == Fault::Refuses;
+                model.faults.silent = fault == Fault::Silent;
+                if fault == Fault::Reset {
+                    model.power_dip();
+                }
+            }
+            Chip::Umbilical => {
+                line_fault(&mut self.board.imu_master.driver.port_mut().0.port.line, fault);
+            }
+        }
+    }
+}
+
+/// A chip that is new gets its power now.
+fn power<Chip: SpiChip>(bus: &mut ChipOnBus<Chip>, is_new: bool, now_us: u64) {
+    if is_new {
+        bus.set_time(now_us);
+        bus.power_dip();
+    }
+}
+
+fn line_fault(line: &mut Line, fault: Fault) {
+    line.faults = LineFaults {
+        unplugged: fault == Fault::Unplugged,
+        lose_bytes: if let Fault::LoseBytes { count } = fault { count } else { 0 },
+        flip_bits: match fault {
+            Fault::FlipBits { after_bytes, mask } => Some((after_bytes, mask)),
+            _ => None,
+        },
+    };
+}
+
+impl<Observer: WorkObserver> Sensors for ModelledSuite<Observer> {
+    fn poll_each(&mut self, now_us: u64, polled: &mut impl FnMut(Device)) -> TickInput {
+        self.board.poll_each(now_us, polled)
+    }
+
+    fn faults(&self) -> Faults {
+        self.board.faults()
+    }
+}

@@ -1,0 +1,154 @@
+//! The mother ship at the other end of the umbilical: its inertial altitude as MAVLink 2 ALTITUDE (#141), with the heartbeat (#0)
+//! that every MAVLink system sends once a second (<https://mavlink.io/en/guide/serialization.html>,
+//! <https://mavlink.io/en/messages/common.html>).
+
+use core::convert::Infallible;
+
+use embedded_io::{ErrorType, Read, ReadReady};
+
+use crate::line::Line;
+
+/// Identity, and the byte that its definition adds to the checksum.
+const HEARTBEAT: (u32, u8) = (0, 50);
+const ALTITUDE: (u32, u8) = (141, 47);
+/// MAV_TYPE_FIXED_WING, MAV_AUTOPILOT_INVALID, no mode, MAV_STATE_ACTIVE, MAVLink 2.
+const HEARTBEAT_PAYLOAD: [u8; 9] = [0, 0, 0, 0, 1, 8, 0, 4, 3];
+const HEARTBEAT_US: u64 = 1_000_000;
+/// MAV_COMP_ID_AUTOPILOT1.
+const COMPONENT: u8 = 1;
+
+/// The mother ship and the line to the UAV.
+#[derive(Clone, Debug)]
+pub struct MotherShipModel {
+    /// The line.
+    pub line: Line,
+    system: u8,
+    sequence: u8,
+    now_us: u64,
+    next_heartbeat_us: u64,
+}
+
+impl MotherShipModel {
+    /// A mother ship with that MAVLink system id, at a line speed in baud.
+    pub const fn new(system: u8, baud: u32) -> Self {
+        Self { line: Line::new(baud), system, sequence: 0, now_us: 0, next_heartbeat_us: 0 }
+    }
+
+    /// Lets time pass, microseconds, never backward.
+    pub fn set_time(&mut self, now_us: u64) {
+        self.now_us = now_us;
+        if self.next_heartbeat_us <= now_us {
+            self.send(HEARTBEAT, &HEARTBEAT_PAYLOAD);
+            self.next_heartbeat_us = now_us.saturating_add(HEARTBEAT_US);
+        }
+        self.line.carry_until(now_us);
+    }
+
+    /// It has computed an inertial altitude, metres above mean sea level, and sends it. What it has no value for is NaN.
+    pub fn navigate(&mut self, altitude_m: f32) {
+        let mut payload = [0; 32];
+        let time = self.now_us.to_le_bytes();
+        let values = [altitude_m, altitude_m, f32::NAN, f32::NAN, f32::NAN, f32::NAN];
+        let bytes = time.into_iter().chain(values.into_iter().flat_map(f32::to_le_bytes));
+        for (slot, byte) in payload.iter_mut().zip(bytes) {
+            *slot = byte;
+        }
+        self.send(ALTITUDE, &payload);
+    }
+
+    /// A frame of MAVLink 2; zeros at the end of its payload are left out, but for the first byte.
+    fn send(&mut self, (identity, extra): (u32, u8), payload: &[u8]) {
+        let length = payload.iter().rposition(|&byte| byte != 0).map_or(1, |last| last + 1);
+        let [a, b, c, _] = identity.to_le_bytes();
+        let header =
+            [u8::try_from(length).unwrap_or(u8::MAX), 0, 0, self.sequence, self.system, COMPONENT, a, b, c];
+        self.sequence = self.sequence.wrapping_add(1);
+        let mut sum = Crc16::new();
+        self.line.send(0xFD);
+        for &byte in header.iter().chain(payload.iter().take(length)) {
+            sum.add(byte);
+            self.line.send(byte);
+        }
+        sum.add(extra);
+        sum.0.to_le_bytes().into_iter().for_each(|byte| self.line.send(byte));
+    }
+}
+
+/// CRC-16/MCRF4XX (the guide's "X.25"), a bit at a time.
+struct Crc16(u16);
+
+impl Crc16 {
+    const fn new() -> Self {
+        Self(0xFFFF)
+    }
+
+    fn add(&mut self, byte: u8) {
+        self.0 ^= u16::from(byte);
+        for _ in 0..8 {
+            let carry = self.0 & 1 != 0;
+            self.0 = (self.0 >> 1) ^ if carry { 0x8408 } else { 0 };
+        }
+    }
+}
+
+impl ErrorType for MotherShipModel {
+    type Error = Infallible;
+}
+
+impl ReadReady for MotherShipModel {
+    fn read_ready(&mut self) -> Result<bool, Infallible> {
+        Ok(self.line.has_arrived())
+    }
+}
+
+impl Read for MotherShipModel {
+    fn read(&mut self, buffer: &mut [u8]) -> Result<usize, Infallible> {
+        Ok(self.line.read(buffer))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use mavlink::dialects::common::{ALTITUDE_DATA, HEARTBEAT_DATA, MavMessage};
+    use mavlink::{MAVLinkV2MessageRaw, MavHeader, MavlinkVersion, MessageData};
+
+    use super::*;
+
+    fn sent(model: &mut MotherShipModel) -> Vec<u8> {
+        model.line.carry_until(1_000_000);
+        let mut bytes = vec![0; 200];
+        let count = model.read(&mut bytes).unwrap();
+        bytes.truncate(count);
+        bytes
+    }
+
+    fn by_the_crate(sequence: u8, message: &MavMessage) -> Vec<u8> {
+        let mut frame = MAVLinkV2MessageRaw::new();
+        frame.serialize_message(MavHeader { system_id: 7, component_id: 1, sequence }, message);
+        frame.raw_bytes().to_vec()
+    }
+
+    /// The frames are the `mavlink` crate's, byte for byte.
+    #[test]
+    fn frames_are_those_of_the_crate() {
+        let mut model = MotherShipModel::new(7, 115_200);
+        model.set_time(0);
+        model.now_us = 123_456_789;
+        model.navigate(2_104.25);
+        let heartbeat = HEARTBEAT_DATA::deser(MavlinkVersion::V2, &HEARTBEAT_PAYLOAD).unwrap();
+        let altitude = ALTITUDE_DATA {
+            time_usec: 123_456_789,
+            altitude_monotonic: 2_104.25,
+            altitude_amsl: 2_104.25,
+            altitude_local: f32::NAN,
+            altitude_relative: f32::NAN,
+            altitude_terrain: f32::NAN,
+            bottom_clearance: f32::NAN,
+        };
+        let expected = [
+            by_the_crate(0, &MavMessage::HEARTBEAT(heartbeat)),
+            by_the_crate(1, &MavMessage::ALTITUDE(altitude)),
+        ];
+        assert_eq!(sent(&mut model), expected.concat());
+    }
+}

@@ -1,0 +1,151 @@
+//! The mother ship's inertial altitude over the umbilical: MAVLink 2 on a UART (<https://mavlink.io/en/guide/serialization.html>;
+//! the message is the `mavlink` crate's).
+//!
+//! # The message
+//! ALTITUDE (#141), its field `altitude_amsl`: metres above mean sea level as a 32-bit float, so the link adds no quantum of
+//! its own. (GLOBAL_POSITION_INT has millimetres, but is by definition a position fused with satellites; the reference
+//! must not come back as a second sensor.) The mother ship's side puts its inertial altitude there. Other messages
+//! on the line are passed over.
+//!
+//! # Errors
+//! A frame with a wrong checksum is an error of that poll, and so is a link that has delivered and is then silent for
+//! [`SILENT_AFTER_US`] while the UAV is attached. From launch on the link is gone: nothing is read from it, and that is no
+//! fault.
+
+mod frame;
+
+use embedded_io::{Read, ReadReady};
+use mavlink::dialects::common::ALTITUDE_DATA;
+use mavlink::{MavlinkVersion, MessageData};
+
+use crate::error::SensorError;
+use crate::health::Health;
+use crate::sensor::AltitudeLink;
+use frame::{Found, Frames};
+
+/// Bytes that one poll takes at most: at 115,200 baud 58 arrive in 5 ms.
+pub const MAX_POLL_BYTES: usize = 128;
+/// Silence that is an error, microseconds; every further such time is one more.
+pub const SILENT_AFTER_US: u64 = 1_000_000;
+
+/// What came on the line since power-up. All saturate.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LinkCounts {
+    /// Bytes received, whatever they were.
+    pub bytes: u32,
+    /// Bytes that belonged to no frame with an altitude: other messages, and garbage.
+    pub other_bytes: u32,
+    /// Frames with an altitude and a right checksum.
+    pub frames: u32,
+    /// What began like a frame with an altitude and had a wrong checksum.
+    pub bad_frames: u32,
+    /// Altitudes that were followed by a newer one in the same poll.
+    pub superseded: u32,
+}
+
+/// The driver.
+#[derive(Clone, Debug)]
+pub struct Umbilical<Port> {
+    port: Port,
+    frames: Frames,
+    attached: bool,
+    /// The last altitude, or the last complaint about its absence.
+    heard_us: Option<u64>,
+    health: Health,
+    counts: LinkCounts,
+}
+
+impl<Port: Read + ReadReady> Umbilical<Port> {
+    /// A driver that has not yet heard anything, on the mother ship.
+    pub const fn new(port: Port) -> Self {
+        Self {
+            port,
+            frames: Frames::new(),
+            attached: true,
+            heard_us: None,
+            health: Health::new(),
+            counts: LinkCounts { bytes: 0, other_bytes: 0, frames: 0, bad_frames: 0, superseded: 0 },
+        }
+    }
+
+    /// Its counts.
+    pub const fn health(&self) -> Health {
+        self.health
+    }
+
+    /// The line's counts.
+    pub const fn link_counts(&self) -> LinkCounts {
+        self.counts
+    }
+
+    /// The port, for a test or a board that has to speak to the mother ship's model.
+    pub const fn port_mut(&mut self) -> &mut Port {
+        &mut self.port
+    }
+
+    fn step(&mut self, now_us: u64) -> Result<Option<f32>, SensorError> {
+        if !self.attached {
+            return Ok(None);
+        }
+        let mut bytes = [0; MAX_POLL_BYTES];
+        let arrived = crate::port::receive(&mut self.port, &mut bytes)?;
+        self.counts.bytes = self.counts.bytes.saturating_add(u32::try_from(arrived).unwrap_or(u32::MAX));
+        let mut altitude_m = None;
+        let mut bad = false;
+        for &byte in bytes.iter().take(arrived) {
+            self.frames.push(byte);
+            while let Some(found) = self.frames.next_found() {
+                match found {
+                    Found::Altitude(payload) => {
+                        // The payload has been brought to its full length, so this decodes.
+                        let Ok(message) = ALTITUDE_DATA::deser(MavlinkVersion::V2, &payload) else {
+                            continue;
+                        };
+                        count(&mut self.counts.frames);
+                        if altitude_m.replace(message.altitude_amsl).is_some() {
+                            count(&mut self.counts.superseded);
+                        }
+                    }
+                    Found::BadChecksum => {
+                        count(&mut self.counts.bad_frames);
+                        bad = true;
+                    }
+                    Found::OtherByte => count(&mut self.counts.other_bytes),
+                }
+            }
+        }
+        if altitude_m.is_some() {
+            self.heard_us = Some(now_us);
+            return Ok(altitude_m);
+        }
+        if bad {
+            return Err(SensorError::Check);
+        }
+        match self.heard_us {
+            Some(heard_us) if now_us.saturating_sub(heard_us) > SILENT_AFTER_US => {
+                self.heard_us = Some(now_us);
+                Err(SensorError::Stale)
+            }
+            _ => Ok(None),
+        }
+    }
+}
+
+fn count(counter: &mut u32) {
+    *counter = counter.saturating_add(1);
+}
+
+impl<Port: Read + ReadReady> AltitudeLink for Umbilical<Port> {
+    fn poll(&mut self, now_us: u64) -> Result<Option<f32>, SensorError> {
+        let outcome = self.step(now_us);
+        self.health.note(outcome)
+    }
+
+    fn set_attached(&mut self, attached: bool) {
+        if self.attached != attached {
+            self.attached = attached;
+            self.heard_us = None;
+            self.frames = Frames::new();
+        }
+    }
+}

@@ -1,0 +1,316 @@
+//! Flights on models of the sensors' chips, through their drivers, in the emulated flight computer: every tick has the host's
+//! bits, the calibration is that of ideal sensors within what the chips' resolution and delays explain, and a chip that
+//! fails costs its own samples, counted, and comes back.
+//!
+//! Needs qemu-system-arm and the Rust target; without them the tests fail and say what to install
+//! (`cargo xtask test` installs it).
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+mod ticks;
+
+use std::path::Path;
+
+use flight_computer::Step;
+use kf_core::input::{BaroReading, ImuSample, TickInput};
+use kf_core::output::Trust;
+use model::Model;
+use pylon::fly::{FlyOptions, FlyReport, PlannedFault, SensorSource, fly, fly_inputs, fly_on_host};
+use pylon::replay::Replay;
+use pylon::simulate::{Scenario, simulate};
+
+use ticks::{LAUNCH, TICK_US, TICKS, flight, must, prompt};
+
+const BARO: usize = 2;
+/// The first tick of [`flight`], seconds.
+const START_S: f64 = 1.0;
+
+fn on_chips(faults: &[&str]) -> FlyOptions {
+    FlyOptions {
+        sensors: SensorSource::Chips,
+        faults: faults.iter().map(|fault| fault.parse::<PlannedFault>().unwrap()).collect(),
+        ..FlyOptions::default()
+    }
+}
+
+/// A bundled flight, with the model that it is for.
+fn bundled(name: &str, model: &Model) -> FlyReport {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../flights").join(name);
+    let scenario = Scenario::load(&file).unwrap();
+    let (flight, _) = simulate(&scenario, scenario.seed).unwrap();
+    let replay = Replay::new(&flight, model, None).unwrap();
+    must(fly(&replay, &on_chips(&[])))
+}
+
+/// What every healthy flight on chips must show.
+fn check_healthy(name: &str, report: &FlyReport) {
+    let chips = report.chips.as_ref().unwrap();
+    assert_eq!(report.sensor_faults, 0, "{name}");
+    assert_eq!((chips.grid.late_rows, chips.grid.superseded_samples), (0, 0), "{name}: {chips:?}");
+    let latch = report.latch.as_ref().unwrap();
+    assert!(latch.sensors.iter().all(|sensor| sensor.readings > 1_000), "{name}: {latch:?}");
+    let agreement = chips.agreement.as_ref().unwrap();
+    assert_eq!(agreement.sensors.len(), 3, "{name}");
+    for sensor in &agreement.sensors {
+        println!("{name}: {sensor:?}, difference {:+.4} m", sensor.difference_m());
+        assert!(sensor.is_within_bound(), "{name}: {sensor:?}, difference {}", sensor.difference_m());
+    }
+    // The bits were compared of ticks in which the drivers had something to do.
+    for part in &report.parts {
+        assert!(part.instructions_mean > 10.0, "{name}: {part:?}");
+    }
+}
+
+/// `one-hour.toml` is left out: it is captive flight for a benchmark, of which the others have two minutes each.
+#[test]
+fn bundled_flights_have_the_hosts_bits_and_the_ideal_sensors_calibration() {
+    for name in ["quickstart.toml", "clean.toml", "hidden-static-port.toml", "hidden-static-port-second.toml"]
+    {
+        check_healthy(name, &bundled(name, &Model::default()));
+    }
+}
+
+/// A fix in every row, 200 a second, and noise of tens of metres.
+#[test]
+fn the_papers_flight_has_the_hosts_bits_and_the_ideal_sensors_calibration() {
+    check_healthy("paper-reconstruction.toml", &bundled("paper-reconstruction.toml", &Model::paper()));
+}
+
+/// A level flight without noise: what is left are quanta.
+#[test]
+fn without_noise_the_calibration_is_the_ideal_one_to_the_quantum() {
+    let inputs = flight().into_iter().enumerate().map(|(k, input)| TickInput {
+        gps: input.gps.map(|mut fix| {
+            fix.altitude_m = 2_000.0;
+            fix.velocity_down_mps = Some(0.0);
+            fix
+        }),
+        // Not quite constant, or it is stuck.
+        baro: input.baro.map(|_| BaroReading::PressurePa(79_495.0 + (k % 8) as f32 / 128.0)),
+        imu_master_altitude_m: input.imu_master_altitude_m.map(|_| 2_012.0 + (k % 8) as f32 / 1_024.0),
+        imu_slave_altitude_m: input.imu_slave_altitude_m.map(|_| 1_927.0 + (k % 8) as f32 / 1_024.0),
+        ..input
+    });
+    let report = must(fly_inputs(inputs, &prompt(Model::default()), &on_chips(&[])));
+    for sensor in report.chips.unwrap().agreement.unwrap().sensors {
+        // 0.04 Pa at 79.5 kPa are 4 mm, f32's rounding 10 mm, and the steps above 6 mm.
+        assert!(sensor.difference_m().abs() < 0.02, "{sensor:?}");
+        assert!(sensor.bound_m < 0.05, "a bound that bounds nothing: {sensor:?}");
+    }
+}
+
+/// Values beyond a chip's range and values that are none: counted, an error of the driver, never a sample.
+#[test]
+fn what_a_chip_can_not_measure_is_counted_and_becomes_no_sample() {
+    let inputs: Vec<TickInput> = flight()
+        .into_iter()
+        .enumerate()
+        .map(|(k, mut input)| {
+            match k {
+                1_000..1_100 => input.baro = Some(BaroReading::PressurePa(500.0)),
+                2_000..2_100 => {
+                    input.imu = Some(ImuSample { accel_mps2: [0.0, 0.0, -200.0], gyro_radps: [0.0; 3] });
+                }
+                3_000..3_010 => input.imu_master_altitude_m = Some(f32::NAN),
+                _ => {}
+            }
+            input
+        })
+        .collect();
+    let model = prompt(Model::default());
+    let report = must(fly_inputs(inputs.iter().copied(), &model, &on_chips(&[])));
+    let truth = report.chips.unwrap().truth;
+    assert_eq!((truth.baro_beyond_range, truth.imu_beyond_range, truth.not_finite), (100, 100, 10));
+    assert!(report.sensor_faults >= 100, "{}", report.sensor_faults);
+    let mut beyond = 0;
+    fly_on_host(inputs.iter().copied(), &model, &on_chips(&[]), &mut |step, _| {
+        let baro = matches!(step.input.baro, Some(BaroReading::PressurePa(pressure)) if pressure < 1_000.0);
+        let imu = step.input.imu.is_some_and(|imu| imu.accel_mps2[2] < -16.0 * 9.806_65);
+        beyond += u32::from(baro || imu);
+    })
+    .unwrap();
+    assert_eq!(beyond, 0);
+}
+
+/// What a sensor delivered in a span of the flight, in ticks: barometer, inertial unit, receiver, umbilical.
+fn delivered(steps: &[(Step, u32)], from_s: f64, to_s: f64) -> [usize; 4] {
+    let span = span(steps, from_s, to_s);
+    let count = |has: fn(&TickInput) -> bool| span.iter().filter(|(step, _)| has(&step.input)).count();
+    [
+        count(|input| input.baro.is_some()),
+        count(|input| input.imu.is_some()),
+        count(|input| input.gps.is_some()),
+        count(|input| input.imu_master_altitude_m.is_some()),
+    ]
+}
+
+fn span(steps: &[(Step, u32)], from_s: f64, to_s: f64) -> &[(Step, u32)] {
+    let tick = |time_s: f64| ((time_s - START_S) * 1e6) as usize / TICK_US as usize;
+    &steps[tick(from_s)..tick(to_s)]
+}
+
+/// Flies with these faults: the target has the host's bits; here is what the host saw.
+fn fly_with(faults: &[&str]) -> Vec<(Step, u32)> {
+    let model = prompt(Model::default());
+    let options = on_chips(faults);
+    let report = must(fly_inputs(flight().into_iter(), &model, &options));
+    let mut steps = Vec::new();
+    let count = fly_on_host(flight().into_iter(), &model, &options, &mut |step, count| {
+        steps.push((step.clone(), count));
+    });
+    assert_eq!(count.unwrap(), report.sensor_faults, "{faults:?}");
+    assert_eq!(steps.len(), TICKS, "{faults:?}");
+    // Whatever fails, the launch latches at its tick.
+    assert_eq!(report.latch.as_ref().unwrap().time_us, 1_000_000 + LAUNCH as u64 * TICK_US, "{faults:?}");
+    assert!(steps[LAUNCH].0.output.latched_now, "{faults:?}");
+    assert!(steps.iter().all(|(step, _)| step.output.altitude_m.is_finite()), "{faults:?}");
+    steps
+}
+
+/// Captive flight, launch (at 21 s) and free flight; the flight ends at 31 s.
+const PHASES: [(f64, f64); 3] = [(8.0, 11.0), (20.5, 22.5), (24.0, 27.0)];
+/// From a fault's end until the sensor is as it was: an initialisation takes a tenth of that.
+const RECOVERY_S: f64 = 1.2;
+
+/// A fault of one chip in each phase. It is counted each time, the others' samples are as without it, and its own are
+/// back afterwards.
+fn check_in_each_phase(chip: usize, fault: &str, silences: bool) {
+    let planned: Vec<String> = PHASES.iter().map(|(start, end)| format!("{fault} {start}..{end}")).collect();
+    check(chip, &planned, silences);
+}
+
+/// As [`check_in_each_phase`], for one that happens once.
+fn check_once_in_each_phase(chip: usize, fault: &str) {
+    let planned: Vec<String> = PHASES.iter().map(|(start, _)| format!("{fault} {start}")).collect();
+    check(chip, &planned, false);
+}
+
+fn check(chip: usize, planned: &[String], silences: bool) {
+    let faults: Vec<&str> = planned.iter().map(String::as_str).collect();
+    let steps = fly_with(&faults);
+    let healthy = healthy();
+    for (start_s, end_s) in PHASES {
+        let counts = |time_s: f64| span(&steps, time_s, time_s + 0.01)[0].1;
+        assert!(counts(end_s) > counts(start_s - 0.1), "{faults:?}: nothing counted at {start_s} s");
+        let (during, usual) = (delivered(&steps, start_s, end_s), delivered(healthy, start_s, end_s));
+        for other in (0..4).filter(|other| *other != chip) {
+            assert_eq!(during[other], usual[other], "{faults:?}: sensor {other} at {start_s} s");
+        }
+        if silences {
+            // The first tenth of a second: what was on its way when the fault began.
+            assert_eq!(delivered(&steps, start_s + 0.1, end_s)[chip], 0, "{faults:?}: at {start_s} s");
+        }
+        if chip != 3 || end_s < 21.0 {
+            let again = delivered(&steps, end_s + RECOVERY_S, end_s + RECOVERY_S + 0.2)[chip];
+            let usual = delivered(healthy, end_s + RECOVERY_S, end_s + RECOVERY_S + 0.2)[chip];
+            assert!(
+                again > 0 && again.abs_diff(usual) <= 1,
+                "{faults:?}: {again} of {usual} after {end_s} s"
+            );
+        }
+        // And nothing fails any more.
+        assert_eq!(counts(end_s + RECOVERY_S), counts((end_s + 1.4).min(30.9)), "{faults:?} after {end_s} s");
+    }
+}
+
+/// The same flight without a fault.
+fn healthy() -> &'static [(Step, u32)] {
+    static HEALTHY: std::sync::OnceLock<Vec<(Step, u32)>> = std::sync::OnceLock::new();
+    HEALTHY.get_or_init(|| {
+        let steps = fly_with(&[]);
+        assert_eq!(steps.last().unwrap().1, 0);
+        steps
+    })
+}
+
+#[test]
+fn a_barometer_that_fails_in_any_phase_is_counted_and_comes_back() {
+    for fault in ["baro stuck-low", "baro stuck-high", "baro bus-error", "baro slow=3000"] {
+        check_in_each_phase(0, fault, true);
+    }
+    for fault in ["baro reset", "baro flip-bits=0x80"] {
+        // A flipped bit is seen only where it leaves the range: see chip-models/tests/ms5611.rs.
+        let counted = fault == "baro reset";
+        if counted {
+            check_once_in_each_phase(0, fault);
+        } else {
+            fly_with(&["baro flip-bits=0x80 8", "baro flip-bits=0x80 21", "baro flip-bits=0x80 25"]);
+        }
+    }
+}
+
+#[test]
+fn an_inertial_unit_that_fails_in_any_phase_is_counted_and_comes_back() {
+    for fault in ["imu stuck-low", "imu stuck-high", "imu bus-error", "imu stalled"] {
+        check_in_each_phase(1, fault, true);
+    }
+    check_once_in_each_phase(1, "imu reset");
+    // The chip sends no check of its data: a flipped bit passes, and must harm nothing else.
+    fly_with(&["imu flip-bits=0x80 8", "imu flip-bits=0x80 21", "imu flip-bits=0x80 25"]);
+}
+
+#[test]
+fn a_receiver_that_fails_in_any_phase_is_counted_and_comes_back() {
+    check_in_each_phase(2, "gps unplugged", true);
+    check_once_in_each_phase(2, "gps reset");
+    fly_with(&["gps lose-bytes=30 8", "gps lose-bytes=30 21", "gps lose-bytes=30 25"]);
+    fly_with(&["gps flip-bits=0x10 8", "gps flip-bits=0x10 21", "gps flip-bits=0x10 25"]);
+}
+
+#[test]
+fn a_receiver_that_can_not_be_configured_at_first_is_counted_and_comes_back() {
+    for fault in ["gps refuses 1..6", "gps silent 1..6"] {
+        let steps = fly_with(&[fault]);
+        assert!(span(&steps, 6.0, 6.1)[0].1 > 0, "{fault}");
+        assert_eq!(delivered(&steps, 9.0, 12.0)[2], delivered(healthy(), 9.0, 12.0)[2], "{fault}");
+    }
+}
+
+/// Longer than the reference may be gone, at launch: nobody is watched, and that is said; with fixes the watch begins.
+#[test]
+fn without_a_receiver_in_free_flight_nobody_is_monitored_until_it_is_back() {
+    let steps = fly_with(&["gps unplugged 15..27"]);
+    let trusts = |time_s: f64| {
+        let (step, _) = &span(&steps, time_s, time_s + 0.01)[0];
+        [1, BARO].map(|sensor| step.output.sensors[sensor].trust)
+    };
+    for time_s in [21.1, 24.0, 26.9] {
+        assert_eq!(trusts(time_s), [Trust::Unmonitored; 2], "{time_s}");
+    }
+    assert!(trusts(28.5).iter().all(|trust| *trust != Trust::Unmonitored));
+}
+
+/// Silence before launch is a fault, and from launch on it is none.
+#[test]
+fn an_umbilical_that_is_cut_is_counted_in_captive_flight_and_expected_at_launch() {
+    let steps = fly_with(&["umbilical unplugged 8..12"]);
+    assert_eq!(delivered(&steps, 8.1, 12.0)[3], 0);
+    // One complaint a second.
+    assert_eq!(span(&steps, 12.0, 12.1)[0].1, 3);
+    assert!(delivered(&steps, 13.0, 14.0)[3] > 45);
+    assert_eq!(delivered(&steps, 21.0, 31.0)[3], 0);
+    assert_eq!(steps.last().unwrap().1, 3, "nothing is counted after launch");
+    for fault in ["umbilical lose-bytes=30 8", "umbilical flip-bits=0x10 8"] {
+        let steps = fly_with(&[fault]);
+        assert!(steps.last().unwrap().1 <= 1, "{fault}");
+        assert!(delivered(&steps, 9.0, 10.0)[3] > 45, "{fault}");
+    }
+}
+
+/// The comparison sees what only the drivers could have done.
+#[test]
+fn one_unit_in_the_last_place_behind_the_drivers_is_found() {
+    let options = FlyOptions { host_ulp_error: true, ..on_chips(&[]) };
+    let error = fly_inputs(flight().into_iter(), &prompt(Model::default()), &options).unwrap_err();
+    assert!(error.to_string().contains("input.baro"), "{error}");
+}
+
+#[test]
+fn faults_that_can_not_be_are_refused_in_one_line() {
+    let model = Model::default();
+    let fly =
+        |options: &FlyOptions| fly_inputs(flight().into_iter(), &model, options).unwrap_err().to_string();
+    let outside = fly(&on_chips(&["baro reset 99"]));
+    assert!(outside.contains("fault at 99 s, and the flight goes from 1.000 s"), "{outside}");
+    let ideal = fly(&FlyOptions { sensors: SensorSource::Ideal, ..on_chips(&["baro reset 9"]) });
+    assert!(ideal.contains("ideal sensors have no chips"), "{ideal}");
+}

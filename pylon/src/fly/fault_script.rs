@@ -1,0 +1,317 @@
+//! Faults of chips, as a user plans them.
+
+use std::fmt;
+use std::str::FromStr;
+
+use chip_models::flown::{Chip, ChipFault, Fault};
+use kf_core::input::TickInput;
+use thiserror::Error;
+
+/// A fault of one chip, from one time of the flight to another, or once.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlannedFault {
+    /// Of which chip, and what.
+    pub fault: ChipFault,
+    /// When it begins, seconds of the flight's time.
+    pub start_s: f64,
+    /// When it ends; `None` for one that is there once.
+    pub end_s: Option<f64>,
+}
+
+/// A plan that can not be followed.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum FaultError {
+    /// It has not three words.
+    #[error("fault '{0}', expected \"CHIP FAULT START..END\", such as \"baro stuck-low 60..65\"")]
+    Form(String),
+    /// There is no such chip.
+    #[error("fault of '{0}', expected a chip: baro, imu, gps or umbilical")]
+    Chip(String),
+    /// There is no such fault.
+    #[error("fault '{0}', expected one of {FAULTS}")]
+    Fault(String),
+    /// The chip can not have it.
+    #[error("{chip} can not be {fault}: {chip} can be {can}")]
+    Impossible {
+        /// The chip.
+        chip: &'static str,
+        /// The fault.
+        fault: String,
+        /// What it can be.
+        can: String,
+    },
+    /// The time is none, or not of the kind that the fault has.
+    #[error("time '{text}' of fault {fault}, expected {expected}")]
+    Time {
+        /// What was given.
+        text: String,
+        /// For which fault.
+        fault: String,
+        /// What it should be.
+        expected: &'static str,
+    },
+    /// Two faults of one chip at a time.
+    #[error("two faults of {0} at the same time: give them times apart")]
+    Overlap(&'static str),
+    /// No tick of the flight is in it.
+    #[error("fault at {at_s} s, and the flight goes from {first_s:.3} s to {last_s:.3} s")]
+    Outside {
+        /// When the fault begins.
+        at_s: String,
+        /// The flight's first tick.
+        first_s: f64,
+        /// Its last.
+        last_s: f64,
+    },
+}
+
+/// Every fault, as it is written.
+const FAULTS: &str = "stuck-low, stuck-high, bus-error, slow=MICROSECONDS, stalled, unplugged, refuses, silent (START..END); \
+                      reset, flip-bits=MASK, lose-bytes=COUNT (START)";
+
+const CHIPS: [(&str, Chip); 4] =
+    [("baro", Chip::Baro), ("imu", Chip::Imu), ("gps", Chip::Gps), ("umbilical", Chip::Umbilical)];
+
+fn chip_name(chip: Chip) -> &'static str {
+    CHIPS.into_iter().find(|(_, other)| *other == chip).map_or("chip", |(name, _)| name)
+}
+
+/// A fault by its name, with its number.
+fn parse_fault(text: &str) -> Option<Fault> {
+    let (name, number) = text.split_once('=').map_or((text, None), |(name, number)| (name, Some(number)));
+    let number = number.map(|number| match number.strip_prefix("0x") {
+        Some(hexadecimal) => u32::from_str_radix(hexadecimal, 16).ok(),
+        None => number.parse().ok(),
+    });
+    match (name, number) {
+        ("stuck-low", None) => Some(Fault::StuckLow),
+        ("stuck-high", None) => Some(Fault::StuckHigh),
+        ("bus-error", None) => Some(Fault::BusError),
+        ("stalled", None) => Some(Fault::Stalled),
+        ("unplugged", None) => Some(Fault::Unplugged),
+        ("refuses", None) => Some(Fault::Refuses),
+        ("silent", None) => Some(Fault::Silent),
+        ("reset", None) => Some(Fault::Reset),
+        ("slow", Some(Some(by_us))) if by_us > 0 => Some(Fault::Slow { by_us }),
+        ("lose-bytes", Some(Some(count))) if count > 0 => Some(Fault::LoseBytes { count }),
+        ("flip-bits", Some(Some(mask))) => {
+            let mask = u8::try_from(mask).ok().filter(|mask| *mask != 0)?;
+            Some(Fault::FlipBits { after_bytes: 0, mask })
+        }
+        _ => None,
+    }
+}
+
+/// Whether it is over as soon as it has happened.
+const fn is_once(fault: Fault) -> bool {
+    matches!(fault, Fault::Reset | Fault::FlipBits { .. } | Fault::LoseBytes { .. })
+}
+
+/// The names of what can go wrong with a chip.
+fn possible(chip: Chip) -> String {
+    let written = [
+        "stuck-low",
+        "stuck-high",
+        "bus-error",
+        "slow=1",
+        "stalled",
+        "unplugged",
+        "refuses",
+        "silent",
+        "reset",
+        "flip-bits=1",
+        "lose-bytes=1",
+    ];
+    let can = |text: &&str| parse_fault(text).is_some_and(|fault| chip.can(fault));
+    let names: Vec<&str> =
+        written.iter().filter(|text| can(text)).filter_map(|text| text.split('=').next()).collect();
+    names.join(", ")
+}
+
+impl FromStr for PlannedFault {
+    type Err = FaultError;
+
+    fn from_str(text: &str) -> Result<Self, FaultError> {
+        let words: Vec<&str> = text.split_whitespace().collect();
+        let [chip, name, time] = words[..] else { return Err(FaultError::Form(text.to_owned())) };
+        let chip = CHIPS.into_iter().find(|(other, _)| *other == chip);
+        let Some((chip_name, chip)) = chip else { return Err(FaultError::Chip(words[0].to_owned())) };
+        let fault = parse_fault(name).ok_or_else(|| FaultError::Fault(name.to_owned()))?;
+        if !chip.can(fault) {
+            let can = possible(chip);
+            return Err(FaultError::Impossible { chip: chip_name, fault: name.to_owned(), can });
+        }
+        let expected = if is_once(fault) {
+            "START in seconds, such as 60: it is there once"
+        } else {
+            "START..END in seconds, such as 60..65"
+        };
+        let wrong = || FaultError::Time { text: time.to_owned(), fault: name.to_owned(), expected };
+        let seconds = |text: &str| {
+            text.trim().parse::<f64>().ok().filter(|time| (0.0..1e12).contains(time)).ok_or_else(wrong)
+        };
+        let (start_s, end_s) = match (time.split_once(".."), is_once(fault)) {
+            (Some((start, end)), false) => (seconds(start)?, Some(seconds(end)?)),
+            (None, true) => (seconds(time)?, None),
+            _ => return Err(wrong()),
+        };
+        if end_s.is_some_and(|end_s| end_s <= start_s) {
+            return Err(wrong());
+        }
+        Ok(Self { fault: ChipFault { chip, fault }, start_s, end_s })
+    }
+}
+
+impl fmt::Display for PlannedFault {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "{} {:?} from {} s", chip_name(self.fault.chip), self.fault.fault, self.start_s)?;
+        self.end_s.map_or(Ok(()), |end_s| write!(formatter, " to {end_s} s"))
+    }
+}
+
+/// What faults begin and end at which time, microseconds, in order of time.
+pub(super) fn schedule(planned: &[PlannedFault]) -> Result<Vec<(u64, ChipFault)>, FaultError> {
+    for (index, one) in planned.iter().enumerate() {
+        let (start, end) = (one.start_s, one.end_s.unwrap_or(one.start_s));
+        for other in planned.iter().skip(index + 1).filter(|other| other.fault.chip == one.fault.chip) {
+            if other.start_s <= end && start <= other.end_s.unwrap_or(other.start_s) {
+                return Err(FaultError::Overlap(chip_name(one.fault.chip)));
+            }
+        }
+    }
+    let microseconds = |time_s: f64| (time_s * 1e6).round() as u64;
+    let mut events = Vec::new();
+    for PlannedFault { fault, start_s, end_s } in planned {
+        events.push((microseconds(*start_s), *fault));
+        if let Some(end_s) = end_s {
+            events.push((microseconds(*end_s), ChipFault { fault: Fault::None, ..*fault }));
+        }
+    }
+    events.sort_by_key(|(time_us, _)| *time_us);
+    Ok(events)
+}
+
+/// Checks that every fault begins while the flight lasts.
+pub(super) fn check(
+    events: &[(u64, ChipFault)],
+    mut ticks: impl Iterator<Item = TickInput>,
+) -> Result<(), FaultError> {
+    let seconds = |time_us: u64| time_us as f64 * 1e-6;
+    let Some(first_us) = ticks.next().map(|tick| tick.time_us) else { return Ok(()) };
+    let last_us = ticks.last().map_or(first_us, |tick| tick.time_us);
+    match events.iter().find(|(at, event)| event.fault != Fault::None && !(first_us..=last_us).contains(at)) {
+        None => Ok(()),
+        Some((at, _)) => Err(FaultError::Outside {
+            at_s: seconds(*at).to_string(),
+            first_s: seconds(first_us),
+            last_s: seconds(last_us),
+        }),
+    }
+}
+
+/// What a flight record brings, in its order.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "one at a time")]
+pub(super) enum Item {
+    /// A tick.
+    Tick(TickInput),
+    /// A chip's fault, from the next tick on.
+    Fault(ChipFault),
+}
+
+/// Ticks with faults between them: a fault is there from the first tick on that is not before its time.
+#[derive(Clone, Debug)]
+pub(super) struct Scripted<'a, Ticks: Iterator<Item = TickInput>> {
+    ticks: Ticks,
+    events: &'a [(u64, ChipFault)],
+    held_back: Option<TickInput>,
+}
+
+impl<'a, Ticks: Iterator<Item = TickInput>> Scripted<'a, Ticks> {
+    pub(super) const fn new(ticks: Ticks, events: &'a [(u64, ChipFault)]) -> Self {
+        Self { ticks, events, held_back: None }
+    }
+}
+
+impl<Ticks: Iterator<Item = TickInput>> Iterator for Scripted<'_, Ticks> {
+    type Item = Item;
+
+    fn next(&mut self) -> Option<Item> {
+        let tick = self.held_back.take().or_else(|| self.ticks.next())?;
+        if let [(time_us, fault), rest @ ..] = self.events
+            && *time_us <= tick.time_us
+        {
+            self.events = rest;
+            self.held_back = Some(tick);
+            return Some(Item::Fault(*fault));
+        }
+        Some(Item::Tick(tick))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(text: &str) -> Result<PlannedFault, String> {
+        text.parse().map_err(|error: FaultError| error.to_string())
+    }
+
+    #[test]
+    fn reads_what_the_help_says() {
+        let planned = parse("baro stuck-low 60..65").unwrap();
+        assert_eq!(planned.fault, ChipFault { chip: Chip::Baro, fault: Fault::StuckLow });
+        assert_eq!((planned.start_s, planned.end_s), (60.0, Some(65.0)));
+        let once = parse("gps lose-bytes=30 12.5").unwrap();
+        assert_eq!(once.fault.fault, Fault::LoseBytes { count: 30 });
+        assert_eq!((once.start_s, once.end_s), (12.5, None));
+        let flipped = parse("imu flip-bits=0x80 1").unwrap().fault.fault;
+        assert_eq!(flipped, Fault::FlipBits { after_bytes: 0, mask: 0x80 });
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_what_was_expected() {
+        for (text, said) in [
+            ("baro", "expected \"CHIP FAULT START..END\""),
+            ("radar stuck-low 1..2", "fault of 'radar', expected a chip"),
+            ("baro broken 1..2", "fault 'broken', expected one of stuck-low"),
+            ("gps stuck-low 1..2", "gps can not be stuck-low: gps can be unplugged, refuses, silent, reset"),
+            ("baro slow 1..2", "fault 'slow', expected one of"),
+            ("baro flip-bits=256 1", "fault 'flip-bits=256'"),
+            ("baro flip-bits=0 1", "fault 'flip-bits=0'"),
+            ("baro stuck-low 5", "expected START..END"),
+            ("baro stuck-low 5..5", "expected START..END"),
+            ("baro reset 5..6", "it is there once"),
+            ("baro reset -1", "it is there once"),
+            ("baro reset nan", "it is there once"),
+        ] {
+            let error = parse(text).unwrap_err();
+            assert!(error.contains(said), "{text}: {error}");
+            assert_eq!(error.lines().count(), 1, "{error}");
+        }
+    }
+
+    #[test]
+    fn faults_of_one_chip_may_not_overlap() {
+        let plan = |texts: &[&str]| {
+            schedule(&texts.iter().map(|text| parse(text).unwrap()).collect::<Vec<_>>())
+                .map(|events| events.len())
+        };
+        assert_eq!(plan(&["baro stuck-low 1..5", "imu reset 3", "baro reset 6"]), Ok(4));
+        assert_eq!(plan(&["baro stuck-low 1..5", "baro reset 3"]), Err(FaultError::Overlap("baro")));
+    }
+
+    #[test]
+    fn a_fault_begins_with_the_first_tick_that_is_not_before_it() {
+        let events = schedule(&[parse("baro stuck-low 0.007..0.010").unwrap()]).unwrap();
+        let ticks = (0..4).map(|k| TickInput { time_us: k * 5_000, ..TickInput::default() });
+        let order: Vec<String> = Scripted::new(ticks, &events)
+            .map(|item| match item {
+                Item::Tick(tick) => tick.time_us.to_string(),
+                Item::Fault(event) => format!("{:?}", event.fault),
+            })
+            .collect();
+        assert_eq!(order, ["0", "5000", "StuckLow", "None", "10000", "15000"]);
+    }
+}
