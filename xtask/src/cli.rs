@@ -15,6 +15,7 @@ Examples:
   cargo xtask test budgets   only the steps whose name contains `budgets`, with what they need
   cargo xtask bench          how fast, how small, beside whom
   cargo xtask blind 400      how often a diagnosis is right, on 400 simulated flights
+  cargo xtask flash          write the flight computer's image to a board (docs/bring-up.md)
 
 Missing tools are installed by rustup and apt-get, and what is installed is said first."
 )]
@@ -71,6 +72,34 @@ pub enum Job {
         /// Write the tables into docs/blind-trials.md as well.
         #[arg(long)]
         write: bool,
+    },
+    /// Build the flight computer's image with a model, write it to a board by its debug probe, and start it.
+    #[command(after_help = "\
+Examples:
+  cargo xtask flash                             the default model
+  cargo xtask flash --model ours.toml           a model of one's own, as `pylon add` has improved it
+  cargo xtask flash --probe 0483:3748           where more than one probe is plugged in (`probe-rs list`)
+
+It needs probe-rs and a debug probe, and says how to get them. docs/bring-up.md has the wiring and the first checks.")]
+    Flash {
+        /// A model file, or a preset's name.
+        #[arg(long, default_value = "default")]
+        model: String,
+        /// The probe: VID:PID or VID:PID:SERIAL.
+        #[arg(long)]
+        probe: Option<String>,
+    },
+    /// Read the log of the board that was flashed last, until interrupted.
+    #[command(after_help = "\
+Examples:
+  cargo xtask log                               what the flight computer says, from the attachment on
+  cargo xtask log --probe 0483:3748             where more than one probe is plugged in (`probe-rs list`)
+
+It neither stops nor resets the board, which drops what finds no room in the log.")]
+    Log {
+        /// The probe: VID:PID or VID:PID:SERIAL.
+        #[arg(long)]
+        probe: Option<String>,
     },
     /// Run a command and print its wall time and its peak memory as JSON (for `bench`).
     #[command(hide = true)]

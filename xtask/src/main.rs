@@ -4,6 +4,7 @@
 mod architecture;
 mod bench;
 mod blind;
+mod board;
 mod child;
 mod cli;
 mod demo;
@@ -14,6 +15,8 @@ mod story;
 mod table;
 mod test_job;
 mod test_report;
+#[cfg(test)]
+mod wiring;
 mod workspace;
 
 use std::process::ExitCode;
@@ -54,6 +57,8 @@ fn run(job: Job, verbose: bool) -> anyhow::Result<bool> {
         Job::Bench { json, part } => bench::run(part, json, verbose)?,
         Job::Blind { trials, seed } => blind::run(trials, seed, verbose)?,
         Job::Baselines { trials, seed, write } => blind::baselines(trials, seed, write, verbose)?,
+        Job::Flash { model, probe } => board::flash(&model, probe.as_deref(), verbose)?,
+        Job::Log { probe } => board::log(probe.as_deref(), verbose)?,
         Job::Measure { command } => bench::measure::print(&command)?,
     }
     Ok(true)

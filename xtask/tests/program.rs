@@ -56,3 +56,46 @@ fn a_measured_child_that_fails_has_no_cost() {
     assert!(!failed.status.success() && failed.stdout.is_empty(), "{failed:?}");
     assert_eq!(text(&failed.stderr), "error: `sh -c exit 3` ended with exit status: 3\n");
 }
+
+/// The program with nothing on its path but a `probe-rs` that says this, if anything.
+fn with_probe_rs(arguments: &[&str], says: Option<&str>) -> Output {
+    use std::os::unix::fs::PermissionsExt;
+
+    let folder = std::env::temp_dir().join(format!("xtask-{}-{}", std::process::id(), arguments.join("-")));
+    std::fs::create_dir_all(&folder).unwrap();
+    if let Some(says) = says {
+        let program = folder.join("probe-rs");
+        std::fs::write(&program, format!("#!/bin/sh\necho '{says}'\n")).unwrap();
+        std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).unwrap();
+    }
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_xtask")).args(arguments).env("PATH", &folder).output().unwrap();
+    std::fs::remove_dir_all(&folder).unwrap();
+    output
+}
+
+#[test]
+fn without_probe_rs_flash_says_how_to_get_it_and_builds_nothing() {
+    let flash = with_probe_rs(&["flash"], None);
+    assert!(!flash.status.success() && flash.stdout.is_empty());
+    let said = text(&flash.stderr);
+    assert!(said.starts_with("error: probe-rs is missing"), "{said}");
+    assert!(said.contains("cargo install probe-rs-tools --locked") && !said.contains("building"), "{said}");
+}
+
+#[test]
+fn without_a_probe_flash_says_what_to_look_at_and_builds_nothing() {
+    let flash = with_probe_rs(&["flash", "--model", "paper"], Some("No debug probes were found."));
+    assert!(!flash.status.success() && flash.stdout.is_empty());
+    let said = text(&flash.stderr);
+    assert!(said.starts_with("error: probe-rs finds no debug probe"), "{said}");
+    assert!(said.contains("docs/bring-up.md") && !said.contains("building"), "{said}");
+}
+
+#[test]
+fn the_boards_jobs_have_examples() {
+    for job in ["flash", "log"] {
+        let help = text(&xtask(&[job, "--help"]).stdout);
+        assert!(help.contains("Examples:") && help.contains(&format!("cargo xtask {job}")), "{help}");
+    }
+}
