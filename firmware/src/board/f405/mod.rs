@@ -22,8 +22,7 @@ pub use results::Sink;
 pub use sensors::Sensors;
 
 use break_wire::BreakWire;
-use sensors::SensorStorage;
-use watched::Teller;
+use sensors::{SensorStorage, SensorTeller};
 use wiring::Pins;
 
 use super::Board;
@@ -64,12 +63,14 @@ pub fn start(
     let streams = StreamsTuple::new(device.DMA1, &mut rcc);
     let receiver = sensors::receiver_port(device.USART3, pins.receiver, streams.1, storage, &mut rcc)
         .map_err(|_| ExitStatus::Configuration)?;
+    let umbilical = sensors::umbilical_port(device.UART4, pins.umbilical, streams.2, storage, &mut rcc)
+        .map_err(|_| ExitStatus::Configuration)?;
     let break_wire = BreakWire::start(pins.break_wire, device.EXTI, &mut device.SYSCFG.constrain(&mut rcc));
 
     Ok(Board {
         source: Source::start(device.TIM5, pins.led, &rcc),
         feeder: Feeder { teller: storage.teller() },
-        sensors: sensors::suite(storage, receiver, barometer, imu, break_wire),
+        sensors: sensors::suite(storage, receiver, barometer, imu, umbilical, break_wire),
         sink: Sink::start(device.USART1, pins.results, &mut rcc)?,
         timer: TickTimer::start(device.TIM2, &rcc, clock::TIMER_HZ),
     })
@@ -82,7 +83,7 @@ pub fn exit(_status: ExitStatus) -> ! {
 
 /// The chips feed themselves: what is left is to say in the log how they do.
 pub struct Feeder {
-    teller: Teller<4, 1>,
+    teller: SensorTeller,
 }
 
 impl Feeder {

@@ -4,6 +4,7 @@ use drivers::Suite;
 use drivers::icm42688p::{self, AccelRange, GyroRange, Icm42688p, Mounting};
 use drivers::ms5611::Ms5611;
 use drivers::ublox::{self, Datum, Ublox};
+use drivers::umbilical::Umbilical;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::serial::config::{Config, DmaConfig, InvalidConfig};
@@ -14,7 +15,9 @@ use super::spi::{BaroDevice, ImuDevice};
 use super::uart::{LineCounts, Port, Ring, ring};
 use super::watched::{Teller, Watch, Watched};
 use super::wiring::{
-    RECEIVER_BAUD, RECEIVER_CHANNEL, RECEIVER_PERIOD_MS, ReceiverRx, ReceiverStream, ReceiverTx, ReceiverUart,
+    RECEIVER_BAUD, RECEIVER_CHANNEL, RECEIVER_PERIOD_MS, ReceiverRx, ReceiverStream, ReceiverTx,
+    ReceiverUart, UMBILICAL_BAUD, UMBILICAL_CHANNEL, UmbilicalRx, UmbilicalStream, UmbilicalTx,
+    UmbilicalUart,
 };
 
 /// Ranges, and how the chip sits in the vehicle. 16 g: an ejector's push, and what a parted lanyard gives.
@@ -29,61 +32,100 @@ const RECEIVER: ublox::Config = ublox::Config { datum: Datum::MeanSeaLevel, peri
 /// The line to the satellite receiver.
 pub type ReceiverPort = Port<ReceiverUart, ReceiverStream>;
 
+/// The line to the mother ship.
+pub type UmbilicalPort = Port<UmbilicalUart, UmbilicalStream>;
+
 /// All of them.
 pub type Sensors = Suite<
     Watched<Ublox<ReceiverPort>>,
     Watched<Ms5611<BaroDevice>>,
     Watched<Icm42688p<ImuDevice>>,
-    Absent,
+    Watched<Umbilical<UmbilicalPort>>,
     Absent,
     Absent,
     Watched<BreakWire>,
 >;
 
+/// How many of them the log tells of, and how many lines.
+const WATCHES: usize = 5;
+const LINES: usize = 2;
+
+/// What writes their outcomes to the log.
+pub type SensorTeller = Teller<WATCHES, LINES>;
+
+/// What a line needs in static memory.
+struct LineStorage {
+    ring: Ring,
+    counts: LineCounts,
+}
+
+impl LineStorage {
+    const fn new() -> Self {
+        Self { ring: ring(), counts: LineCounts::new() }
+    }
+}
+
 /// What they need in static memory.
 pub struct SensorStorage {
-    receiver_ring: Ring,
-    receiver_line: LineCounts,
+    receiver_line: LineStorage,
+    umbilical_line: LineStorage,
     receiver: Watch,
     barometer: Watch,
     imu: Watch,
     umbilical: Watch,
+    break_wire: Watch,
 }
 
 impl SensorStorage {
     /// Nothing yet.
     pub const fn new() -> Self {
         Self {
-            receiver_ring: ring(),
-            receiver_line: LineCounts::new(),
+            receiver_line: LineStorage::new(),
+            umbilical_line: LineStorage::new(),
             receiver: Watch::new("satellite receiver"),
             barometer: Watch::new("barometer"),
             imu: Watch::new("inertial unit"),
-            umbilical: Watch::new("break-wire"),
+            umbilical: Watch::new("umbilical"),
+            break_wire: Watch::new("break-wire"),
         }
     }
 
     /// What writes their outcomes to the log.
-    pub fn teller(&'static self) -> Teller<4, 1> {
+    pub fn teller(&'static self) -> SensorTeller {
+        let Self { receiver, barometer, imu, umbilical, break_wire, .. } = self;
         Teller::new(
-            [&self.receiver, &self.barometer, &self.imu, &self.umbilical],
-            [("satellite receiver", &self.receiver_line)],
+            [receiver, barometer, imu, umbilical, break_wire],
+            [(receiver, &self.receiver_line.counts), (umbilical, &self.umbilical_line.counts)],
         )
     }
 }
 
-/// Starts the satellite receiver's line.
+/// Starts the satellite receiver's line. Pulled up, a line without anybody at its other end is quiet.
 pub fn receiver_port(
     uart: ReceiverUart,
-    pins: (ReceiverTx, ReceiverRx),
+    (tx, rx): (ReceiverTx, ReceiverRx),
     stream: ReceiverStream,
     storage: &'static SensorStorage,
     rcc: &mut Rcc,
 ) -> Result<ReceiverPort, InvalidConfig> {
     let config = Config::default().baudrate(RECEIVER_BAUD.bps()).dma(DmaConfig::Rx);
-    let serial = uart.serial(pins, config, rcc)?;
-    let SensorStorage { receiver_ring: ring, receiver_line: counts, .. } = storage;
+    let serial = uart.serial((tx, rx.into_pull_up_input()), config, rcc)?;
+    let LineStorage { ring, counts } = &storage.receiver_line;
     Ok(Port::start::<RECEIVER_CHANNEL>(serial, stream, ring, counts, RECEIVER_BAUD))
+}
+
+/// Starts the line to the mother ship, likewise.
+pub fn umbilical_port(
+    uart: UmbilicalUart,
+    (tx, rx): (UmbilicalTx, UmbilicalRx),
+    stream: UmbilicalStream,
+    storage: &'static SensorStorage,
+    rcc: &mut Rcc,
+) -> Result<UmbilicalPort, InvalidConfig> {
+    let config = Config::default().baudrate(UMBILICAL_BAUD.bps()).dma(DmaConfig::Rx);
+    let serial = uart.serial((tx, rx.into_pull_up_input()), config, rcc)?;
+    let LineStorage { ring, counts } = &storage.umbilical_line;
+    Ok(Port::start::<UMBILICAL_CHANNEL>(serial, stream, ring, counts, UMBILICAL_BAUD))
 }
 
 /// Gives every device its driver.
@@ -92,15 +134,16 @@ pub fn suite(
     receiver: ReceiverPort,
     barometer: BaroDevice,
     imu: ImuDevice,
-    umbilical: BreakWire,
+    umbilical: UmbilicalPort,
+    break_wire: BreakWire,
 ) -> Sensors {
     Suite::new(
         Watched::new(Ublox::new(receiver, RECEIVER), &storage.receiver),
         Watched::new(Ms5611::new(barometer), &storage.barometer),
         Watched::new(Icm42688p::new(imu, IMU), &storage.imu),
+        Watched::new(Umbilical::new(umbilical), &storage.umbilical),
         Absent,
         Absent,
-        Absent,
-        Watched::new(umbilical, &storage.umbilical),
+        Watched::new(break_wire, &storage.break_wire),
     )
 }

@@ -1,7 +1,7 @@
 //! The chips' SPI buses, each with one chip.
 //!
 //! A transfer waits for its last bit. In master mode the clock is the board's own, so no chip can hold it up: a dead one
-//! reads as 0 or 1. The most that the drivers move in one tick takes [`WAIT_US`] microseconds of its 5,000.
+//! reads as 0, and one that is not there as 1 (the pin is pulled up). The most that the drivers move in one tick takes [`WAIT_US`] microseconds of its 5,000.
 
 use core::convert::Infallible;
 
@@ -59,6 +59,7 @@ pub fn imu(
     let select = select.into_push_pull_output_in_state(PinState::High);
     let sck = sck.into_alternate().speed(Speed::High);
     let mosi = mosi.into_alternate().speed(Speed::High);
+    let miso = miso.into_pull_up_input();
     let bus = Spi::new(spi, (Some(sck), Some(miso), Some(mosi)), MODE_3, IMU_SPI_HZ.Hz(), rcc);
     ExclusiveDevice::new(bus, select, CycleDelay)
 }
@@ -73,6 +74,7 @@ pub fn barometer(
     let select = select.into_push_pull_output_in_state(PinState::High);
     let sck = sck.into_alternate().speed(Speed::High);
     let mosi = mosi.into_alternate().speed(Speed::High);
+    let miso = miso.into_pull_up_input();
     let bus = Spi::new(spi, (Some(sck), Some(miso), Some(mosi)), MODE_3, BARO_SPI_HZ.Hz(), rcc);
     ExclusiveDevice::new(bus, select, CycleDelay)
 }

@@ -191,11 +191,11 @@ impl<const DEVICES: usize, const LINES: usize> Teller<DEVICES, LINES> {
     /// Nothing has been told.
     pub fn new(
         devices: [&'static Watch; DEVICES],
-        lines: [(&'static str, &'static LineCounts); LINES],
+        lines: [(&'static Watch, &'static LineCounts); LINES],
     ) -> Self {
         Self {
             devices: devices.map(|watch| Told { watch, outcome: Outcome::Silent, rest: 0 }),
-            lines: lines.map(|(name, counts)| ToldLine { name, counts, told: [0; 3], rest: 0 }),
+            lines: lines.map(|(watch, counts)| ToldLine { name: watch.name, counts, told: [0; 3], rest: 0 }),
         }
     }
 

@@ -5,12 +5,12 @@
 //! inertial unit on SPI1, the barometer on SPI3, pads for the UARTs. `docs/bring-up.md` has this as tables, from the first
 //! lines of these comments; `cargo test --package xtask` holds the one against the other.
 
-use stm32f4xx_hal::dma::Stream1;
+use stm32f4xx_hal::dma::{Stream1, Stream2};
 use stm32f4xx_hal::gpio::{
-    Debugger, Input, PA3, PA4, PA5, PA6, PA7, PA9, PB3, PB5, PB10, PB11, PC10, PC11, PC12,
+    Debugger, Input, PA0, PA1, PA3, PA4, PA5, PA6, PA7, PA9, PB3, PB5, PB10, PB11, PC10, PC11, PC12,
 };
 use stm32f4xx_hal::gpio::{gpioa, gpiob, gpioc};
-use stm32f4xx_hal::pac::{DMA1, SPI1, SPI3, USART1, USART3};
+use stm32f4xx_hal::pac::{DMA1, SPI1, SPI3, UART4, USART1, USART3};
 
 /// The crystal, MHz.
 pub const CRYSTAL_MHZ: u32 = 8;
@@ -59,6 +59,19 @@ pub const RECEIVER_BAUD: u32 = 38_400;
 /// Time from one fix to the next, ms: 10 fixes of 100 bytes a second fill a quarter of the line.
 pub const RECEIVER_PERIOD_MS: u16 = 100;
 
+/// The umbilical's UART.
+pub type UmbilicalUart = UART4;
+/// The DMA stream of its receiver, and that stream's channel (RM0090, table 42).
+pub type UmbilicalStream = Stream2<DMA1>;
+/// See [`UmbilicalStream`].
+pub const UMBILICAL_CHANNEL: u8 = 4;
+/// UART4_TX: nothing: the UAV does not speak to the mother ship
+pub type UmbilicalTx = PA0;
+/// UART4_RX: mother ship's MAVLink output, TX
+pub type UmbilicalRx = PA1;
+/// Rate of the umbilical's line, baud: an altitude is 44 bytes, and other messages share the line.
+pub const UMBILICAL_BAUD: u32 = 115_200;
+
 /// input, pulled up: umbilical's break-wire, whose other end is ground on the mother ship; open is launched
 pub type BreakWirePin<Mode = Input> = PA3<Mode>;
 
@@ -84,6 +97,8 @@ pub struct Pins {
     pub baro_select: BaroSelect,
     /// TX, RX of the satellite receiver's UART.
     pub receiver: (ReceiverTx, ReceiverRx),
+    /// TX, RX of the umbilical's UART.
+    pub umbilical: (UmbilicalTx, UmbilicalRx),
     /// The break-wire.
     pub break_wire: BreakWirePin,
     /// TX of the results' UART.
@@ -101,6 +116,7 @@ impl Pins {
             baro: (port_c.pc10, port_c.pc11, port_c.pc12),
             baro_select: port_b.pb3,
             receiver: (port_b.pb10, port_b.pb11),
+            umbilical: (port_a.pa0, port_a.pa1),
             break_wire: port_a.pa3,
             results: port_a.pa9,
             led: port_b.pb5,
