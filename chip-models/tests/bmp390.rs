@@ -1,26 +1,39 @@
 //! The BMP390 driver against the chip's model.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+mod bench;
+
+use bench::{Bench, Driver, pressure_and_temperature};
 use chip_models::bmp390::{Bmp390Model, Trimming};
 use chip_models::bus::{ChipOnBus, WireFault};
 use chip_models::source::{Air, Held};
 use drivers::bmp390::{Bmp390, MAX_POLL_BYTES};
 use drivers::{Barometer, SensorError};
-use kf_core::input::BaroReading;
 use proptest::prelude::*;
 
-const TICK_US: u64 = 5_000;
 const GROUND: Air = Air { pressure_pa: 101_325.0, temperature_c: 25.0 };
 
-struct Bench {
-    driver: Bmp390<ChipOnBus<Bmp390Model<Held<Air>>>>,
-    now_us: u64,
+/// The driver on its chip.
+type Chip = Bmp390<ChipOnBus<Bmp390Model<Held<Air>>>>;
+
+impl Driver for Chip {
+    type Chip = Bmp390Model<Held<Air>>;
+    type Sample = (f32, f32);
+    const MAX_POLL_BYTES: usize = MAX_POLL_BYTES;
+
+    fn bus(&mut self) -> &mut ChipOnBus<Self::Chip> {
+        self.bus_mut()
+    }
+
+    fn poll(&mut self, now_us: u64) -> Result<Option<(f32, f32)>, SensorError> {
+        Barometer::poll(self, now_us).map(|sample| sample.map(pressure_and_temperature))
+    }
 }
 
-impl Bench {
+impl Bench<Chip> {
     fn new(trimming: Trimming, air: Air) -> Self {
         // Not on the chip's own raster, so that no tick coincides with the end of a conversion.
-        Self { driver: Bmp390::new(ChipOnBus::new(Bmp390Model::new(trimming, Held(air)))), now_us: 1_300 }
+        Self::at(1_300, Bmp390::new(ChipOnBus::new(Bmp390Model::new(trimming, Held(air)))))
     }
 
     fn running() -> Self {
@@ -29,41 +42,9 @@ impl Bench {
         bench
     }
 
-    /// One tick: every poll keeps to its bytes.
-    fn poll(&mut self) -> Result<Option<(f32, f32)>, SensorError> {
-        self.now_us += TICK_US;
-        self.driver.bus_mut().set_time(self.now_us);
-        let before = self.driver.bus_mut().traffic().bytes;
-        let outcome = self.driver.poll(self.now_us);
-        let moved = self.driver.bus_mut().traffic().bytes - before;
-        assert!(moved <= MAX_POLL_BYTES as u64, "{moved} bytes in one poll");
-        outcome.map(|sample| {
-            sample.map(|sample| {
-                let Some(BaroReading::PressurePa(pressure)) = sample.reading else { panic!("{sample:?}") };
-                (pressure, sample.temperature_c.unwrap())
-            })
-        })
-    }
-
-    fn next(&mut self, ticks: u32) -> Result<(f32, f32), SensorError> {
-        for _ in 0..ticks {
-            if let Some(sample) = self.poll()? {
-                return Ok(sample);
-            }
-        }
-        panic!("neither a sample nor an error in {ticks} ticks")
-    }
-
-    fn next_error(&mut self, ticks: u32) -> SensorError {
-        (0..ticks).find_map(|_| self.poll().err()).unwrap()
-    }
-
     /// Samples come again, and right, within a quarter of a second.
     fn assert_recovers(&mut self) {
-        self.driver.bus_mut().fault = None;
-        for _ in 0..50 {
-            let _ = self.poll();
-        }
+        self.mend();
         for _ in 0..20 {
             let (pressure, temperature) = self.next(5).unwrap();
             assert!((pressure - GROUND.pressure_pa).abs() < 0.1, "{pressure}");

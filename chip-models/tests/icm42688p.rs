@@ -1,6 +1,9 @@
 //! The ICM-42688-P driver against the chip's model.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+mod bench;
+
+use bench::{Bench, Driver};
 use chip_models::bus::{ChipOnBus, WireFault};
 use chip_models::icm42688p::Icm42688pModel;
 use chip_models::source::{Held, Motion};
@@ -9,20 +12,31 @@ use drivers::{InertialUnit, SensorError};
 use kf_core::input::ImuSample;
 use proptest::prelude::*;
 
-const TICK_US: u64 = 5_000;
 const CONFIG: Config =
     Config { accel_range: AccelRange::G16, gyro_range: GyroRange::Dps2000, mounting: Mounting::ALIGNED };
 const LEVEL: Motion =
     Motion { accel_mps2: [0.0, 0.0, -9.806_65], gyro_radps: [0.1, -0.2, 0.3], temperature_c: 40.0 };
 
-struct Bench {
-    driver: Icm42688p<ChipOnBus<Icm42688pModel<Held<Motion>>>>,
-    now_us: u64,
+/// The driver on its chip.
+type Chip = Icm42688p<ChipOnBus<Icm42688pModel<Held<Motion>>>>;
+
+impl Driver for Chip {
+    type Chip = Icm42688pModel<Held<Motion>>;
+    type Sample = ImuSample;
+    const MAX_POLL_BYTES: usize = MAX_POLL_BYTES;
+
+    fn bus(&mut self) -> &mut ChipOnBus<Self::Chip> {
+        self.bus_mut()
+    }
+
+    fn poll(&mut self, now_us: u64) -> Result<Option<ImuSample>, SensorError> {
+        InertialUnit::poll(self, now_us)
+    }
 }
 
-impl Bench {
+impl Bench<Chip> {
     fn new(config: Config, motion: Motion) -> Self {
-        Self { driver: Icm42688p::new(ChipOnBus::new(Icm42688pModel::new(Held(motion))), config), now_us: 0 }
+        Self::at(0, Icm42688p::new(ChipOnBus::new(Icm42688pModel::new(Held(motion))), config))
     }
 
     fn running() -> Self {
@@ -31,36 +45,9 @@ impl Bench {
         bench
     }
 
-    /// One tick: every poll keeps to its bytes.
-    fn poll(&mut self) -> Result<Option<ImuSample>, SensorError> {
-        self.now_us += TICK_US;
-        self.driver.bus_mut().set_time(self.now_us);
-        let before = self.driver.bus_mut().traffic().bytes;
-        let outcome = self.driver.poll(self.now_us);
-        let moved = self.driver.bus_mut().traffic().bytes - before;
-        assert!(moved <= MAX_POLL_BYTES as u64, "{moved} bytes in one poll");
-        outcome
-    }
-
-    fn next(&mut self, ticks: u32) -> Result<ImuSample, SensorError> {
-        for _ in 0..ticks {
-            if let Some(sample) = self.poll()? {
-                return Ok(sample);
-            }
-        }
-        panic!("neither a sample nor an error in {ticks} ticks")
-    }
-
-    fn next_error(&mut self, ticks: u32) -> SensorError {
-        (0..ticks).find_map(|_| self.poll().err()).unwrap()
-    }
-
     /// A sample every tick again, and right, within a quarter of a second.
     fn assert_recovers(&mut self) {
-        self.driver.bus_mut().fault = None;
-        for _ in 0..50 {
-            let _ = self.poll();
-        }
+        self.mend();
         for _ in 0..20 {
             let sample = self.poll().unwrap().unwrap();
             assert!((sample.accel_mps2[2] - LEVEL.accel_mps2[2]).abs() < 0.003, "{sample:?}");

@@ -1,66 +1,43 @@
 //! The MS5611 driver against the chip's model.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+mod bench;
+
+use bench::{Bench, Driver, pressure_and_temperature};
 use chip_models::bus::{ChipOnBus, WireFault};
 use chip_models::ms5611::{EXAMPLE_CALIBRATION, Ms5611Model};
 use chip_models::source::{Air, Held};
 use drivers::ms5611::{MAX_POLL_BYTES, Ms5611};
 use drivers::{Barometer, SensorError};
-use kf_core::input::BaroReading;
 use proptest::prelude::*;
 
-const TICK_US: u64 = 5_000;
 const GROUND: Air = Air { pressure_pa: 101_325.0, temperature_c: 25.0 };
 
-type Driver = Ms5611<ChipOnBus<Ms5611Model<Held<Air>>>>;
+/// The driver on its chip.
+type Chip = Ms5611<ChipOnBus<Ms5611Model<Held<Air>>>>;
 
-struct Bench {
-    driver: Driver,
-    now_us: u64,
+impl Driver for Chip {
+    type Chip = Ms5611Model<Held<Air>>;
+    type Sample = (f32, f32);
+    const MAX_POLL_BYTES: usize = MAX_POLL_BYTES;
+
+    fn bus(&mut self) -> &mut ChipOnBus<Self::Chip> {
+        self.bus_mut()
+    }
+
+    fn poll(&mut self, now_us: u64) -> Result<Option<(f32, f32)>, SensorError> {
+        Barometer::poll(self, now_us).map(|sample| sample.map(pressure_and_temperature))
+    }
 }
 
-impl Bench {
+impl Bench<Chip> {
     fn new(calibration: [u16; 6], air: Air) -> Self {
-        Self { driver: Ms5611::new(ChipOnBus::new(Ms5611Model::new(calibration, Held(air)))), now_us: 0 }
-    }
-
-    /// One tick: every poll keeps to its bytes.
-    fn poll(&mut self) -> Result<Option<(f32, f32)>, SensorError> {
-        self.now_us += TICK_US;
-        self.driver.bus_mut().set_time(self.now_us);
-        let before = self.driver.bus_mut().traffic().bytes;
-        let outcome = self.driver.poll(self.now_us);
-        let moved = self.driver.bus_mut().traffic().bytes - before;
-        assert!(moved <= MAX_POLL_BYTES as u64, "{moved} bytes in one poll");
-        outcome.map(|sample| {
-            sample.map(|sample| {
-                let Some(BaroReading::PressurePa(pressure)) = sample.reading else { panic!("{sample:?}") };
-                (pressure, sample.temperature_c.unwrap())
-            })
-        })
-    }
-
-    /// The first sample or error within so many ticks.
-    fn next(&mut self, ticks: u32) -> Result<(f32, f32), SensorError> {
-        for _ in 0..ticks {
-            if let Some(sample) = self.poll()? {
-                return Ok(sample);
-            }
-        }
-        panic!("neither a sample nor an error in {ticks} ticks")
-    }
-
-    /// The first error within so many ticks.
-    fn next_error(&mut self, ticks: u32) -> SensorError {
-        (0..ticks).find_map(|_| self.poll().err()).unwrap()
+        Self::at(0, Ms5611::new(ChipOnBus::new(Ms5611Model::new(calibration, Held(air)))))
     }
 
     /// Samples come again, and right, within a quarter of a second, whatever errors come before.
     fn assert_recovers(&mut self, air: Air) {
-        self.driver.bus_mut().fault = None;
-        for _ in 0..50 {
-            let _ = self.poll();
-        }
+        self.mend();
         for _ in 0..20 {
             let (pressure, temperature) = self.next(4).unwrap();
             assert!((pressure - air.pressure_pa).abs() < 0.1, "{pressure}");

@@ -65,11 +65,26 @@ fn silence_is_a_fault_while_attached_and_none_after_launch() {
     assert_eq!(outcomes.iter().filter(|outcome| **outcome == Err(SensorError::Stale)).count(), 3);
     bench.driver.set_attached(false);
     assert!((0..2_000).all(|_| bench.poll() == Ok(None)));
-    // A plug that was put back, or a discrete that had bounced.
+    // A plug that still touches: what comes is no altitude of this vehicle's any more.
     bench.driver.port_mut().line.faults.unplugged = false;
+    assert!((0..12).all(|_| bench.poll() == Ok(None)));
+    // It was a discrete that had bounced.
     bench.driver.set_attached(true);
     bench.poll().unwrap();
     assert!(!bench.altitudes(20).is_empty());
+}
+
+/// What begins like a frame and is none swallows the frame that follows, until its checksum is wrong.
+#[test]
+fn a_frame_inside_what_looked_like_one_is_found() {
+    let mut bench = Bench::new();
+    for byte in [0xFD, 32, 0, 0, 0, 1, 1, 141, 0, 0] {
+        bench.driver.port_mut().line.send(byte);
+    }
+    bench.driver.port_mut().navigate(1_234.5);
+    let outcomes: Vec<_> = (0..4).map(|_| bench.poll()).collect();
+    assert!(outcomes.contains(&Ok(Some(1_234.5))), "{outcomes:?}");
+    assert_eq!(bench.driver.link_counts().bad_frames, 1);
 }
 
 proptest! {

@@ -11,6 +11,7 @@
 #![forbid(unsafe_code)]
 
 pub mod bmp390;
+mod bus;
 mod error;
 mod health;
 pub mod icm42688p;

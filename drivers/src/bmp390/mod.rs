@@ -13,9 +13,10 @@ mod calibration;
 
 pub use calibration::{Calibration, Compensated};
 
-use embedded_hal::spi::{Operation, SpiDevice};
+use embedded_hal::spi::SpiDevice;
 use kf_core::input::BaroReading;
 
+use crate::bus;
 use crate::error::SensorError;
 use crate::health::Health;
 use crate::sensor::{Barometer, BarometerSample};
@@ -91,7 +92,7 @@ impl<Spi: SpiDevice> Bmp390<Spi> {
     }
 
     fn write(&mut self, register: u8, value: u8) -> Result<(), SensorError> {
-        self.spi.write(&[register, value]).map_err(|_| SensorError::Bus)
+        bus::write(&mut self.spi, &[register, value])
     }
 
     /// Reads consecutive registers; the chip sends a byte of nothing first (section 5.3.2).
@@ -100,12 +101,8 @@ impl<Spi: SpiDevice> Bmp390<Spi> {
     /// [`SensorError::Bus`]; [`SensorError::StuckBus`] when the line did not move: no register block that is read here
     /// is ever all zeros or all ones.
     fn read<const COUNT: usize>(&mut self, first: u8) -> Result<[u8; COUNT], SensorError> {
-        let mut values = [0; COUNT];
-        self.spi
-            .transaction(&mut [Operation::Write(&[READ | first, 0]), Operation::Read(&mut values)])
-            .map_err(|_| SensorError::Bus)?;
-        let stuck = |level: u8| values.iter().all(|&value| value == level);
-        if stuck(0x00) || stuck(0xFF) { Err(SensorError::StuckBus) } else { Ok(values) }
+        let values = bus::read::<COUNT>(&mut self.spi, &[READ | first, 0])?;
+        if bus::is_stuck(&values) { Err(SensorError::StuckBus) } else { Ok(values) }
     }
 
     fn step(&mut self, now_us: u64) -> Result<Option<BarometerSample>, SensorError> {
@@ -209,43 +206,27 @@ impl<Spi: SpiDevice> Barometer for Bmp390<Spi> {
 
 #[cfg(test)]
 mod tests {
-    use embedded_hal_mock::eh1::spi::{Mock, Transaction};
+    use embedded_hal_mock::eh1::spi::Mock;
 
     use super::*;
-
-    fn written(register: u8, value: u8) -> Vec<Transaction<u8>> {
-        vec![
-            Transaction::transaction_start(),
-            Transaction::write_vec(vec![register, value]),
-            Transaction::transaction_end(),
-        ]
-    }
-
-    fn read(register: u8, answer: &[u8]) -> Vec<Transaction<u8>> {
-        vec![
-            Transaction::transaction_start(),
-            Transaction::write_vec(vec![0x80 | register, 0]),
-            Transaction::read_vec(answer.to_vec()),
-            Transaction::transaction_end(),
-        ]
-    }
+    use crate::bus::expected::{read, written};
 
     #[test]
     fn the_bytes_on_the_bus_are_the_datasheets() {
         let burst =
             |status: u8, event: u8| [0, status, 151, 159, 109, 115, 216, 133, 0, 0, 1, 2, 3, 0, event];
         let expected = [
-            written(0x7E, 0xB6),
-            read(0x00, &[0x60]),
-            read(0x30, &calibration::tests::registers()),
-            written(0x1C, 0x03),
-            written(0x1D, 0x02),
-            written(0x1F, 0x00),
-            written(0x1B, 0x33),
-            read(0x1B, &[0x33, 0x03, 0x02, 0x99, 0x00]),
-            read(0x02, &burst(0x10, 0x01)),
-            read(0x02, &burst(0x10, 0x00)),
-            read(0x02, &burst(0x70, 0x00)),
+            written(&[0x7E, 0xB6]),
+            read(&[0x80, 0], &[0x60]),
+            read(&[0x80 | 0x30, 0], &calibration::tests::registers()),
+            written(&[0x1C, 0x03]),
+            written(&[0x1D, 0x02]),
+            written(&[0x1F, 0x00]),
+            written(&[0x1B, 0x33]),
+            read(&[0x80 | 0x1B, 0], &[0x33, 0x03, 0x02, 0x99, 0x00]),
+            read(&[0x80 | 0x02, 0], &burst(0x10, 0x01)),
+            read(&[0x80 | 0x02, 0], &burst(0x10, 0x00)),
+            read(&[0x80 | 0x02, 0], &burst(0x70, 0x00)),
         ]
         .concat();
         let mut driver = Bmp390::new(Mock::new(&expected));

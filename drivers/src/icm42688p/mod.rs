@@ -15,10 +15,11 @@ mod registers;
 
 pub use mounting::{AccelRange, ChipAxis, GyroRange, Mounting};
 
-use embedded_hal::spi::{Operation, SpiDevice};
+use embedded_hal::spi::SpiDevice;
 use kf_core::input::ImuSample;
 use registers::READ;
 
+use crate::bus;
 use crate::error::SensorError;
 use crate::health::Health;
 use crate::sensor::InertialUnit;
@@ -98,7 +99,7 @@ impl<Spi: SpiDevice> Icm42688p<Spi> {
     }
 
     fn write(&mut self, register: u8, value: u8) -> Result<(), SensorError> {
-        self.spi.write(&[register, value]).map_err(|_| SensorError::Bus)
+        bus::write(&mut self.spi, &[register, value])
     }
 
     /// Reads consecutive registers.
@@ -107,12 +108,8 @@ impl<Spi: SpiDevice> Icm42688p<Spi> {
     /// [`SensorError::Bus`]; [`SensorError::StuckBus`] when the line did not move although more than one
     /// register was read.
     fn read<const COUNT: usize>(&mut self, first: u8) -> Result<[u8; COUNT], SensorError> {
-        let mut values = [0; COUNT];
-        self.spi
-            .transaction(&mut [Operation::Write(&[READ | first]), Operation::Read(&mut values)])
-            .map_err(|_| SensorError::Bus)?;
-        let stuck = |level: u8| values.iter().all(|&value| value == level);
-        if COUNT > 1 && (stuck(0x00) || stuck(0xFF)) { Err(SensorError::StuckBus) } else { Ok(values) }
+        let values = bus::read::<COUNT>(&mut self.spi, &[READ | first])?;
+        if COUNT > 1 && bus::is_stuck(&values) { Err(SensorError::StuckBus) } else { Ok(values) }
     }
 
     fn step(&mut self, now_us: u64) -> Result<Option<ImuSample>, SensorError> {

@@ -3,43 +3,27 @@
 use embedded_hal_mock::eh1::spi::{Mock, Transaction};
 
 use super::*;
+use crate::bus::expected::{read, written};
 
 const CONFIG: Config =
     Config { accel_range: AccelRange::G8, gyro_range: GyroRange::Dps1000, mounting: Mounting::ALIGNED };
 
-fn written(register: u8, value: u8) -> Vec<Transaction<u8>> {
-    vec![
-        Transaction::transaction_start(),
-        Transaction::write_vec(vec![register, value]),
-        Transaction::transaction_end(),
-    ]
-}
-
-fn read(register: u8, answer: &[u8]) -> Vec<Transaction<u8>> {
-    vec![
-        Transaction::transaction_start(),
-        Transaction::write_vec(vec![0x80 | register]),
-        Transaction::read_vec(answer.to_vec()),
-        Transaction::transaction_end(),
-    ]
-}
-
 /// Reset, identity, ranges of 8 g and 1000 degrees a second at 1 kHz, read back; then one sample.
 fn until_running(sample: &[u8]) -> Vec<Transaction<u8>> {
     [
-        written(0x76, 0x00),
-        written(0x11, 0x01),
-        read(0x75, &[0x47]),
-        read(0x2D, &[0x10]),
-        written(0x4C, 0x33),
-        written(0x4D, 0x51),
-        written(0x4F, 0x26),
-        written(0x50, 0x26),
-        written(0x52, 0x44),
-        written(0x4E, 0x0F),
+        written(&[0x76, 0x00]),
+        written(&[0x11, 0x01]),
+        read(&[0x80 | 0x75], &[0x47]),
+        read(&[0x80 | 0x2D], &[0x10]),
+        written(&[0x4C, 0x33]),
+        written(&[0x4D, 0x51]),
+        written(&[0x4F, 0x26]),
+        written(&[0x50, 0x26]),
+        written(&[0x52, 0x44]),
+        written(&[0x4E, 0x0F]),
         // 0x51 is left as the reset made it, and not compared.
-        read(0x4C, &[0x33, 0x51, 0x0F, 0x26, 0x26, 0x16, 0x44]),
-        read(0x1D, sample),
+        read(&[0x80 | 0x4C], &[0x33, 0x51, 0x0F, 0x26, 0x26, 0x16, 0x44]),
+        read(&[0x80 | 0x1D], sample),
     ]
     .concat()
 }
@@ -75,7 +59,7 @@ fn the_bytes_on_the_bus_are_the_datasheets() {
 
 #[test]
 fn another_chip_is_refused() {
-    let expected = [written(0x76, 0), written(0x11, 1), read(0x75, &[0x68])].concat();
+    let expected = [written(&[0x76, 0]), written(&[0x11, 1]), read(&[0x80 | 0x75], &[0x68])].concat();
     let mut driver = Icm42688p::new(Mock::new(&expected), CONFIG);
     assert_eq!(driver.poll(0), Ok(None));
     assert_eq!(driver.poll(5_000), Err(SensorError::WrongDevice));
@@ -86,7 +70,7 @@ fn another_chip_is_refused() {
 fn a_register_that_does_not_hold_is_found() {
     let mut expected = until_running(&SAMPLE);
     expected.truncate(expected.len() - 8);
-    expected.extend(read(0x4C, &[0x33, 0x51, 0x0F, 0x26, 0x06, 0x16, 0x44]));
+    expected.extend(read(&[0x80 | 0x4C], &[0x33, 0x51, 0x0F, 0x26, 0x06, 0x16, 0x44]));
     assert_eq!(first_outcome_of(&expected, 12), Err(SensorError::ConfigurationLost));
 }
 

@@ -18,9 +18,10 @@ mod prom;
 pub use compensation::Compensated;
 pub use prom::Prom;
 
-use embedded_hal::spi::{Operation, SpiDevice};
+use embedded_hal::spi::SpiDevice;
 use kf_core::input::BaroReading;
 
+use crate::bus;
 use crate::error::SensorError;
 use crate::health::Health;
 use crate::sensor::{Barometer, BarometerSample};
@@ -94,23 +95,19 @@ impl<Spi: SpiDevice> Ms5611<Spi> {
         &mut self.spi
     }
 
-    fn command(&mut self, command: u8) -> Result<(), SensorError> {
-        self.spi.write(&[command]).map_err(|_| SensorError::Bus)
-    }
-
     fn step(&mut self, now_us: u64) -> Result<Option<BarometerSample>, SensorError> {
         match self.phase {
             Phase::BackOff { until_us } if now_us < until_us => {}
             Phase::BackOff { .. } | Phase::Reset => {
                 self.health.initialised();
-                self.command(RESET)?;
+                bus::write(&mut self.spi, &[RESET])?;
                 self.phase = Phase::Reloading { until_us: now_us.saturating_add(RELOAD_US) };
             }
             Phase::Reloading { until_us } if now_us < until_us => {}
             Phase::Reloading { .. } => self.read_prom([0; 8], 0)?,
             Phase::ReadProm { words, next } => self.read_prom(words, next)?,
             Phase::Start { prom } => {
-                self.command(CONVERT_TEMPERATURE)?;
+                bus::write(&mut self.spi, &[CONVERT_TEMPERATURE])?;
                 self.converting(prom, None, 0, Quantity::Temperature, now_us);
             }
             Phase::Converting { done_us, .. } if now_us < done_us => {}
@@ -122,10 +119,7 @@ impl<Spi: SpiDevice> Ms5611<Spi> {
     }
 
     fn read_prom(&mut self, mut words: [u16; 8], index: u8) -> Result<(), SensorError> {
-        let mut word = [0; 2];
-        self.spi
-            .transaction(&mut [Operation::Write(&[READ_PROM | (index << 1)]), Operation::Read(&mut word)])
-            .map_err(|_| SensorError::Bus)?;
+        let word = bus::read(&mut self.spi, &[READ_PROM | (index << 1)])?;
         if let Some(slot) = words.get_mut(usize::from(index)) {
             *slot = u16::from_be_bytes(word);
         }
@@ -157,11 +151,8 @@ impl<Spi: SpiDevice> Ms5611<Spi> {
         quantity: Quantity,
         now_us: u64,
     ) -> Result<Option<BarometerSample>, SensorError> {
-        let mut result = [0; 3];
-        self.spi
-            .transaction(&mut [Operation::Write(&[READ_ADC]), Operation::Read(&mut result)])
-            .map_err(|_| SensorError::Bus)?;
-        let raw = u32::from_be_bytes([0, result[0], result[1], result[2]]);
+        let [high, middle, low] = bus::read(&mut self.spi, &[READ_ADC])?;
+        let raw = u32::from_be_bytes([0, high, middle, low]);
         match raw {
             // Datasheet, "ADC read sequence": 0 is no result.
             0 => return Err(SensorError::NoConversion),
@@ -183,7 +174,7 @@ impl<Spi: SpiDevice> Ms5611<Spi> {
             _ => None,
         };
         let next = if pressures_left == 0 { Quantity::Temperature } else { Quantity::Pressure };
-        self.command(next.command())?;
+        bus::write(&mut self.spi, &[next.command()])?;
         self.converting(prom, temperature, pressures_left, next, now_us);
         Ok(sample)
     }
@@ -201,40 +192,24 @@ impl<Spi: SpiDevice> Barometer for Ms5611<Spi> {
 
 #[cfg(test)]
 mod tests {
-    use embedded_hal_mock::eh1::spi::{Mock, Transaction};
+    use embedded_hal_mock::eh1::spi::Mock;
 
     use super::*;
+    use crate::bus::expected::{read, written};
 
     /// C1 to C6 of the datasheet's example, as a chip's memory; the last word's low nibble is the CRC.
     const WORDS: [u16; 8] = prom::EXAMPLE;
-
-    fn written(bytes: &[u8]) -> Vec<Transaction<u8>> {
-        vec![
-            Transaction::transaction_start(),
-            Transaction::write_vec(bytes.to_vec()),
-            Transaction::transaction_end(),
-        ]
-    }
-
-    fn read(command: u8, answer: &[u8]) -> Vec<Transaction<u8>> {
-        vec![
-            Transaction::transaction_start(),
-            Transaction::write_vec(vec![command]),
-            Transaction::read_vec(answer.to_vec()),
-            Transaction::transaction_end(),
-        ]
-    }
 
     #[test]
     fn the_bytes_on_the_bus_are_the_datasheets() {
         let mut expected = written(&[0x1E]);
         for (index, word) in WORDS.iter().enumerate() {
-            expected.extend(read(0xA0 + 2 * u8::try_from(index).unwrap(), &word.to_be_bytes()));
+            expected.extend(read(&[0xA0 + 2 * u8::try_from(index).unwrap()], &word.to_be_bytes()));
         }
         expected.extend(written(&[0x58]));
-        expected.extend(read(0x00, &8_569_150u32.to_be_bytes()[1..]));
+        expected.extend(read(&[0x00], &8_569_150u32.to_be_bytes()[1..]));
         expected.extend(written(&[0x48]));
-        expected.extend(read(0x00, &9_085_466u32.to_be_bytes()[1..]));
+        expected.extend(read(&[0x00], &9_085_466u32.to_be_bytes()[1..]));
         expected.extend(written(&[0x48]));
         let mut driver = Ms5611::new(Mock::new(&expected));
         let samples: Vec<_> = (0..15u64)
