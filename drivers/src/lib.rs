@@ -18,6 +18,7 @@ pub mod icm42688p;
 pub mod ms5611;
 mod port;
 mod replay;
+mod ring;
 mod sensor;
 mod suite;
 pub mod ublox;
@@ -26,6 +27,7 @@ pub mod umbilical;
 pub use error::SensorError;
 pub use health::Health;
 pub use replay::{Replay, ReplayUmbilical, ReplayedSuite};
+pub use ring::{RingError, RingReader};
 pub use sensor::{
     AltitudeLink, Barometer, BarometerSample, InertialUnit, LaunchDiscrete, SatelliteReceiver, VehicleLink,
     VehicleState,

@@ -2,11 +2,12 @@
 //! tick computes. The driver at the other end takes what has arrived at each tick.
 //!
 //! # Errors
-//! Each is counted ([`LineCounts`]), and each discards what has arrived until then: a frame is broken in any case, and the
+//! [`RingReader`] says which; each is counted ([`LineCounts`]), and each discards what has arrived until then: a frame is broken in any case, and the
 //! driver finds the next one.
 
 use core::sync::atomic::{AtomicU8, AtomicU32, Ordering, fence};
 
+use drivers::{RingError, RingReader, ublox, umbilical};
 use embedded_io::ErrorKind;
 use stm32f4xx_hal::ReadFlags;
 use stm32f4xx_hal::dma::config::Priority;
@@ -19,8 +20,10 @@ use stm32f4xx_hal::serial::{Flag, Instance, Rx, RxISR, Serial, TxISR};
 use super::clock::CostClock;
 use super::wiring::CORE_MHZ;
 
-/// Bytes of a ring: 22 ms at 115,200 baud.
+/// Bytes of a ring: 22 ms at 115,200 baud, so that ticks may come 11 ms apart.
 const RING_BYTES: usize = 256;
+// What has arrived in that time must go in one poll.
+const _: () = assert!(RING_BYTES / 2 <= ublox::MAX_POLL_BYTES && RING_BYTES / 2 <= umbilical::MAX_POLL_BYTES);
 /// Bits of a byte on the line: start, data, stop.
 const BITS: u64 = 10;
 
@@ -36,7 +39,7 @@ pub const fn ring() -> Ring {
 pub struct LineCounts {
     /// Polls that found a framing error or an overrun of the receiver: a wrong rate, a loose wire.
     pub broken: AtomicU32,
-    /// Polls that came so late that the ring may have been written around.
+    /// Polls that came so late that bytes may have been written over.
     pub late: AtomicU32,
     /// Times that the DMA stream had stopped, and was started again.
     pub stopped: AtomicU32,
@@ -60,14 +63,7 @@ pub struct Port<UART: Instance, Stream> {
     stream: Stream,
     ring: &'static Ring,
     counts: &'static LineCounts,
-    /// The next byte to hand out, and the next that the DMA will write, as it was last seen.
-    next: usize,
-    arrived: usize,
-    /// When it was seen, in cycles, and after how many the ring may be full.
-    seen: u32,
-    lap_cycles: u32,
-    /// Where the ring was when the last error of the line was told.
-    broken_at: Option<usize>,
+    reader: RingReader<RING_BYTES>,
 }
 
 impl<UART: Instance, Stream: stm32f4xx_hal::dma::traits::Stream> Port<UART, Stream> {
@@ -105,11 +101,7 @@ impl<UART: Instance, Stream: stm32f4xx_hal::dma::traits::Stream> Port<UART, Stre
             stream,
             ring,
             counts,
-            next: 0,
-            arrived: 0,
-            seen: CostClock::now(),
-            lap_cycles: lap_cycles as u32,
-            broken_at: None,
+            reader: RingReader::new(CostClock::now(), lap_cycles as u32),
         };
         port.begin();
         port
@@ -128,17 +120,13 @@ impl<UART: Instance, Stream: stm32f4xx_hal::dma::traits::Stream> Port<UART, Stre
         self.stream.set_number_of_transfers(RING_BYTES as u16);
         // What came before nobody waits for: it has left its error behind.
         self.serial.clear_idle_interrupt();
-        self.next = 0;
-        self.arrived = 0;
+        self.reader.restart(CostClock::now());
         // SAFETY: the stream is stopped and set up; the ring is static, and nobody but the stream writes to it.
         unsafe { self.stream.enable() };
     }
 
     /// Looks how far the DMA has come.
     fn look(&mut self) -> Result<(), ErrorKind> {
-        let now = CostClock::now();
-        let elapsed = now.wrapping_sub(self.seen);
-        self.seen = now;
         // A fault of the bus stops it (RM0090, 10.3.18).
         if !self.stream.is_enabled() {
             count(&self.counts.stopped);
@@ -146,24 +134,22 @@ impl<UART: Instance, Stream: stm32f4xx_hal::dma::traits::Stream> Port<UART, Stre
             return Err(ErrorKind::Other);
         }
         // From the count to the byte's place in memory the DMA takes a few cycles of the bus: the look at the flags, over
-        // the slower peripheral bus, takes longer. And no byte is read before.
-        self.arrived = RING_BYTES.wrapping_sub(self.stream.number_of_transfers().into()) % RING_BYTES;
+        // the slower peripheral bus, takes longer. And no byte is read before. Their own look clears the flags, together
+        // with the DMA's next fetch (RM0090, 30.6.1).
+        let remaining = self.stream.number_of_transfers();
         let flags = self.serial.flags();
         fence(Ordering::Acquire);
-        if elapsed >= self.lap_cycles {
-            count(&self.counts.late);
-            self.next = self.arrived;
-            return Err(ErrorKind::Other);
-        }
-        // The flags stay until the DMA has fetched another byte after this look at them.
-        if !flags.contains(Flag::FramingError) && !flags.contains(Flag::Overrun) {
-            self.broken_at = None;
-        } else if self.broken_at.replace(self.arrived) != Some(self.arrived) {
-            count(&self.counts.broken);
-            self.next = self.arrived;
-            return Err(ErrorKind::InvalidData);
-        }
-        Ok(())
+        let has_broken = flags.contains(Flag::FramingError) || flags.contains(Flag::Overrun);
+        self.reader.look(CostClock::now(), remaining.into(), has_broken).map_err(|error| match error {
+            RingError::Broken => {
+                count(&self.counts.broken);
+                ErrorKind::InvalidData
+            }
+            RingError::Late => {
+                count(&self.counts.late);
+                ErrorKind::Other
+            }
+        })
     }
 }
 
@@ -175,10 +161,10 @@ impl<UART: Instance, Stream: stm32f4xx_hal::dma::traits::Stream> embedded_io::Re
     for Port<UART, Stream>
 {
     fn read_ready(&mut self) -> Result<bool, ErrorKind> {
-        if self.next == self.arrived {
+        if self.reader.is_empty() {
             self.look()?;
         }
-        Ok(self.next != self.arrived)
+        Ok(!self.reader.is_empty())
     }
 }
 
@@ -187,9 +173,8 @@ impl<UART: Instance, Stream: stm32f4xx_hal::dma::traits::Stream> embedded_io::Re
     fn read(&mut self, bytes: &mut [u8]) -> Result<usize, ErrorKind> {
         let mut taken = 0;
         for byte in bytes {
-            let Some(arrived) = self.ring.get(self.next).filter(|_| self.next != self.arrived) else { break };
+            let Some(arrived) = self.reader.take().and_then(|place| self.ring.get(place)) else { break };
             *byte = arrived.load(Ordering::Relaxed);
-            self.next = (self.next + 1) % RING_BYTES;
             taken += 1;
         }
         Ok(taken)
