@@ -83,7 +83,7 @@ impl<Surroundings: Source<Air>> Ms5611Model<Surroundings> {
         self.conversion = Conversion::Running { result, done_us: now_us + length_us, spoiled: false };
     }
 
-    /// "ADC read sequence": 0 before the end, and that read spoils the conversion; 0 when read again.
+    /// "Conversion sequence": 0 before the end, and that read spoils the conversion; 0 when read again.
     fn answer_conversion(&mut self, now_us: u64) {
         match &mut self.conversion {
             Conversion::None => {}

@@ -154,7 +154,7 @@ impl<Spi: SpiDevice> Ms5611<Spi> {
         let [high, middle, low] = bus::read(&mut self.spi, &[READ_ADC])?;
         let raw = u32::from_be_bytes([0, high, middle, low]);
         match raw {
-            // Datasheet, "ADC read sequence": 0 is no result.
+            // Datasheet, "Conversion sequence": 0 is no result.
             0 => return Err(SensorError::NoConversion),
             0xFF_FFFF => return Err(SensorError::StuckBus),
             _ => {}
