@@ -46,6 +46,8 @@ const MAXIMUM_FORCE_MPS2: f32 = 1_000.0;
 const MAXIMUM_RATE_RADPS: f32 = 100.0;
 const MAXIMUM_ALTITUDE_M: f32 = 100_000.0;
 const MAXIMUM_SPEED_MPS: f32 = 1_000.0;
+/// Levelling on specific force before velocities are matched, seconds.
+const COARSE_LEVEL_S: f32 = 10.0;
 /// Largest turn between two samples, rad: two rates no longer say how the body moved, and the series end.
 const LONGEST_ANGLE_RAD: f32 = 1.0;
 
@@ -245,7 +247,9 @@ impl VerticalChannel {
         }
         let Some(down) = &self.down else { return Err(StrapdownError::NoVertical) };
         match &mut self.matching {
-            Some(matching) if !matching.is_void(time_us) => matching.reference(time_us, velocity_mps),
+            Some(matching) if !matching.is_void(time_us) => matching.reference(time_us, velocity_mps, down),
+            // The match is linear: a level to some hundredths of a radian must be there.
+            _ if self.levelling.elapsed_s() < COARSE_LEVEL_S => {}
             matching => *matching = VelocityMatch::new(time_us, velocity_mps, down),
         }
         Ok(())

@@ -9,10 +9,11 @@
 //! `phi' = -C b`, `dv' = f x phi`; measured is `dv`, the integrated velocity less the fix's.
 //!
 //! `phi` is the small rotation of the computed axes against the true ones (tilts, heading), `b` what is left of the gyro's
-//! bias in body axes, `C` body to navigation axes, `f` specific force. The heading starts as the track,
-//! which is off by the crab angle, and is a state like the others: accelerations show it. Every update is fed back
-//! at once, so the states are zero between updates. A horizontal bias of the accelerometer can not be told
-//! from a tilt in straight flight, and is taken for one.
+//! bias in body axes, `C` body to navigation axes, `f` specific force. Heading and the bias about the vertical show
+//! but weakly in the accelerations of straight flight, so the track is measured too: heading and crab angle, which is a state, as
+//! wind and trim do not change fast. Every update is fed back at once, so the states are zero between updates. A horizontal
+//! bias of the accelerometer can not be told from a tilt in straight flight, and is taken for one; so is the Coriolis
+//! acceleration (4 mm/s^2 at 28 m/s), which is not in the model.
 //!
 //! One fix a second is used. The update is spread over the three ticks after it: no tick bears all of it.
 
@@ -21,15 +22,16 @@ use super::vector::{Down, Vector, cross, dot};
 use crate::time::seconds_between;
 use crate::ud::{NoiseVariance, Row, UdFilter};
 
-/// Errors of tilt north and east, heading (rad), gyro bias x, y, z (rad/s), velocity north and east (m/s).
-const STATES: usize = 8;
+/// Errors of tilt north and east, heading (rad), gyro bias x, y, z (rad/s), velocity north and east (m/s), crab angle (rad).
+const STATES: usize = 9;
 const HEADING: usize = 2;
 const BIAS: usize = 3;
 const VELOCITY: usize = 6;
+const CRAB: usize = 8;
 
 /// Variances at the start: a tilt by an acceleration of 1 m/s^2, a crab angle of 0.3 rad, the bias of a MEMS gyro
 /// (0.02 rad/s), and the fix's velocity.
-const START: [f32; 5] = [0.01, 0.01, 0.09, 4e-4, 0.02];
+const START: [f32; 4] = [0.01, 0.09, 4e-4, 0.02];
 /// Variance of a fix's velocity, (m/s)^2: 0.1 m/s, which has in it a latency of 0.2 s at 0.5 m/s^2.
 const FIX_M2PS2: f32 = 0.01;
 /// Noise densities. Angle: 0.02 deg/s/sqrt(Hz), rad^2/s.
@@ -38,6 +40,13 @@ const ANGLE_DENSITY: f32 = 1.2e-7;
 const BIAS_DENSITY: f32 = 2.6e-12;
 /// Velocity: vibration of 0.5 m/s^2 sampled 200 times a second, (m/s)^2/s.
 const VELOCITY_DENSITY: f32 = 1.2e-3;
+
+/// Crab: what wind and trim move in 100 s is 0.03 rad, rad^2/s; and in a turn up to a wind of a fifth of the airspeed.
+const CRAB_DENSITY: f32 = 1e-5;
+const CRAB_BY_TURN: f32 = 0.04;
+/// A gust across the track moves it by itself over the speed. Variance of 2 m/s, (m/s)^2: 0.8 m/s that last for
+/// several fixes.
+const GUST_M2PS2: f32 = 4.0;
 
 /// Least and longest time between two fixes that are used, seconds. Over the longest the error model is still linear.
 const SHORTEST_S: f32 = 0.9;
@@ -52,8 +61,28 @@ const REFUSALS: u8 = 5;
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stage {
     Idle,
-    Propagate { seconds: f32, gained: [f32; 3], apart: [f32; 2] },
-    Update { apart: [f32; 2] },
+    Propagate { seconds: f32, gained: [f32; 3], fix: Apart },
+    Update(Apart),
+}
+
+/// How far a fix is from what was computed for its time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Apart {
+    velocity_mps: [f32; 2],
+    /// Track less heading less crab (rad), and its variance; `None` where it is too slow for a track.
+    track: Option<[f32; 2]>,
+    /// Square of the change of track since the last fix, rad^2.
+    turned: f32,
+}
+
+/// A direction in the level plane from its components; `None` for too short ones.
+fn unit([north, east]: [f32; 2], least: f32) -> Option<[f32; 2]> {
+    let squared = north * north + east * east;
+    if squared < least * least {
+        return None;
+    }
+    let scale = 1.0 / libm::sqrtf(squared);
+    Some([north * scale, east * scale])
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -62,6 +91,9 @@ pub(super) struct VelocityMatch {
     north: Down,
     /// Integrated horizontal velocity, m/s.
     velocity: [Sum; 2],
+    crab_rad: f32,
+    /// Of the last fix that was used.
+    track: [f32; 2],
     last_force: Option<Vector>,
     /// Integral of the specific force since the last fix that was used, m/s.
     gained: Vector,
@@ -73,10 +105,7 @@ pub(super) struct VelocityMatch {
 impl VelocityMatch {
     /// From a fix's north and east velocity, m/s; `None` where the track says no heading, or the nose points up or down.
     pub(super) fn new(time_us: u64, [north_mps, east_mps]: [f32; 2], down: &Down) -> Option<Self> {
-        let speed_squared = north_mps * north_mps + east_mps * east_mps;
-        if speed_squared < LEAST_SPEED_MPS * LEAST_SPEED_MPS {
-            return None;
-        }
+        let track = unit([north_mps, east_mps], LEAST_SPEED_MPS)?;
         let down = down.get();
         let level = 1.0 - down[0] * down[0];
         if level < 0.25 {
@@ -86,15 +115,16 @@ impl VelocityMatch {
         let scale = 1.0 / libm::sqrtf(level);
         let ahead = [0, 1, 2].map(|axis| scale * (f32::from(u8::from(axis == 0)) - down[0] * down[axis]));
         let right = cross(down, ahead);
-        let speed = libm::sqrtf(speed_squared);
-        let (cosine, sine) = (north_mps / speed, east_mps / speed);
+        let [cosine, sine] = track;
         let north = [0, 1, 2].map(|axis| cosine * ahead[axis] - sine * right[axis]);
-        let [tilt, _, heading, bias, velocity] = START;
-        let variance = [tilt, tilt, heading, bias, bias, bias, velocity, velocity];
+        let [tilt, heading, bias, velocity] = START;
+        let variance = [tilt, tilt, heading, bias, bias, bias, velocity, velocity, heading];
         Some(Self {
             filter: UdFilter::new([], [], [0.0; STATES], variance).ok()?,
             north: Down::from_unit(north),
             velocity: [Sum::new(north_mps), Sum::new(east_mps)],
+            crab_rad: 0.0,
+            track,
             last_force: None,
             gained: [0.0; 3],
             fix_us: time_us,
@@ -131,15 +161,15 @@ impl VelocityMatch {
         }
         match self.stage {
             Stage::Idle => {}
-            Stage::Propagate { seconds, gained, apart } => {
-                self.stage = Stage::Update { apart };
-                if self.propagate(down, seconds, gained).is_none() {
+            Stage::Propagate { seconds, gained, fix } => {
+                self.stage = Stage::Update(fix);
+                if self.propagate(down, seconds, gained, fix.turned).is_none() {
                     self.refusals = REFUSALS;
                 }
             }
-            Stage::Update { apart } => {
+            Stage::Update(fix) => {
                 self.stage = Stage::Idle;
-                self.update(apart);
+                self.update(&fix);
                 self.feed_back(down, gyro_bias);
             }
         }
@@ -162,18 +192,31 @@ impl VelocityMatch {
     }
 
     /// Takes the velocity of a fix, m/s, if one is due.
-    pub(super) fn reference(&mut self, time_us: u64, velocity_mps: [f32; 2]) {
+    pub(super) fn reference(&mut self, time_us: u64, velocity_mps: [f32; 2], down: &Down) {
         let seconds = seconds_between(self.fix_us, time_us);
         if self.stage != Stage::Idle || seconds < SHORTEST_S {
             return;
         }
         let apart = [0, 1].map(|axis| self.velocity[axis].value() - velocity_mps[axis]);
-        self.stage = Stage::Propagate { seconds, gained: self.gained, apart };
+        let [north, east, _] = self.axes(down);
+        let ahead = unit([north[0], east[0]], 0.5);
+        let track = unit(velocity_mps, LEAST_SPEED_MPS);
+        let mut fix = Apart { velocity_mps: apart, track: None, turned: 0.0 };
+        if let (Some([ahead_north, ahead_east]), Some([track_north, track_east])) = (ahead, track) {
+            let sine = ahead_north * track_east - ahead_east * track_north;
+            let cosine = ahead_north * track_north + ahead_east * track_east;
+            let speed_squared: f32 = velocity_mps.iter().map(|part| part * part).sum();
+            fix.track = Some([libm::atan2f(sine, cosine) - self.crab_rad, GUST_M2PS2 / speed_squared]);
+            let turned = self.track[0] * track_east - self.track[1] * track_north;
+            fix.turned = turned * turned;
+            self.track = [track_north, track_east];
+        }
+        self.stage = Stage::Propagate { seconds, gained: self.gained, fix };
         self.gained = [0.0; 3];
         self.fix_us = time_us;
     }
 
-    fn propagate(&mut self, down: &Down, seconds: f32, gained: Vector) -> Option<()> {
+    fn propagate(&mut self, down: &Down, seconds: f32, gained: Vector, turned: f32) -> Option<()> {
         let axes = self.axes(down);
         let mut transition = [[0.0; STATES]; STATES];
         for (state, row) in transition.iter_mut().enumerate() {
@@ -196,18 +239,19 @@ impl VelocityMatch {
         }
         self.filter.propagate::<0>(&transition, &[0.0; STATES], &[[]; STATES], &[]).ok()?;
         for state in 0..STATES {
-            let density = match state {
-                0..=HEADING => ANGLE_DENSITY,
-                BIAS..VELOCITY => BIAS_DENSITY,
-                _ => VELOCITY_DENSITY,
+            let variance = match state {
+                0..=HEADING => ANGLE_DENSITY * seconds,
+                BIAS..VELOCITY => BIAS_DENSITY * seconds,
+                CRAB => CRAB_DENSITY * seconds + CRAB_BY_TURN * turned,
+                _ => VELOCITY_DENSITY * seconds,
             };
-            self.filter.add_tail_noise(state, density * seconds).ok()?;
+            self.filter.add_tail_noise(state, variance).ok()?;
         }
         Some(())
     }
 
-    fn update(&mut self, apart: [f32; 2]) {
-        let Ok(noise) = NoiseVariance::new(FIX_M2PS2) else { return };
+    fn update(&mut self, fix: &Apart) {
+        let apart = fix.velocity_mps;
         let is_plausible = [0, 1].into_iter().all(|axis| {
             let variance = self.filter.variance(VELOCITY + axis) + FIX_M2PS2;
             apart[axis] * apart[axis] <= GATE * variance
@@ -217,10 +261,16 @@ impl VelocityMatch {
             return;
         }
         self.refusals = 0;
-        for (axis, apart_mps) in apart.into_iter().enumerate() {
-            let mut row = Row { head: None, tail: [0.0; STATES], first: VELOCITY + axis };
-            row.tail[VELOCITY + axis] = 1.0;
-            if self.filter.update(&row, apart_mps, noise).is_err() {
+        let [north, east] = [VELOCITY, VELOCITY + 1].map(|state| [state, state]);
+        let velocities = [(north, apart[0], FIX_M2PS2), (east, apart[1], FIX_M2PS2)];
+        let track = fix.track.map(|[apart_rad, variance]| ([HEADING, CRAB], apart_rad, variance));
+        for ([first, second], value, variance) in velocities.into_iter().chain(track) {
+            let mut row = Row { head: None, tail: [0.0; STATES], first };
+            row.tail[first] = 1.0;
+            row.tail[second] = 1.0;
+            let updated =
+                NoiseVariance::new(variance).and_then(|noise| self.filter.update(&row, value, noise));
+            if updated.is_err() {
                 self.refusals = REFUSALS;
             }
         }
@@ -246,6 +296,7 @@ impl VelocityMatch {
         for axis in 0..2 {
             self.velocity[axis].add(-error[VELOCITY + axis]);
         }
+        self.crab_rad += error[CRAB];
         for (state, value) in error.into_iter().enumerate() {
             // A finite value of a state that exists.
             let _ = self.filter.shift_tail(state, -value);

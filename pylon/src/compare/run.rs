@@ -117,7 +117,7 @@ fn remedies(replay: &Replay<'_>) -> Result<Vec<Remedy>, ReplayError> {
             runs.push((name(&second_correction), mission(&model)?, RemedyTally::default()));
         }
     }
-    for input in replay.inputs() {
+    for input in replay.mission_inputs() {
         for (_, mission, tally) in &mut runs {
             let output: TickOutput = AnyMission::tick(mission.as_mut(), &input);
             tally.take(&output);

@@ -23,7 +23,23 @@ pub(super) fn input_warnings(summary: &ReplaySummary) -> Vec<String> {
         (inputs.partial_attitudes, "attitudes with some of roll, pitch and yaw only were not used"),
         (inputs.partial_imu_samples, "inertial samples with some of their six cells only were not used"),
     ];
-    kinds.into_iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}")).collect()
+    let mut lines: Vec<_> = kinds
+        .into_iter()
+        .filter(|(count, _)| *count > 0)
+        .map(|(count, what)| format!("{count} {what}"))
+        .collect();
+    if let Some((counts, channel)) = &summary.inertial_altitude {
+        lines.push(match counts.delivered {
+            0 => "imu_slave: the flight has no imu_slave_alt_m, and its inertial samples could not be aligned to make it".to_owned(),
+            delivered => format!(
+                "imu_slave: the flight has no imu_slave_alt_m; its {delivered} altitudes were made of accelerometer and gyro"
+            ),
+        });
+        if channel.refused > 0 {
+            lines.push(format!("{} inertial samples were refused by the strapdown channel", channel.refused));
+        }
+    }
+    lines
 }
 
 /// One line for each effect of the model that the flight has not the columns for.

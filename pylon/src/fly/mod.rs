@@ -124,7 +124,7 @@ pub struct PartReport {
 /// # Errors
 /// [`FlyError`]; [`FlyError::Differs`] if a single bit differs.
 pub fn fly(replay: &Replay<'_>, options: &FlyOptions) -> Result<FlyReport, FlyError> {
-    fly_inputs(replay.inputs(), replay.model(), options)
+    fly_inputs(replay.mission_inputs(), replay.model(), options)
 }
 
 /// As [`fly`], for ticks from anywhere.

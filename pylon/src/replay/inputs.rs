@@ -1,6 +1,8 @@
 //! Rows of a flight as ticks.
 
 use kf_core::input::{BaroReading, GpsFix, ImuSample, LaunchDoubt, Signals, TickInput};
+use kf_core::navigation::InertialAltitude;
+use kf_core::strapdown::Config;
 
 use super::window::CalibrationWindow;
 use crate::flight::{Channel, Column, Flight};
@@ -32,6 +34,8 @@ pub struct TickInputs<'a> {
     skipped: usize,
     launch: bool,
     counters: InputCounters,
+    /// Where the flight computer makes the UAV's inertial altitude itself.
+    inertial_altitude: Option<InertialAltitude>,
 }
 
 #[derive(Clone, Debug)]
@@ -79,6 +83,22 @@ fn triple(cells: &[Cells<'_>; 3], row: usize) -> (Option<[f32; 3]>, bool) {
     }
 }
 
+/// Fewer inertial samples a second than this do not follow an aircraft's rotation, Hz.
+const LEAST_INERTIAL_RATE_HZ: f64 = 50.0;
+
+impl Columns<'_> {
+    fn makes_inertial_altitude(&self) -> bool {
+        let count = |cells: &Cells<'_>| cells.0.map_or(0, |column| column.samples().count());
+        let samples = self.accel.iter().chain(&self.gyro).map(count).min().unwrap_or(0);
+        let (first, last) = (self.time_s.first().copied(), self.time_s.last().copied());
+        let duration_s = last.unwrap_or(0.0) - first.unwrap_or(0.0);
+        // One more sample than intervals, and the times of a log are rounded.
+        count(&self.imu_slave) == 0
+            && duration_s > 0.0
+            && samples as f64 + 1.0 >= LEAST_INERTIAL_RATE_HZ * duration_s
+    }
+}
+
 /// Microseconds of a time that the reader has checked.
 #[inline]
 fn microseconds(time_s: f64) -> u64 {
@@ -118,7 +138,30 @@ impl<'a> TickInputs<'a> {
         };
         let start_s = window.map_or(0.0, |window| window.start_s);
         let skipped = flight.time_s.iter().position(|time| *time >= start_s).unwrap_or(flight.rows());
-        Self { columns, window, row: skipped, skipped, launch: false, counters: InputCounters::default() }
+        Self {
+            columns,
+            window,
+            row: skipped,
+            skipped,
+            launch: false,
+            counters: InputCounters::default(),
+            inertial_altitude: None,
+        }
+    }
+
+    /// From now on `imu_slave` is what the strapdown channel makes of the inertial samples, if the flight has enough of
+    /// these and no altitude of that sensor.
+    pub(super) fn with_inertial_altitude(mut self) -> Self {
+        if self.columns.makes_inertial_altitude() {
+            self.inertial_altitude = Some(InertialAltitude::new(Config::MEMS));
+        }
+        self
+    }
+
+    /// The strapdown channel, where it is in use.
+    #[must_use]
+    pub const fn inertial_altitude(&self) -> Option<&InertialAltitude> {
+        self.inertial_altitude.as_ref()
     }
 
     /// What could not be made into ticks so far.
@@ -230,7 +273,7 @@ impl Iterator for TickInputs<'_> {
         };
         let (imu_master_altitude_m, imu_slave_altitude_m) =
             (columns.imu_master.get(row), columns.imu_slave.get(row));
-        Some(TickInput {
+        let mut input = TickInput {
             time_us: microseconds(time_s),
             launch: self.launch,
             launch_doubt: LaunchDoubt::None,
@@ -240,6 +283,10 @@ impl Iterator for TickInputs<'_> {
             imu_slave_altitude_m,
             imu: self.imu(row),
             signals: self.signals(row),
-        })
+        };
+        if let Some(inertial_altitude) = &mut self.inertial_altitude {
+            inertial_altitude.tick(&mut input);
+        }
+        Some(input)
     }
 }

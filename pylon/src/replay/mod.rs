@@ -15,7 +15,9 @@ use std::fmt;
 use kf_core::input::TickInput;
 use kf_core::latch::LatchRecord;
 use kf_core::mission::Counters;
+use kf_core::navigation::NavigationCounts;
 use kf_core::output::TickOutput;
+use kf_core::strapdown;
 use model::Model;
 
 use crate::flight::{Channel, Flight};
@@ -84,6 +86,8 @@ pub struct ReplaySummary {
     pub inputs: InputCounters,
     /// What the estimator counted: ignored ticks, samples that are not finite, held fixes, and so on.
     pub counters: Counters,
+    /// What was counted where the strapdown channel made the UAV's inertial altitude; `None` where it did not.
+    pub inertial_altitude: Option<(NavigationCounts, strapdown::Counts)>,
     /// The latched calibration, if there was a launch.
     pub latch: Option<LatchRecord>,
 }
@@ -199,7 +203,14 @@ impl<'a> Replay<'a> {
         &self.source
     }
 
-    /// The ticks, one a row from the calibration window on.
+    /// The ticks as the mission gets them: [`Self::inputs`], and where the flight has accelerometer and gyro at 50 Hz or more
+    /// but no `imu_slave_alt_m`, the altitude that the flight computer makes of them.
+    #[must_use]
+    pub fn mission_inputs(&self) -> TickInputs<'a> {
+        self.inputs().with_inertial_altitude()
+    }
+
+    /// The ticks as the sensors' own, one a row from the calibration window on.
     #[must_use]
     pub fn inputs(&self) -> TickInputs<'a> {
         TickInputs::new(self.flight, self.source.window())
@@ -215,7 +226,7 @@ impl<'a> Replay<'a> {
         on_tick: &mut dyn FnMut(&TickInput, &TickOutput),
     ) -> Result<ReplaySummary, ReplayError> {
         let mut mission = mission(&self.model)?;
-        let mut inputs = self.inputs();
+        let mut inputs = self.mission_inputs();
         for input in inputs.by_ref() {
             let output = mission.tick(&input);
             on_tick(&input, &output);
@@ -224,6 +235,9 @@ impl<'a> Replay<'a> {
             skipped_rows: inputs.skipped_rows(),
             inputs: *inputs.counters(),
             counters: *mission.counters(),
+            inertial_altitude: inputs
+                .inertial_altitude()
+                .map(|made| (*made.counts(), made.channel().counts())),
             latch: mission.latch().cloned(),
         })
     }

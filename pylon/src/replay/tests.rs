@@ -240,3 +240,49 @@ fn refuses_flights_and_models_that_can_not_be_run() {
     flight.channels.retain(|(channel, _)| matches!(channel, Channel::GpsAltM | Channel::Launch));
     assert!(message(&flight, &Model::default()).starts_with("no altitude besides gps_alt_m"));
 }
+
+/// Rest at 2000 m, 40 s captive and 20 s free, so many inertial samples a second and five fixes; `own` is the cell of
+/// `imu_slave_alt_m`.
+fn inertial_flight(rate_hz: u32, own: &str) -> Flight {
+    let mut text = String::from(
+        "time_s,launch,gps_alt_m,gps_vn_mps,gps_ve_mps,gps_vd_mps,gps_time_s,baro_alt_m,imu_slave_alt_m,accel_x_mps2,accel_y_mps2,\
+         accel_z_mps2,gyro_x_radps,gyro_y_radps,gyro_z_radps\n",
+    );
+    for row in 0..60 * rate_hz {
+        let time_s = f64::from(row) / f64::from(rate_hz);
+        let launch = u8::from(row >= 40 * rate_hz);
+        let gps = if row % (rate_hz / 5) == 0 { format!("2000,20,10,0,{time_s}") } else { ",,,,".to_owned() };
+        text += &format!("{time_s:.4},{launch},{gps},{},{own},0,0,-9.80665,0,0,0\n", 1900 + row % 2);
+    }
+    read(&text)
+}
+
+#[test]
+fn an_altitude_that_is_not_there_is_made_of_inertial_samples() {
+    let flight = inertial_flight(50, "");
+    let replay = Replay::new(&flight, &Model::default(), None).unwrap();
+    let made: Vec<_> = replay
+        .mission_inputs()
+        .filter_map(|input| input.imu_slave_altitude_m.map(|altitude_m| (input.time_us, altitude_m)))
+        .collect();
+    // From 20 s of alignment on, every third sample: 50 ms are two and a half.
+    assert!((20_000_000..20_300_000).contains(&made[0].0), "{:?}", made[0]);
+    assert_eq!(made.len() as u64, (60_000_000 - made[0].0).div_ceil(60_000));
+    // A perfect rest; half the last bit of gravity, for 20 s.
+    assert!(made.iter().all(|(_, altitude_m)| (altitude_m - 2000.0).abs() < 0.01));
+    let (_, summary) = run(&replay);
+    let (counts, channel) = summary.inertial_altitude.unwrap();
+    assert_eq!((counts.delivered as usize, channel.refused), (made.len(), 0));
+    assert!(summary.latch.unwrap().sensors[Sensor::ImuSlave.index()].readings > 300);
+    // The sensors' own ticks have none of it.
+    assert!(replay.inputs().all(|input| input.imu_slave_altitude_m.is_none()));
+}
+
+#[test]
+fn what_has_the_altitude_or_too_few_samples_is_flown_as_it_is() {
+    for flight in [inertial_flight(50, "1234.5"), inertial_flight(45, "")] {
+        let replay = Replay::new(&flight, &Model::default(), None).unwrap();
+        assert!(replay.mission_inputs().eq(replay.inputs()));
+        assert_eq!(run(&replay).1.inertial_altitude, None);
+    }
+}
