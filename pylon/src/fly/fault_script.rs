@@ -212,7 +212,6 @@ pub(super) fn check(
 
 /// What a flight record brings, in its order.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "one at a time")]
 pub(super) enum Item {
     /// A tick.
     Tick(TickInput),
