@@ -4,5 +4,6 @@ pub mod bench;
 pub mod blind;
 pub mod budget;
 pub mod confusion;
+pub mod endurance;
 pub mod real_logs;
 pub mod textbook;

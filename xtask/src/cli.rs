@@ -16,6 +16,7 @@ Examples:
   cargo xtask bench          how fast, how small, beside whom
   cargo xtask blind 400      how often a diagnosis is right, on 400 simulated flights
   cargo xtask flash          write the flight computer's image to a board (docs/bring-up.md)
+  cargo xtask endurance      ten hours captive, and fifty random flights, in QEMU, bit for bit
 
 Missing tools are installed by rustup and apt-get, and what is installed is said first."
 )]
@@ -100,6 +101,18 @@ It neither stops nor resets the board, which drops what finds no room in the log
         /// The probe: VID:PID or VID:PID:SERIAL.
         #[arg(long)]
         probe: Option<String>,
+    },
+    /// Fly ten hours of captive flight, and fifty random flights, through the emulated flight computer, bit for bit.
+    Endurance {
+        /// Hours of captive flight.
+        #[arg(long, default_value_t = 10.0)]
+        hours: f64,
+        /// Random flights.
+        #[arg(long, default_value_t = 50)]
+        flights: u64,
+        /// The first random flight's seed; each further one's is one more.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
     },
     /// Run a command and print its wall time and its peak memory as JSON (for `bench`).
     #[command(hide = true)]

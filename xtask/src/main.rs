@@ -8,6 +8,7 @@ mod board;
 mod child;
 mod cli;
 mod demo;
+mod endurance;
 mod improvement;
 mod setup;
 mod steps;
@@ -59,6 +60,7 @@ fn run(job: Job, verbose: bool) -> anyhow::Result<bool> {
         Job::Baselines { trials, seed, write } => blind::baselines(trials, seed, write, verbose)?,
         Job::Flash { model, probe } => board::flash(&model, probe.as_deref(), verbose)?,
         Job::Log { probe } => board::log(probe.as_deref(), verbose)?,
+        Job::Endurance { hours, flights, seed } => endurance::run(hours, flights, seed, verbose)?,
         Job::Measure { command } => bench::measure::print(&command)?,
     }
     Ok(true)
