@@ -32,6 +32,9 @@ pub trait Sensors {
     /// The faults so far.
     fn faults(&self) -> Faults;
 
+    /// Whether the umbilical's wire was open at the last poll; `None`: it could not be read.
+    fn wire(&self) -> Option<bool>;
+
     /// Polls every sensor once.
     fn poll(&mut self, now_us: u64) -> TickInput {
         self.poll_each(now_us, &mut |_| ())
@@ -45,6 +48,10 @@ impl<Suite: Sensors> Sensors for &mut Suite {
 
     fn faults(&self) -> Faults {
         (**self).faults()
+    }
+
+    fn wire(&self) -> Option<bool> {
+        (**self).wire()
     }
 }
 
@@ -75,6 +82,7 @@ pub struct Suite<Receiver, Baro, Imu, Master, Slave, Vehicle, Launch> {
     /// The umbilical discrete.
     pub launch: Launch,
     launched: bool,
+    wire: Option<bool>,
     faults: Faults,
 }
 
@@ -108,6 +116,7 @@ where
             vehicle,
             launch,
             launched: false,
+            wire: None,
             faults: Faults { count: 0, last: None },
         }
     }
@@ -126,9 +135,8 @@ where
 {
     /// A failed poll counts as a fault and as no sample; while the umbilical can not be read it is what it last was.
     fn poll_each(&mut self, now_us: u64, polled: &mut impl FnMut(Device)) -> TickInput {
-        if let Some(launched) = self.faults.note(self.launch.poll(now_us).map(Some)) {
-            self.launched = launched;
-        }
+        self.wire = self.faults.note(self.launch.poll(now_us).map(Some));
+        self.launched = self.wire.unwrap_or(self.launched);
         polled(Device::Launch);
         let gps = self.faults.note(self.receiver.poll(now_us));
         polled(Device::Receiver);
@@ -166,6 +174,10 @@ where
 
     fn faults(&self) -> Faults {
         self.faults
+    }
+
+    fn wire(&self) -> Option<bool> {
+        self.wire
     }
 }
 

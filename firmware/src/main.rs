@@ -15,9 +15,11 @@ mod stack;
 mod tick_timer;
 
 use drivers::Sensors as _;
-use flight_computer::{FlightComputer, Step};
+use flight_computer::{FlightComputer, Onboard, Step};
 use flight_record::{ExitStatus, Summary, TickRecord};
 use heapless::spsc::{Consumer, Producer, Queue};
+use kf_core::launch::LaunchConfig;
+use kf_core::strapdown;
 
 use board::{Board, CostClock, Feeder, Next, Sensors, Sink, Source, Storage};
 use flown_model::FlownMission;
@@ -78,19 +80,22 @@ mod app {
             Ok(mission) => mission,
             Err(_) => board::exit(ExitStatus::Configuration),
         };
-        let Board { timer, source, feeder, sensors, sink } =
+        let Board { timer, source, feeder, sensors, is_recording, sink } =
             match board::start(cx.device, cx.core, cx.local.storage) {
                 Ok(board) => board,
                 Err(status) => board::exit(status),
             };
+        let sensors = Mutated(sensors);
+        let onboard = Onboard::new(LaunchConfig::DEFAULT, strapdown::Config::MEMS);
+        let computer = match onboard {
+            _ if is_recording => FlightComputer::new(sensors, mission),
+            Ok(onboard) => FlightComputer::on_board(sensors, mission, onboard),
+            Err(_) => board::exit(ExitStatus::Configuration),
+        };
         let (results_in, results_out) = cx.local.results.split();
         rtic::pend(FEED);
         (
-            Shared {
-                computer: FlightComputer::new(Mutated(sensors), mission),
-                counts: TickCounts::default(),
-                feeder,
-            },
+            Shared { computer, counts: TickCounts::default(), feeder },
             Local { timer, source, results_in, results_out, sink },
         )
     }

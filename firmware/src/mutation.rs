@@ -15,6 +15,10 @@ impl<Suite: Sensors> Sensors for Mutated<Suite> {
     fn faults(&self) -> Faults {
         self.0.faults()
     }
+
+    fn wire(&self) -> Option<bool> {
+        self.0.wire()
+    }
 }
 
 /// The input as it is.

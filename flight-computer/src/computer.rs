@@ -5,6 +5,7 @@ use kf_core::input::TickInput;
 use kf_core::output::TickOutput;
 
 use crate::estimation::Estimation;
+use crate::onboard::Onboard;
 use crate::part::Part;
 
 /// What one tick saw and said.
@@ -23,12 +24,19 @@ pub struct FlightComputer<Suite, Mission> {
     pub sensors: Suite,
     /// The estimator.
     pub mission: Mission,
+    /// What decides the launch and makes the inertial altitude; `None` where a recording has both already.
+    pub onboard: Option<Onboard>,
 }
 
 impl<Suite: Sensors, Mission: Estimation> FlightComputer<Suite, Mission> {
-    /// A flight computer before its first tick.
+    /// A flight computer before its first tick, with sensors that know when the vehicle has left: a recording's.
     pub const fn new(sensors: Suite, mission: Mission) -> Self {
-        Self { sensors, mission }
+        Self { sensors, mission, onboard: None }
+    }
+
+    /// A flight computer before its first tick, with the sensors of a board.
+    pub const fn on_board(sensors: Suite, mission: Mission, onboard: Onboard) -> Self {
+        Self { sensors, mission, onboard: Some(onboard) }
     }
 
     /// One tick, at the flight computer's time in microseconds.
@@ -38,7 +46,11 @@ impl<Suite: Sensors, Mission: Estimation> FlightComputer<Suite, Mission> {
 
     /// As [`Self::tick`]; `done` is called at the end of each part, for a meter. A part may come more than once.
     pub fn tick_measured(&mut self, now_us: u64, done: &mut impl FnMut(Part)) -> Step {
-        let input = self.sensors.poll_each(now_us, &mut |device| done(device.into()));
+        let mut input = self.sensors.poll_each(now_us, &mut |device| done(device.into()));
+        if let Some(onboard) = &mut self.onboard {
+            onboard.complete(&mut input, self.sensors.wire());
+            done(Part::Onboard);
+        }
         let output = self.mission.tick(&input);
         done(Part::Mission);
         Step { input, output }

@@ -9,8 +9,10 @@
 
 mod computer;
 mod estimation;
+mod onboard;
 mod part;
 
 pub use computer::{FlightComputer, Step};
 pub use estimation::Estimation;
+pub use onboard::Onboard;
 pub use part::{PARTS, Part};

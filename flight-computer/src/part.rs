@@ -3,7 +3,7 @@
 use drivers::Device;
 
 /// How many parts a tick has.
-pub const PARTS: usize = 6;
+pub const PARTS: usize = 7;
 
 /// A part of a tick, for what measures what each costs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,14 +19,23 @@ pub enum Part {
     Umbilical = 3,
     /// Links to other equipment of the vehicle.
     Vehicle = 4,
+    /// The launch's decision and the strapdown channel.
+    Onboard = 5,
     /// The mission: estimator, latch, monitors.
-    Mission = 5,
+    Mission = 6,
 }
 
 impl Part {
     /// Every part, in the order of [`Self::index`].
-    pub const ALL: [Self; PARTS] =
-        [Self::Receiver, Self::Barometer, Self::InertialUnit, Self::Umbilical, Self::Vehicle, Self::Mission];
+    pub const ALL: [Self; PARTS] = [
+        Self::Receiver,
+        Self::Barometer,
+        Self::InertialUnit,
+        Self::Umbilical,
+        Self::Vehicle,
+        Self::Onboard,
+        Self::Mission,
+    ];
 
     /// Its place among the parts.
     #[must_use]
@@ -43,6 +52,7 @@ impl Part {
             Self::InertialUnit => "inertial_unit",
             Self::Umbilical => "umbilical",
             Self::Vehicle => "vehicle",
+            Self::Onboard => "onboard",
             Self::Mission => "mission",
         }
     }

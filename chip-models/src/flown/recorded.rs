@@ -80,4 +80,11 @@ impl<Observer: WorkObserver> Sensors for RecordedSensors<Observer> {
             Self::Chips(suite) => suite.faults(),
         }
     }
+
+    fn wire(&self) -> Option<bool> {
+        match self {
+            Self::Ideal(suite) => suite.wire(),
+            Self::Chips(suite) => suite.wire(),
+        }
+    }
 }

@@ -284,4 +284,8 @@ impl<Observer: WorkObserver> Sensors for ModelledSuite<Observer> {
     fn faults(&self) -> Faults {
         self.board.faults()
     }
+
+    fn wire(&self) -> Option<bool> {
+        self.board.wire()
+    }
 }

@@ -19,8 +19,10 @@ use drivers::umbilical::Umbilical;
 use drivers::{Barometer, Replay, ReplayUmbilical, Sensors as _, Suite, VehicleState};
 use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
 use embedded_io::{Read, ReadReady};
-use flight_computer::FlightComputer;
+use flight_computer::{FlightComputer, Onboard};
 use kf_core::input::{GpsFix, LaunchDoubt};
+use kf_core::launch::LaunchConfig;
+use kf_core::strapdown;
 // The vector table needs every interrupt of the chip.
 use stm32f4xx_hal as _;
 
@@ -78,7 +80,8 @@ fn fly(barometer: impl Barometer) {
         Replay::<VehicleState>::new(),
         ReplayUmbilical::new(),
     );
-    let mut computer = FlightComputer::new(suite, mission);
+    let Ok(onboard) = Onboard::new(LaunchConfig::DEFAULT, strapdown::Config::MEMS) else { return };
+    let mut computer = FlightComputer::on_board(suite, mission, onboard);
     while black_box(true) {
         computer.sensors.launch.set(black_box(false), black_box(LaunchDoubt::None));
         computer.sensors.receiver.load(black_box(None));

@@ -28,6 +28,8 @@ pub struct Board {
     pub feeder: Feeder,
     /// The sensors.
     pub sensors: Sensors,
+    /// Whether they are a recording's, which knows when the vehicle left and the altitude of its inertial unit.
+    pub is_recording: bool,
     /// Where results go.
     pub sink: Sink,
 }

@@ -12,7 +12,7 @@ use chip_models::metered::WorkObserver;
 use defmt_semihosting as _;
 use flight_record::{
     CostUnit, Decoder, Encoder, End, ExitStatus, Header, INPUT_FILE, Kind, MAX_STUFFED, OUTPUT_FILE, Payload,
-    Stream, Summary,
+    SensorSource, Stream, Summary,
 };
 use heapless::spsc::{Consumer, Producer, Queue};
 use kf_core::input::TickInput;
@@ -74,6 +74,7 @@ pub fn start(
     Ok(Board {
         feeder,
         source: Source { inputs: inputs_out, ended },
+        is_recording: header.sensors == SensorSource::Ideal,
         sensors: sensors.insert(RecordedSensors::new(header.sensors, &ModelsWork)),
         sink: Sink::create(&header)?,
         timer: TickTimer::start(device.TIM2, &rcc, TIMER_HZ),

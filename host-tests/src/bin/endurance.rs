@@ -65,7 +65,12 @@ fn captive(hours: f64) -> anyhow::Result<()> {
         report.ticks,
         costs(&report)
     );
-    ensure!(u64::from(report.ticks) == flight.ticks(), "{} ticks were flown of {}", report.ticks, flight.ticks());
+    ensure!(
+        u64::from(report.ticks) == flight.ticks(),
+        "{} ticks were flown of {}",
+        report.ticks,
+        flight.ticks()
+    );
     let latch = report.latch.context("the flight did not latch")?;
     for (sensor, true_m) in [Sensor::ImuSlave, Sensor::Baro].into_iter().zip(flight.biases_m()) {
         let latched = &latch.sensors[sensor.index()];

@@ -2,10 +2,12 @@
 
 use chip_models::flown::RecordedSensors;
 use drivers::{Device, Faults, Sensors};
-use flight_computer::{Estimation, FlightComputer};
+use flight_computer::{Estimation, FlightComputer, Onboard};
 use flight_record::SensorSource;
 use kf_core::input::{BaroReading, TickInput};
+use kf_core::launch::LaunchConfig;
 use kf_core::output::TickOutput;
+use kf_core::strapdown;
 use model::Model;
 
 use super::error::FlyError;
@@ -37,6 +39,10 @@ impl Sensors for HostSensors {
     fn faults(&self) -> Faults {
         self.recorded.faults()
     }
+
+    fn wire(&self) -> Option<bool> {
+        self.recorded.wire()
+    }
 }
 
 /// A flight computer before its first tick.
@@ -47,7 +53,14 @@ pub(super) fn computer(
 ) -> Result<HostComputer, FlyError> {
     let mission = mission(model).map_err(|error| FlyError::Host(error.to_string()))?;
     let sensors = HostSensors { recorded: RecordedSensors::new(source, &()), ulp_error };
-    Ok(FlightComputer::new(sensors, mission))
+    Ok(match source {
+        SensorSource::Ideal => FlightComputer::new(sensors, mission),
+        SensorSource::Chips => {
+            let onboard = Onboard::new(LaunchConfig::DEFAULT, strapdown::Config::MEMS)
+                .map_err(|_| FlyError::Host("the launch's limits are none".to_owned()))?;
+            FlightComputer::on_board(sensors, mission, onboard)
+        }
+    })
 }
 
 fn one_ulp_off(mut input: TickInput) -> TickInput {

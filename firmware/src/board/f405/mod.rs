@@ -70,6 +70,7 @@ pub fn start(
     Ok(Board {
         source: Source::start(device.TIM5, pins.led, &rcc),
         feeder: Feeder { teller: storage.teller() },
+        is_recording: false,
         sensors: sensors::suite(storage, receiver, barometer, imu, umbilical, break_wire),
         sink: Sink::start(device.USART1, pins.results, &mut rcc)?,
         timer: TickTimer::start(device.TIM2, &rcc, clock::TIMER_HZ),

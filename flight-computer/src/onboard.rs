@@ -1,0 +1,137 @@
+//! What the flight computer makes of its sensors before the mission sees them: whether the vehicle has left, and the
+//! altitude of its own inertial unit.
+
+use kf_core::estimator::ConfigError;
+use kf_core::input::TickInput;
+use kf_core::launch::{LaunchConfig, LaunchDetector, LaunchInput};
+use kf_core::navigation::InertialAltitude;
+use kf_core::strapdown;
+
+/// See the module.
+#[derive(Clone, Debug)]
+pub struct Onboard {
+    launch: LaunchDetector,
+    /// None where the alignment was lost in a restart: in free flight there is nothing to align with.
+    inertial: Option<InertialAltitude>,
+    last_message_us: Option<u64>,
+}
+
+impl Onboard {
+    /// Under the pylon, nothing seen.
+    ///
+    /// # Errors
+    /// [`ConfigError`]: the launch's limits are none.
+    pub fn new(launch: LaunchConfig, strapdown: strapdown::Config) -> Result<Self, ConfigError> {
+        Ok(Self {
+            launch: LaunchDetector::new(launch)?,
+            inertial: Some(InertialAltitude::new(strapdown)),
+            last_message_us: None,
+        })
+    }
+
+    /// After a restart in free flight: the strapdown channel's alignment is gone, so it says nothing any more, which leaves
+    /// `imu_slave` without readings.
+    #[must_use]
+    pub fn without_alignment(self) -> Self {
+        Self { inertial: None, ..self }
+    }
+
+    /// The launch's decision, and what it counted.
+    #[must_use]
+    pub const fn launch(&self) -> &LaunchDetector {
+        &self.launch
+    }
+
+    /// The strapdown channel's altitude, and what was counted; `None` once its alignment was lost.
+    #[must_use]
+    pub const fn inertial(&self) -> Option<&InertialAltitude> {
+        self.inertial.as_ref()
+    }
+
+    /// Takes a tick as the sensors had it, with the state of the umbilical's wire (open: true; `None`: it could not be
+    /// read), and puts into it what the mission needs.
+    pub fn complete(&mut self, input: &mut TickInput, wire_is_open: Option<bool>) {
+        if input.imu_master_altitude_m.is_some() {
+            self.last_message_us = Some(input.time_us);
+        }
+        let state = self.launch.tick(&LaunchInput {
+            time_us: input.time_us,
+            is_open: wire_is_open,
+            force_mps2: input.imu.map(|imu| imu.accel_mps2),
+            last_message_us: self.last_message_us,
+        });
+        input.launch = state.is_launched();
+        input.launch_doubt = state.doubt();
+        if let Some(inertial) = &mut self.inertial {
+            inertial.tick(input);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use kf_core::input::{ImuSample, LaunchDoubt};
+
+    use super::*;
+
+    fn onboard() -> Onboard {
+        Onboard::new(LaunchConfig::DEFAULT, strapdown::Config::MEMS).unwrap()
+    }
+
+    /// A tick under the pylon, or 2 m/s^2 lighter without it.
+    fn input(tick: u64, is_free: bool) -> TickInput {
+        // The unit's noise, which a force that never changes has not.
+        let noise = if tick.is_multiple_of(2) { 0.05 } else { -0.05 };
+        let lift_mps2 = if is_free { 2.0 } else { 9.8 };
+        TickInput {
+            time_us: 1_000_000 + tick * 5_000,
+            imu: Some(ImuSample { accel_mps2: [0.0, 0.0, noise - lift_mps2], gyro_radps: [0.0; 3] }),
+            imu_master_altitude_m: (!is_free && tick.is_multiple_of(20)).then_some(2_000.0),
+            ..TickInput::default()
+        }
+    }
+
+    #[test]
+    fn a_wire_that_opens_is_doubted_at_once_and_a_launch_when_the_force_goes_with_it() {
+        let mut onboard = onboard();
+        let mut first_doubt = None;
+        let mut launched = None;
+        for tick in 0..4_400 {
+            let is_free = tick >= 4_000;
+            let mut input = input(tick, is_free);
+            onboard.complete(&mut input, Some(is_free));
+            if input.launch_doubt == LaunchDoubt::Suspected {
+                first_doubt.get_or_insert(tick);
+            }
+            if input.launch {
+                launched.get_or_insert(tick);
+            }
+        }
+        assert_eq!(first_doubt, Some(4_000));
+        // The debounce of 20 ms is four ticks.
+        assert!(launched.is_some_and(|tick| (4_004..4_030).contains(&tick)), "{launched:?}");
+    }
+
+    #[test]
+    fn a_wire_that_breaks_under_the_pylon_is_no_launch() {
+        let mut onboard = onboard();
+        for tick in 0..6_000 {
+            let mut input = input(tick, false);
+            onboard.complete(&mut input, Some(tick >= 4_000));
+            assert!(!input.launch, "{tick}");
+        }
+        assert_eq!(onboard.launch().counts().broken_wires, 1);
+    }
+
+    #[test]
+    fn without_alignment_there_is_no_altitude_and_the_launch_goes_on() {
+        let mut onboard = onboard().without_alignment();
+        assert!(onboard.inertial().is_none());
+        for tick in 0..10 {
+            let mut input = input(tick, false);
+            onboard.complete(&mut input, None);
+            assert_eq!(input.imu_slave_altitude_m, None);
+        }
+        assert_eq!(onboard.launch().counts().unreadable, 10);
+    }
+}
