@@ -159,9 +159,14 @@ fn fly_with(faults: &[&str]) -> Vec<(Step, u32)> {
     });
     assert_eq!(count.unwrap(), report.sensor_faults, "{faults:?}");
     assert_eq!(steps.len(), TICKS, "{faults:?}");
-    // Whatever fails, the launch latches at its tick.
+    // Whatever fails, what is latched is of the tick at which the wire opened.
     assert_eq!(report.latch.as_ref().unwrap().time_us, 1_000_000 + LAUNCH as u64 * TICK_US, "{faults:?}");
-    assert!(steps[LAUNCH].0.output.latched_now, "{faults:?}");
+    // The mother ship's messages, ten a second, must have been missed five times, or nothing spoke for three seconds.
+    let confirmed = steps.iter().position(|(step, _)| step.output.latched_now);
+    assert!(
+        confirmed.is_some_and(|at| (LAUNCH + 4..LAUNCH + 620).contains(&at)),
+        "{faults:?}: {confirmed:?}"
+    );
     assert!(steps.iter().all(|(step, _)| step.output.altitude_m.is_finite()), "{faults:?}");
     steps
 }
@@ -273,7 +278,7 @@ fn without_a_receiver_in_free_flight_nobody_is_monitored_until_it_is_back() {
         let (step, _) = &span(&steps, time_s, time_s + 0.01)[0];
         [1, BARO].map(|sensor| step.output.sensors[sensor].trust)
     };
-    for time_s in [21.1, 24.0, 26.9] {
+    for time_s in [21.5, 24.0, 26.9] {
         assert_eq!(trusts(time_s), [Trust::Unmonitored; 2], "{time_s}");
     }
     assert!(trusts(28.5).iter().all(|trust| *trust != Trust::Unmonitored));
