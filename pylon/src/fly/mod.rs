@@ -124,7 +124,12 @@ pub struct PartReport {
 /// # Errors
 /// [`FlyError`]; [`FlyError::Differs`] if a single bit differs.
 pub fn fly(replay: &Replay<'_>, options: &FlyOptions) -> Result<FlyReport, FlyError> {
-    fly_inputs(replay.mission_inputs(), replay.model(), options)
+    // On chips the flight computer makes the inertial altitude itself.
+    let inputs = match options.sensors {
+        SensorSource::Ideal => replay.mission_inputs(),
+        SensorSource::Chips => replay.inputs(),
+    };
+    fly_inputs(inputs, replay.model(), options)
 }
 
 /// As [`fly`], for ticks from anywhere.
