@@ -111,7 +111,7 @@ impl<Surroundings: Source<Option<Solution>>> ReceiverModel<Surroundings> {
     }
 
     /// Lets time pass: the receiver computes, the line carries. Microseconds, never backward. Of more than
-    /// [`LONGEST_SPAN_US`] at once only the end is gone through: nobody has read the line meanwhile.
+    /// `LONGEST_SPAN_US` at once only the end is gone through: nobody has read the line meanwhile.
     pub fn set_time(&mut self, now_us: u64) {
         self.now_us = now_us;
         if let Some(beyond_us) = now_us.saturating_sub(self.epoch_us).checked_sub(LONGEST_SPAN_US) {
