@@ -24,7 +24,7 @@ pub struct Epochs {
     /// Variance of the noise in every candidate's block means, m^2 per squared unit of the coefficient: a
     /// regressor is made of measured signals.
     pub column_noise_m2: Vec<f64>,
-    /// Means of the signals in each block, by [`NAMES`] and then the unknown columns.
+    /// Means of the signals in each block, by [`super::signals::NAMES`] and then the unknown columns.
     pub signals: Vec<Vec<f64>>,
     /// Names of the signals.
     pub signal_names: Vec<String>,
