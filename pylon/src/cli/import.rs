@@ -14,6 +14,8 @@ const EXAMPLES: &str = "\
 Examples:
   pylon import 2023-04-28.igc -o flight.csv
       an IGC log (gliders, paragliders) as a flight's CSV; what was inferred or left out is said
+  pylon import flight.tlog -o flight.csv
+      a recorded MAVLink stream, of Pylon's own telemetry or of another autopilot
 
 A log is recognised by its content. `compare` and `fly` read logs directly as well.";
 
@@ -21,7 +23,7 @@ A log is recognised by its content. `compare` and `fly` read logs directly as we
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// The log: IGC
+    /// The log: IGC, or a MAVLink stream's recording (tlog)
     #[arg(value_name = "LOG")]
     log: PathBuf,
     /// The flight to write (CSV)

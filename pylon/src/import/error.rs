@@ -14,6 +14,19 @@ pub enum ImportError {
     /// It is a flight's CSV.
     #[error("it is a flight already, expected a log of another program")]
     AlreadyFlight,
+    /// Not one position with an altitude in a recording of messages.
+    #[error(
+        "{format} without a 3D fix ({messages} messages read, {unreadable} damaged), expected GPS_RAW_INT or \
+         GLOBAL_POSITION_INT"
+    )]
+    NoReference {
+        /// Kind of log.
+        format: &'static str,
+        /// Messages that were read.
+        messages: usize,
+        /// Frames that could not be.
+        unreadable: usize,
+    },
     /// Not one fix with an altitude.
     #[error(
         "{format} log without a usable fix ({fixes} fixes without altitude, {corrupt} unreadable lines), expected at least one"

@@ -5,6 +5,7 @@
 
 mod error;
 pub mod igc;
+pub mod tlog;
 
 use std::path::Path;
 
@@ -30,7 +31,7 @@ pub trait Importer: Sync {
 }
 
 /// Every importer.
-pub static IMPORTERS: &[&dyn Importer] = &[&igc::Igc];
+pub static IMPORTERS: &[&dyn Importer] = &[&igc::Igc, &tlog::Tlog];
 
 /// Imports a log.
 ///

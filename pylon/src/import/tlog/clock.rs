@@ -1,0 +1,75 @@
+//! The sender's clock.
+
+use super::value::{Stamp, Timed};
+
+/// Times in microseconds beyond this are since 1970 (it is the year 2001), not since the sender started.
+const EPOCH_US: u64 = 1_000_000_000_000_000;
+/// A clock that goes back by more has started anew: messages of one sender come in a slightly other order than
+/// their times.
+const RESTART_US: u64 = 5_000_000;
+/// A message's time that is farther from when it was received is not by this clock.
+const FAR_US: u64 = 60_000_000;
+
+/// When a value was, by the sender's clock.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Time {
+    /// To the microsecond.
+    Microseconds(u64),
+    /// Somewhere in that millisecond.
+    Milliseconds(u64),
+}
+
+/// Microseconds since the start, if the message says so.
+pub const fn boot_us(stamp: Stamp) -> Option<u64> {
+    match stamp {
+        Stamp::Microseconds(time_us) if time_us < EPOCH_US => Some(time_us),
+        Stamp::Milliseconds(time_ms) => Some(time_ms as u64 * 1_000),
+        Stamp::Microseconds(_) | Stamp::None => None,
+    }
+}
+
+/// The longest stretch of values between two starts of the sender, and how often it started again.
+pub fn longest_run(values: Vec<Timed>) -> (Vec<Timed>, usize) {
+    let mut latest_us = 0;
+    let mut starts = vec![0];
+    for (index, timed) in values.iter().enumerate() {
+        // A time by a receiver's or another clock says nothing of a start.
+        let Stamp::Milliseconds(_) = timed.stamp else { continue };
+        let Some(time_us) = boot_us(timed.stamp) else { continue };
+        if time_us + RESTART_US < latest_us {
+            starts.push(index);
+            latest_us = 0;
+        }
+        latest_us = latest_us.max(time_us);
+    }
+    let restarts = starts.len() - 1;
+    let ends = starts.iter().skip(1).copied().chain([values.len()]);
+    let longest = starts.iter().copied().zip(ends).max_by_key(|(start, end)| end - start);
+    let run = longest.and_then(|(start, end)| values.get(start..end)).map(<[Timed]>::to_vec);
+    (run.unwrap_or_default(), restarts)
+}
+
+/// From the receiver's clock to the sender's.
+pub struct Clock {
+    /// What the receiver's clock is ahead, with the least delay that was seen.
+    ahead_us: Option<u64>,
+}
+
+impl Clock {
+    /// By the values that have a time of both clocks.
+    pub fn of(values: &[Timed]) -> Self {
+        let ahead = |timed: &Timed| timed.recorded_us.checked_sub(boot_us(timed.stamp)?);
+        Self { ahead_us: values.iter().filter_map(ahead).min() }
+    }
+
+    /// When a value was. Without any time of the sender it is the receiver's.
+    pub fn time(&self, timed: &Timed) -> Time {
+        let received_us = timed.recorded_us.saturating_sub(self.ahead_us.unwrap_or(0));
+        let is_near = |time_us: &u64| time_us.abs_diff(received_us) <= FAR_US;
+        match (timed.stamp, boot_us(timed.stamp).filter(is_near)) {
+            (Stamp::Milliseconds(_), Some(time_us)) => Time::Milliseconds(time_us / 1_000),
+            (_, Some(time_us)) => Time::Microseconds(time_us),
+            (_, None) => Time::Microseconds(received_us),
+        }
+    }
+}

@@ -1,0 +1,208 @@
+//! What is of use in each message.
+
+use mavlink::dialects::common::{GpsFixType, HighresImuUpdatedFlags, MavAutopilot, MavMessage, MavType};
+use telemetry::named;
+
+use super::frame::Packet;
+
+const G_MPS2: f32 = 9.806_65;
+
+/// When a message says that it was.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stamp {
+    /// Microseconds since the sender started, or since 1970.
+    Microseconds(u64),
+    /// Milliseconds since the sender started.
+    Milliseconds(u32),
+    /// It does not say.
+    None,
+}
+
+/// One value of use and when it was.
+#[derive(Clone, Copy, Debug)]
+pub struct Timed {
+    /// When it was received, microseconds since 1970.
+    pub recorded_us: u64,
+    /// When its message says that it was.
+    pub stamp: Stamp,
+    /// The value.
+    pub value: Value,
+}
+
+/// A fix of the receiver.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fix {
+    pub altitude_m: f64,
+    pub ground_mps: Option<(f64, f64)>,
+    pub satellites: Option<u8>,
+    pub vertical_accuracy_m: Option<f64>,
+    pub position_deg: Option<(f64, f64)>,
+    /// The message's own time, which a held fix repeats.
+    pub fix_time_us: u64,
+}
+
+/// A position by the autopilot's own estimate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Global {
+    pub altitude_m: f64,
+    pub north_mps: f64,
+    pub east_mps: f64,
+    pub down_mps: f64,
+    pub position_deg: (f64, f64),
+}
+
+/// A value of use, in the flight's units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Value {
+    Inertial {
+        accel_mps2: [f32; 3],
+        gyro_radps: [f32; 3],
+    },
+    ScaledInertial {
+        accel_mps2: [f32; 3],
+        gyro_radps: [f32; 3],
+    },
+    PressurePa(f64),
+    ScaledPressurePa(f64),
+    PressureAltitudeM(f32),
+    BarometerC(f32),
+    ScaledBarometerC(f32),
+    Fix(Fix),
+    NoFix,
+    Global(Global),
+    AttitudeRad([f32; 3]),
+    CalibratedAirspeedMps(f32),
+    ThrottlePercent(u16),
+    /// Of a Pylon: the number of its phase.
+    Phase(u32),
+    /// Of a Pylon: a value under one of its names.
+    Named(Sampled, f32),
+    /// Of a Pylon: a value that it estimated.
+    Estimate,
+}
+
+/// What a Pylon samples and sends by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sampled {
+    Launch,
+    MasterAltitude,
+    SlaveAltitude,
+    VelocityDown,
+    Airspeed,
+    AngleOfAttack,
+    Sideslip,
+    Throttle,
+    OutsideAir,
+}
+
+impl Sampled {
+    fn of(name: &str) -> Option<Self> {
+        let names = [
+            (named::LAUNCH, Self::Launch),
+            (named::ALTITUDE_MASTER, Self::MasterAltitude),
+            (named::ALTITUDE_SLAVE, Self::SlaveAltitude),
+            (named::VELOCITY_DOWN, Self::VelocityDown),
+            (named::TRUE_AIRSPEED, Self::Airspeed),
+            (named::ANGLE_OF_ATTACK, Self::AngleOfAttack),
+            (named::SIDESLIP, Self::Sideslip),
+            (named::THROTTLE, Self::Throttle),
+            (named::OUTSIDE_AIR, Self::OutsideAir),
+        ];
+        names.iter().find_map(|(known, sampled)| (known.text() == name).then_some(*sampled))
+    }
+}
+
+/// Adds what is of use in a message.
+pub fn take(packet: &Packet, values: &mut Vec<Timed>) {
+    let mut add = |stamp, value| values.push(Timed { recorded_us: packet.recorded_us, stamp, value });
+    match &packet.message {
+        MavMessage::HIGHRES_IMU(imu) if imu.id == 0 => {
+            use HighresImuUpdatedFlags as Updated;
+            let stamp = Stamp::Microseconds(imu.time_usec);
+            let updated = |flag| imu.fields_updated.contains(flag);
+            let accel_mps2 = [imu.xacc, imu.yacc, imu.zacc];
+            let gyro_radps = [imu.xgyro, imu.ygyro, imu.zgyro];
+            if imu.fields_updated.bits() & 0x3f == 0x3f {
+                add(stamp, Value::Inertial { accel_mps2, gyro_radps });
+            }
+            if updated(Updated::HIGHRES_IMU_UPDATED_ABS_PRESSURE) {
+                add(stamp, Value::PressurePa(f64::from(imu.abs_pressure) * 100.0));
+            } else if updated(Updated::HIGHRES_IMU_UPDATED_PRESSURE_ALT) {
+                add(stamp, Value::PressureAltitudeM(imu.pressure_alt));
+            }
+            if updated(Updated::HIGHRES_IMU_UPDATED_TEMPERATURE) {
+                add(stamp, Value::BarometerC(imu.temperature));
+            }
+        }
+        MavMessage::SCALED_IMU(imu) => {
+            let thousandths = |axes: [i16; 3], unit: f32| axes.map(|axis| f32::from(axis) * unit / 1_000.0);
+            let accel_mps2 = thousandths([imu.xacc, imu.yacc, imu.zacc], G_MPS2);
+            let gyro_radps = thousandths([imu.xgyro, imu.ygyro, imu.zgyro], 1.0);
+            add(Stamp::Milliseconds(imu.time_boot_ms), Value::ScaledInertial { accel_mps2, gyro_radps });
+        }
+        MavMessage::SCALED_PRESSURE(pressure) => {
+            let stamp = Stamp::Milliseconds(pressure.time_boot_ms);
+            add(stamp, Value::ScaledPressurePa(f64::from(pressure.press_abs) * 100.0));
+            add(stamp, Value::ScaledBarometerC(f32::from(pressure.temperature) / 100.0));
+        }
+        MavMessage::GPS_RAW_INT(fix) => {
+            let stamp = Stamp::Microseconds(fix.time_usec);
+            if (fix.fix_type as u8) < GpsFixType::GPS_FIX_TYPE_3D_FIX as u8 {
+                return add(stamp, Value::NoFix);
+            }
+            let is_known = fix.vel != u16::MAX && fix.cog != u16::MAX;
+            let ground_mps = is_known.then(|| {
+                let (speed_mps, course) =
+                    (f64::from(fix.vel) / 100.0, (f64::from(fix.cog) / 100.0).to_radians());
+                (speed_mps * course.cos(), speed_mps * course.sin())
+            });
+            let has_position = fix.lat != i32::MAX && fix.lon != i32::MAX && (fix.lat, fix.lon) != (0, 0);
+            let position_deg = has_position.then(|| (degrees(fix.lat), degrees(fix.lon)));
+            let fix = Fix {
+                altitude_m: f64::from(fix.alt) / 1_000.0,
+                ground_mps,
+                satellites: (fix.satellites_visible != u8::MAX).then_some(fix.satellites_visible),
+                vertical_accuracy_m: (fix.v_acc != 0).then(|| f64::from(fix.v_acc) / 1_000.0),
+                position_deg,
+                fix_time_us: fix.time_usec,
+            };
+            add(stamp, Value::Fix(fix));
+        }
+        MavMessage::GLOBAL_POSITION_INT(position) => {
+            let hundredths = |value: i16| f64::from(value) / 100.0;
+            let global = Global {
+                altitude_m: f64::from(position.alt) / 1_000.0,
+                north_mps: hundredths(position.vx),
+                east_mps: hundredths(position.vy),
+                down_mps: hundredths(position.vz),
+                position_deg: (degrees(position.lat), degrees(position.lon)),
+            };
+            add(Stamp::Milliseconds(position.time_boot_ms), Value::Global(global));
+        }
+        MavMessage::ATTITUDE(attitude) => {
+            let angles_rad = [attitude.roll, attitude.pitch, attitude.yaw];
+            add(Stamp::Milliseconds(attitude.time_boot_ms), Value::AttitudeRad(angles_rad));
+        }
+        MavMessage::VFR_HUD(hud) => {
+            add(Stamp::None, Value::CalibratedAirspeedMps(hud.airspeed));
+            add(Stamp::None, Value::ThrottlePercent(hud.throttle));
+        }
+        MavMessage::HEARTBEAT(heartbeat)
+            if packet.sender.1 == telemetry::COMPONENT_ID
+                && heartbeat.mavtype == MavType::MAV_TYPE_ONBOARD_CONTROLLER
+                && heartbeat.autopilot == MavAutopilot::MAV_AUTOPILOT_INVALID =>
+        {
+            add(Stamp::None, Value::Phase(heartbeat.custom_mode));
+        }
+        MavMessage::NAMED_VALUE_FLOAT(value) if packet.sender.1 == telemetry::COMPONENT_ID => {
+            let sampled = value.name.to_str().ok().and_then(Sampled::of);
+            let found = sampled.map_or(Value::Estimate, |sampled| Value::Named(sampled, value.value));
+            add(Stamp::Milliseconds(value.time_boot_ms), found);
+        }
+        _ => {}
+    }
+}
+
+fn degrees(e7: i32) -> f64 {
+    f64::from(e7) / 1e7
+}
