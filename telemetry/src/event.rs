@@ -2,7 +2,8 @@
 
 use heapless::Deque;
 use kf_core::effect::EffectId;
-use kf_core::output::Trust;
+use kf_core::input::LaunchDoubt;
+use kf_core::output::{Agreement, Trust};
 use kf_core::quality::{Check, FailedChecks};
 use kf_core::sensor::Sensor;
 use mavlink::dialects::common::{MavSeverity, STATUSTEXT_DATA};
@@ -10,7 +11,7 @@ use mavlink::dialects::common::{MavSeverity, STATUSTEXT_DATA};
 use crate::message::status_text;
 use crate::text::Text;
 
-/// Events that wait at most: a latch with every check failed, every sensor's flags and eight effects.
+/// Events that wait at most: a latch with every check failed, every flag and eight effects.
 const EVENTS: usize = 32;
 
 /// What happened.
@@ -36,6 +37,19 @@ pub enum Event {
     },
     /// A sensor that was unmonitored has a reference again.
     Monitored(Sensor),
+    /// The agreement of the two sensors that fly free, without a reference, changed.
+    CrossCheck {
+        /// To what.
+        agreement: Agreement,
+        /// Their difference (doubtful) or its moving average (disagree) that was beyond, metres.
+        value_m: f32,
+        /// The bound, metres.
+        bound_m: f32,
+    },
+    /// What stands behind the launch discrete changed.
+    Launch(LaunchDoubt),
+    /// The flight computer was restarted in free flight, and the mission went on.
+    Resumed,
     /// Which effect a coefficient belongs to.
     Effect {
         /// The number in the name of the coefficient.
@@ -57,33 +71,40 @@ impl Event {
     /// | untrustworthy | error | `t=139.100 baro untrustworthy -41.0>40.3m`: moving average and bound |
     /// | unmonitored | warning | `t=150.000 baro unmonitored: no reference` |
     /// | monitored again | notice | `t=152.000 baro monitored again` |
+    /// | both sensors, without a reference | notice, warning, error | `t=160.000 baro-imu_slave doubtful 30.2>29.9m`, `agree`, `disagree` (moving average) |
+    /// | launch suspected | warning | `t=129.995 launch suspected, calibration held` |
+    /// | and was none | notice | `t=130.105 launch not confirmed, calibrating` |
+    /// | launched, by the wire alone | warning | `t=130.105 launched, by the wire alone` |
+    /// | restart in free flight | error | `t=140.000 resumed after a restart` |
     /// | coefficient's effect | info | `c_0 is baro.dynamic_pressure` |
+    #[inline(never)]
     pub fn message(&self, time_us: u64) -> STATUSTEXT_DATA {
-        let at = || Text::new().text("t=").seconds(time_us).text(" ");
+        let at = || *Text::new().text("t=").seconds(time_us).text(" ");
         let (severity, text) = match *self {
             Self::Latched { failed } => {
                 let failed = FailedChecks::from_bits(failed).iter().count() as u64;
                 match failed {
-                    0 => (MavSeverity::MAV_SEVERITY_NOTICE, at().text("latched good")),
+                    0 => (MavSeverity::MAV_SEVERITY_NOTICE, *at().text("latched good")),
                     _ => (
                         MavSeverity::MAV_SEVERITY_WARNING,
-                        at().text("latched degraded, ").number(failed).text(" checks failed"),
+                        *at().text("latched degraded, ").number(failed).text(" checks failed"),
                     ),
                 }
             }
             Self::Failed(check) => {
-                (MavSeverity::MAV_SEVERITY_WARNING, at().text("failed check ").text(check.name()))
+                (MavSeverity::MAV_SEVERITY_WARNING, *at().text("failed check ").text(check.name()))
             }
             Self::Trust { sensor, trust: Trust::Unmonitored, .. } => (
                 MavSeverity::MAV_SEVERITY_WARNING,
-                at().text(sensor.name()).text(" unmonitored: no reference"),
+                *at().text(sensor.name()).text(" unmonitored: no reference"),
             ),
             Self::Trust { sensor, trust, value_m, bound_m } => (
                 match trust {
                     Trust::Untrustworthy => MavSeverity::MAV_SEVERITY_ERROR,
                     _ => MavSeverity::MAV_SEVERITY_WARNING,
                 },
-                at().text(sensor.name())
+                *at()
+                    .text(sensor.name())
                     .text(" ")
                     .text(trust.name())
                     .text(" ")
@@ -93,11 +114,36 @@ impl Event {
                     .text("m"),
             ),
             Self::Monitored(sensor) => {
-                (MavSeverity::MAV_SEVERITY_NOTICE, at().text(sensor.name()).text(" monitored again"))
+                (MavSeverity::MAV_SEVERITY_NOTICE, *at().text(sensor.name()).text(" monitored again"))
             }
+            Self::CrossCheck { agreement, value_m, bound_m } => (
+                match agreement {
+                    Agreement::Agree => MavSeverity::MAV_SEVERITY_NOTICE,
+                    Agreement::Doubtful => MavSeverity::MAV_SEVERITY_WARNING,
+                    Agreement::Disagree => MavSeverity::MAV_SEVERITY_ERROR,
+                },
+                *at()
+                    .text("baro-imu_slave ")
+                    .text(agreement.name())
+                    .text(" ")
+                    .metres(value_m)
+                    .text(if agreement == Agreement::Agree { "<" } else { ">" })
+                    .metres(bound_m)
+                    .text("m"),
+            ),
+            Self::Launch(LaunchDoubt::Suspected) => {
+                (MavSeverity::MAV_SEVERITY_WARNING, *at().text("launch suspected, calibration held"))
+            }
+            Self::Launch(LaunchDoubt::None) => {
+                (MavSeverity::MAV_SEVERITY_NOTICE, *at().text("launch not confirmed, calibrating"))
+            }
+            Self::Launch(LaunchDoubt::Unconfirmed) => {
+                (MavSeverity::MAV_SEVERITY_WARNING, *at().text("launched, by the wire alone"))
+            }
+            Self::Resumed => (MavSeverity::MAV_SEVERITY_ERROR, *at().text("resumed after a restart")),
             Self::Effect { number, id } => (
                 MavSeverity::MAV_SEVERITY_INFO,
-                Text::new().text("c_").number(number.into()).text(" is ").text(id.name()),
+                *Text::new().text("c_").number(number.into()).text(" is ").text(id.name()),
             ),
         };
         status_text(severity, text.bytes())
@@ -157,6 +203,20 @@ mod tests {
             (trust(Trust::Doubtful), 4, "t=130.000 baro doubtful -40.4>40.3m"),
             (trust(Trust::Untrustworthy), 3, "t=130.000 baro untrustworthy -40.4>40.3m"),
             (trust(Trust::Unmonitored), 4, "t=130.000 baro unmonitored: no reference"),
+            (
+                Event::CrossCheck { agreement: Agreement::Disagree, value_m: 30.2, bound_m: 29.9 },
+                3,
+                "t=130.000 baro-imu_slave disagree 30.2>29.9m",
+            ),
+            (
+                Event::CrossCheck { agreement: Agreement::Agree, value_m: -0.2, bound_m: 29.9 },
+                5,
+                "t=130.000 baro-imu_slave agree -0.2<29.9m",
+            ),
+            (Event::Launch(LaunchDoubt::Suspected), 4, "t=130.000 launch suspected, calibration held"),
+            (Event::Launch(LaunchDoubt::None), 5, "t=130.000 launch not confirmed, calibrating"),
+            (Event::Launch(LaunchDoubt::Unconfirmed), 4, "t=130.000 launched, by the wire alone"),
+            (Event::Resumed, 3, "t=130.000 resumed after a restart"),
             (Event::Monitored(Sensor::ImuSlave), 5, "t=130.000 imu_slave monitored again"),
             (
                 Event::Effect { number: 0, id: EffectId::BaroDynamicPressure },
@@ -183,6 +243,13 @@ mod tests {
             }
             take(Event::Monitored(sensor));
         }
+        for agreement in [Agreement::Agree, Agreement::Doubtful, Agreement::Disagree] {
+            take(Event::CrossCheck { agreement, value_m: -99_999.0, bound_m: 99_999.0 });
+        }
+        for doubt in [LaunchDoubt::None, LaunchDoubt::Suspected, LaunchDoubt::Unconfirmed] {
+            take(Event::Launch(doubt));
+        }
+        take(Event::Resumed);
         // At fifty bytes the last may have been cut.
         assert!(longest < crate::text::MAX_TEXT, "{longest}");
     }

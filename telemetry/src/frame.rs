@@ -43,14 +43,20 @@ impl Frame {
         let len = message.ser(MavlinkVersion::V2, payload);
         let [id_low, id_middle, id_high, _] = M::ID.to_le_bytes();
         *header = [MARKER, len as u8, 0, 0, sequence, SYSTEM_ID, COMPONENT_ID, id_low, id_middle, id_high];
+        frame.seal(HEADER + len, M::EXTRA_CRC);
+        frame
+    }
+
+    /// Adds the CRC behind so many bytes; once for all messages, as the generic part is there for each.
+    #[inline(never)]
+    fn seal(&mut self, len: usize, extra_crc: u8) {
         let mut digest = CHECKSUM.digest();
-        digest.update(frame.bytes.get(1..HEADER + len).unwrap_or_default());
-        digest.update(&[M::EXTRA_CRC]);
-        if let Some(crc) = frame.bytes.get_mut(HEADER + len..HEADER + len + CRC_BYTES) {
+        digest.update(self.bytes.get(1..len).unwrap_or_default());
+        digest.update(&[extra_crc]);
+        if let Some(crc) = self.bytes.get_mut(len..len + CRC_BYTES) {
             crc.copy_from_slice(&digest.finalize().to_le_bytes());
         }
-        frame.len = (HEADER + len + CRC_BYTES) as u8;
-        frame
+        self.len = (len + CRC_BYTES) as u8;
     }
 
     /// Its bytes, in the order of the line.

@@ -119,6 +119,7 @@ impl<'a> Link<'a> {
 
     /// Sends a message of which there will be another, or drops and counts it. Dropped or not, it uses
     /// up a sequence number.
+    #[inline(never)]
     pub fn send<M: MessageData>(&mut self, kind: MessageKind, priority: Priority, message: &M) {
         let room = self.room() > priority.left_to_others() && self.enqueue(message);
         self.sequence = self.sequence.wrapping_add(1);
@@ -127,6 +128,7 @@ impl<'a> Link<'a> {
 
     /// Sends a message that is said once, if the queue has any room; otherwise the caller keeps it. Says
     /// whether it went.
+    #[inline(never)]
     pub fn offer<M: MessageData>(&mut self, kind: MessageKind, message: &M) -> bool {
         let went = self.enqueue(message);
         if went {
@@ -145,6 +147,7 @@ impl<'a> Link<'a> {
         self.frames.capacity().saturating_sub(self.frames.len())
     }
 
+    #[inline(never)]
     fn enqueue<M: MessageData>(&mut self, message: &M) -> bool {
         self.frames.ready() && self.frames.enqueue(Frame::new(message, self.sequence)).is_ok()
     }

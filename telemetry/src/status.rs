@@ -5,8 +5,6 @@
 pub struct ComputerStatus {
     /// Failed polls of sensors.
     pub sensor_faults: u32,
-    /// Ticks that were missed or late.
-    pub missed_ticks: u32,
     /// Results that found no room on their way to the flight record.
     pub lost_results: u32,
     /// The longest tick, per mille of its period; `None` where it is not measured.

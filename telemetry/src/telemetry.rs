@@ -4,14 +4,13 @@ use heapless::Vec;
 use kf_core::atmosphere::pressure_altitude_m;
 use kf_core::config::MAX_ESTIMATED_EFFECTS;
 use kf_core::effect::EffectId;
-use kf_core::input::{BaroReading, TickInput};
+use kf_core::input::{BaroReading, LaunchDoubt, TickInput};
 use kf_core::latch::LatchRecord;
 use kf_core::mission::Counters;
-use kf_core::output::{Phase, Rejection, TickOutput, Trust};
-use kf_core::quality::FailedChecks;
-use kf_core::sensor::{SENSORS, Sensor};
+use kf_core::output::{Agreement, Phase, Rejection, TickOutput, Trust};
+use kf_core::sensor::SENSORS;
 
-use crate::event::{Event, Events};
+use crate::event::Events;
 use crate::link::{Link, LinkCounts, MessageKind, Priority};
 use crate::message::{self, SensorBits, SysStatus, boot_ms};
 use crate::named::{self, Name};
@@ -20,6 +19,7 @@ use crate::sample::Sample;
 use crate::schedule::{Due, Schedule, Slot};
 use crate::status::ComputerStatus;
 
+mod occasions;
 mod turns;
 mod watch;
 
@@ -64,6 +64,9 @@ pub struct Telemetry<'a> {
     turns: [Turn; 2],
     counts_at_status: LinkCounts,
     launch: Option<bool>,
+    launch_doubt: LaunchDoubt,
+    restarts: u32,
+    agreement: Agreement,
     phase: Option<Phase>,
     trust: [Trust; SENSORS],
     barometer: Sample<BaroReading>,
@@ -105,6 +108,9 @@ impl<'a> Telemetry<'a> {
             watch: Watch::new(),
             turns: [Turn::ERRORS, Turn::SLOW],
             launch: None,
+            launch_doubt: LaunchDoubt::None,
+            restarts: 0,
+            agreement: Agreement::Agree,
             phase: None,
             trust: [Trust::Calibrating; SENSORS],
             barometer: Sample::NONE,
@@ -165,62 +171,6 @@ impl<'a> Telemetry<'a> {
         for ((sensor, error), average) in sensors {
             error.take(now_ms, sensor.error_m);
             average.take(now_ms, sensor.moving_average_m);
-        }
-    }
-
-    /// What is said once.
-    fn note_events(&mut self, said: &Said<'_>, now_us: u64) {
-        let output = said.output;
-        if self.launch != Some(said.input.launch) {
-            self.launch = Some(said.input.launch);
-            self.schedule.at_once(Slot::Launch);
-        }
-        if self.phase != Some(output.phase) {
-            self.phase = Some(output.phase);
-            self.schedule.at_once(Slot::Heartbeat);
-        }
-        if !self.effects.is_empty() && self.announcement_due.is_due(now_us) {
-            self.announcement_due.sent(now_us, Rates::ANNOUNCE_US);
-            for k in 0..self.effects.len() {
-                if let Some(id) = self.effects.get(k) {
-                    let event = Event::Effect { number: k as u8, id: *id };
-                    self.note(now_us, event);
-                }
-            }
-        }
-        if output.latched_now {
-            self.note(now_us, Event::Latched { failed: output.failed_checks });
-            for check in FailedChecks::from_bits(output.failed_checks).iter() {
-                self.note(now_us, Event::Failed(check));
-            }
-        }
-        for sensor in Sensor::ALL {
-            let i = sensor.index();
-            let (Some(out), Some(before)) = (output.sensors.get(i), self.trust.get_mut(i)) else { continue };
-            let was = core::mem::replace(before, out.trust);
-            if was == out.trust || !sensor.flies_free() {
-                continue;
-            }
-            match out.trust {
-                Trust::Doubtful | Trust::Untrustworthy | Trust::Unmonitored => {
-                    let beyond =
-                        if out.trust == Trust::Untrustworthy { &self.averages } else { &self.errors };
-                    let value_m = beyond.get(i).and_then(Sample::latest).map_or(f32::NAN, |(_, value)| value);
-                    let bound_m = said
-                        .latch
-                        .and_then(|latch| latch.sensors.get(i))
-                        .map_or(f32::NAN, |latch| latch.bound_m());
-                    self.note(now_us, Event::Trust { sensor, trust: out.trust, value_m, bound_m });
-                }
-                Trust::Trusted if was == Trust::Unmonitored => self.note(now_us, Event::Monitored(sensor)),
-                Trust::Trusted | Trust::Calibrating => {}
-            }
-        }
-    }
-
-    fn note(&mut self, now_us: u64, event: Event) {
-        if !self.events.push(now_us, event) {
-            self.link.count_lost(MessageKind::StatusText);
         }
     }
 
@@ -377,10 +327,12 @@ impl<'a> Telemetry<'a> {
     }
 }
 
+#[inline(never)]
 fn send_value(link: &mut Link<'_>, priority: Priority, time_ms: u32, name: Name, value: f32) {
     link.send(MessageKind::NamedValueFloat, priority, &message::named_value_float(time_ms, name, value));
 }
 
+#[inline(never)]
 fn send_sample(link: &mut Link<'_>, name: Name, sample: &mut Sample<f32>) {
     if let Some((time_ms, value)) = sample.send() {
         send_value(link, Priority::Turn, time_ms, name, value);

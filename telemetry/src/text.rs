@@ -22,7 +22,8 @@ impl Text {
     }
 
     /// Adds a text.
-    pub fn text(mut self, text: &str) -> Self {
+    #[inline(never)]
+    pub fn text(&mut self, text: &str) -> &mut Self {
         for byte in text.bytes() {
             self.byte(byte);
         }
@@ -30,7 +31,8 @@ impl Text {
     }
 
     /// Adds a whole number.
-    pub fn number(mut self, number: u64) -> Self {
+    #[inline(never)]
+    pub fn number(&mut self, number: u64) -> &mut Self {
         // The largest has twenty digits.
         let mut digits = [0_u8; 20];
         let mut rest = number;
@@ -50,32 +52,34 @@ impl Text {
     }
 
     /// Adds a time as seconds with three decimals.
-    pub fn seconds(self, time_us: u64) -> Self {
+    pub fn seconds(&mut self, time_us: u64) -> &mut Self {
         let milliseconds = time_us / 1_000;
         self.number(milliseconds / 1_000).text(".").padded(milliseconds % 1_000, 100)
     }
 
     /// Adds metres: one decimal below 1000 m, none beyond; `nan` for what is no number, `huge` from
     /// 100 km on.
-    pub fn metres(self, metres: f32) -> Self {
+    pub fn metres(&mut self, metres: f32) -> &mut Self {
         if metres.is_nan() {
             return self.text("nan");
         }
-        let signed = if metres < 0.0 { self.text("-") } else { self };
+        if metres < 0.0 {
+            self.text("-");
+        }
         let size = libm::fabsf(metres);
         // At 999.95 one decimal would make it 1000.0.
         if size < 999.95 {
             let tenths = libm::roundf(size * 10.0) as u64;
-            signed.number(tenths / 10).text(".").number(tenths % 10)
+            self.number(tenths / 10).text(".").number(tenths % 10)
         } else if size < 99_999.5 {
-            signed.number(libm::roundf(size) as u64)
+            self.number(libm::roundf(size) as u64)
         } else {
-            signed.text("huge")
+            self.text("huge")
         }
     }
 
     /// Adds a number with zeros before it, from the digit of `place` on.
-    fn padded(mut self, number: u64, place: u64) -> Self {
+    fn padded(&mut self, number: u64, place: u64) -> &mut Self {
         let mut place = place;
         while place > number && place > 1 {
             self.byte(b'0');
@@ -102,11 +106,11 @@ mod tests {
 
     #[test]
     fn numbers_are_written_as_people_write_them() {
-        assert_eq!(said(Text::new().number(0)), "0");
-        assert_eq!(said(Text::new().number(u64::MAX)), u64::MAX.to_string());
+        assert_eq!(said(*Text::new().number(0)), "0");
+        assert_eq!(said(*Text::new().number(u64::MAX)), u64::MAX.to_string());
         for time_us in [0, 999, 1_000, 45_000, 123_456_789, 5_007_000] {
             let expected = format!("{:.3}", (time_us / 1_000) as f64 / 1e3);
-            assert_eq!(said(Text::new().seconds(time_us)), expected);
+            assert_eq!(said(*Text::new().seconds(time_us)), expected);
         }
         for (metres, expected) in [
             (0.0, "0.0"),
@@ -119,13 +123,13 @@ mod tests {
             (f32::NAN, "nan"),
             (f32::NEG_INFINITY, "-huge"),
         ] {
-            assert_eq!(said(Text::new().metres(metres)), expected, "{metres}");
+            assert_eq!(said(*Text::new().metres(metres)), expected, "{metres}");
         }
     }
 
     #[test]
     fn fifty_bytes_are_all_that_fit() {
-        let text = Text::new().text(&"x".repeat(49)).number(123);
+        let text = *Text::new().text(&"x".repeat(49)).number(123);
         assert_eq!(said(text), format!("{}1", "x".repeat(49)));
     }
 }

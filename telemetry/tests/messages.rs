@@ -8,7 +8,9 @@ use kf_core::effect::EffectId;
 use kf_core::input::{BaroReading, GpsFix, ImuSample, LaunchDoubt, Signals, TickInput};
 use kf_core::latch::{LatchRecord, SensorLatch};
 use kf_core::mission::{Counters, SourceCounters};
-use kf_core::output::{CoefficientOutput, Phase, Rejection, SensorOutput, TickOutput, Trust};
+use kf_core::output::{
+    Agreement, CoefficientOutput, CrossCheckOutput, Phase, Rejection, SensorOutput, TickOutput, Trust,
+};
 use mavlink::dialects::common::*;
 use mavlink::{MAVLinkV2MessageRaw, MavlinkVersion, Message};
 use telemetry::{ComputerStatus, Frame, FrameQueue, Link, Rates, Said, Telemetry};
@@ -322,8 +324,7 @@ fn the_status_has_bits_and_counts() {
     flight.counters.sensors[2] = SourceCounters { not_finite: 3, stuck: 4, ..SourceCounters::default() };
     flight.counters.signals_not_finite = 5;
     flight.counters.out_of_order = 6;
-    flight.computer =
-        ComputerStatus { sensor_faults: 70_000, missed_ticks: 1, lost_results: 8, load_permille: Some(17) };
+    flight.computer = ComputerStatus { sensor_faults: 70_000, lost_results: 8, load_permille: Some(17) };
     second(&mut flight, START_US, |_, _| ());
     // For the next four seconds the barometer is stuck, and there is no fix.
     for k in 1..5 {
@@ -355,7 +356,7 @@ fn the_status_has_bits_and_counts() {
         errors_comm: 0,
         errors_count1: u16::MAX,
         errors_count2: 14,
-        errors_count3: 7,
+        errors_count3: 6,
         errors_count4: 8,
         battery_remaining: -1,
         onboard_control_sensors_present_extended: none,
@@ -465,6 +466,58 @@ fn phases_flags_and_failed_checks_are_said_with_time_and_cause() {
     }
     assert_eq!(flight.named("s_ref")[0].1, 0.3);
     assert_eq!(flight.named("c_1"), []);
+}
+
+#[test]
+fn doubts_about_the_launch_the_cross_check_and_a_restart_are_said_with_time_and_cause() {
+    let mut queue = FrameQueue::new();
+    let mut flight = Flight::new(&mut queue, Rates::FULL, &[]);
+    flight.latch = Some(latch());
+    let doubts = |from_us: u64, doubt: LaunchDoubt| {
+        move |input: &mut TickInput, _: &mut TickOutput| {
+            input.launch_doubt =
+                if (from_us..from_us + 15_000).contains(&input.time_us) { doubt } else { LaunchDoubt::None };
+        }
+    };
+    second(&mut flight, START_US, doubts(START_US + 200_000, LaunchDoubt::Suspected));
+    // Suspected, then launched as suspected: that is not said as a suspicion that was none.
+    second(&mut flight, START_US + 1_000_000, |input, _| {
+        let since_us = input.time_us - START_US - 1_000_000;
+        input.launch = since_us >= 300_000;
+        input.launch_doubt =
+            if (200_000..300_000).contains(&since_us) { LaunchDoubt::Suspected } else { LaunchDoubt::None };
+    });
+    second(&mut flight, START_US + 2_000_000, |input, _| {
+        (input.launch, input.launch_doubt) = (true, LaunchDoubt::Unconfirmed);
+    });
+    flight.counters.restarts = 1;
+    second(&mut flight, START_US + 3_000_000, |input, output| {
+        (input.launch, input.launch_doubt) = (true, LaunchDoubt::Unconfirmed);
+        let since_us = input.time_us - START_US - 3_000_000;
+        // Pairs of readings come every other tick; between them there is nothing to say.
+        output.cross_check = since_us.is_multiple_of(10_000).then_some(CrossCheckOutput {
+            difference_m: -4.5,
+            moving_average_m: -3.9,
+            agreement: match since_us {
+                0..400_000 => Agreement::Agree,
+                400_000..600_000 => Agreement::Doubtful,
+                _ => Agreement::Disagree,
+            },
+        });
+    });
+    let texts: Vec<(u8, String)> =
+        flight.texts().into_iter().map(|(severity, text)| (severity as u8, text)).collect();
+    // The bound is the root of 2.25 and 9 square metres.
+    let expected = [
+        (4, "t=7.200 launch suspected, calibration held"),
+        (5, "t=7.215 launch not confirmed, calibrating"),
+        (4, "t=8.200 launch suspected, calibration held"),
+        (4, "t=9.000 launched, by the wire alone"),
+        (3, "t=10.000 resumed after a restart"),
+        (4, "t=10.400 baro-imu_slave doubtful -4.5>3.4m"),
+        (3, "t=10.600 baro-imu_slave disagree -3.9>3.4m"),
+    ];
+    assert_eq!(texts, expected.map(|(severity, text)| (severity, text.to_owned())));
 }
 
 #[test]

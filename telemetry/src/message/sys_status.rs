@@ -39,7 +39,7 @@ pub struct SysStatus {
 /// | `errors_comm` | frames dropped so far |
 /// | `errors_count1` | failed polls of sensors |
 /// | `errors_count2` | readings and fixes that the estimator refused |
-/// | `errors_count3` | ticks out of order, missed or late |
+/// | `errors_count3` | ticks out of order |
 /// | `errors_count4` | results that found no room in the flight record |
 /// | `voltage_battery`, `current_battery`, `battery_remaining` | unknown (`UINT16_MAX`, -1, -1) |
 ///
@@ -59,7 +59,7 @@ pub fn sys_status(status: &SysStatus) -> SYS_STATUS_DATA {
         errors_comm: at_most(status.dropped),
         errors_count1: at_most(computer.sensor_faults),
         errors_count2: at_most(status.refused),
-        errors_count3: at_most(status.out_of_order.saturating_add(computer.missed_ticks)),
+        errors_count3: at_most(status.out_of_order),
         errors_count4: at_most(computer.lost_results),
         battery_remaining: -1,
         onboard_control_sensors_present_extended: none,

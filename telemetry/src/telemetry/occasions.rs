@@ -1,0 +1,106 @@
+//! What is said once, when it happens.
+
+use kf_core::input::LaunchDoubt;
+use kf_core::output::{Agreement, Trust};
+use kf_core::quality::FailedChecks;
+use kf_core::sensor::Sensor;
+
+use super::{Said, Telemetry};
+use crate::event::Event;
+use crate::link::MessageKind;
+use crate::rates::Rates;
+use crate::sample::Sample;
+use crate::schedule::Slot;
+
+impl Telemetry<'_> {
+    /// What is said once.
+    pub(super) fn note_events(&mut self, said: &Said<'_>, now_us: u64) {
+        let output = said.output;
+        if self.launch != Some(said.input.launch) {
+            self.launch = Some(said.input.launch);
+            self.schedule.at_once(Slot::Launch);
+        }
+        if said.counters.restarts != self.restarts {
+            self.restarts = said.counters.restarts;
+            self.note(now_us, Event::Resumed);
+        }
+        let doubt = said.input.launch_doubt;
+        if core::mem::replace(&mut self.launch_doubt, doubt) != doubt
+            && (doubt != LaunchDoubt::None || !said.input.launch)
+        {
+            self.note(now_us, Event::Launch(doubt));
+        }
+        if self.phase != Some(output.phase) {
+            self.phase = Some(output.phase);
+            self.schedule.at_once(Slot::Heartbeat);
+        }
+        if !self.effects.is_empty() && self.announcement_due.is_due(now_us) {
+            self.announcement_due.sent(now_us, Rates::ANNOUNCE_US);
+            for k in 0..self.effects.len() {
+                if let Some(id) = self.effects.get(k) {
+                    let event = Event::Effect { number: k as u8, id: *id };
+                    self.note(now_us, event);
+                }
+            }
+        }
+        if output.latched_now {
+            self.note(now_us, Event::Latched { failed: output.failed_checks });
+            for check in FailedChecks::from_bits(output.failed_checks).iter() {
+                self.note(now_us, Event::Failed(check));
+            }
+        }
+        self.note_trust(said, now_us);
+        self.note_cross_check(said, now_us);
+    }
+
+    fn note_trust(&mut self, said: &Said<'_>, now_us: u64) {
+        let output = said.output;
+        for sensor in Sensor::ALL {
+            let i = sensor.index();
+            let (Some(out), Some(before)) = (output.sensors.get(i), self.trust.get_mut(i)) else { continue };
+            let was = core::mem::replace(before, out.trust);
+            if was == out.trust || !sensor.flies_free() {
+                continue;
+            }
+            match out.trust {
+                Trust::Doubtful | Trust::Untrustworthy | Trust::Unmonitored => {
+                    let beyond =
+                        if out.trust == Trust::Untrustworthy { &self.averages } else { &self.errors };
+                    let value_m = beyond.get(i).and_then(Sample::latest).map_or(f32::NAN, |(_, value)| value);
+                    let bound_m = said
+                        .latch
+                        .and_then(|latch| latch.sensors.get(i))
+                        .map_or(f32::NAN, |latch| latch.bound_m());
+                    self.note(now_us, Event::Trust { sensor, trust: out.trust, value_m, bound_m });
+                }
+                Trust::Trusted if was == Trust::Unmonitored => self.note(now_us, Event::Monitored(sensor)),
+                Trust::Trusted | Trust::Calibrating => {}
+            }
+        }
+    }
+
+    /// The flag of the cross-check, which there is without a reference only.
+    fn note_cross_check(&mut self, said: &Said<'_>, now_us: u64) {
+        let Some(check) = said.output.cross_check else { return };
+        let agreement = check.agreement;
+        if core::mem::replace(&mut self.agreement, agreement) == agreement {
+            return;
+        }
+        let value_m = match agreement {
+            Agreement::Disagree => check.moving_average_m,
+            Agreement::Agree | Agreement::Doubtful => check.difference_m,
+        };
+        let free = |sensor: Sensor| said.latch.and_then(|latch| latch.sensors.get(sensor.index()));
+        let bound_m = match (free(Sensor::ImuSlave), free(Sensor::Baro)) {
+            (Some(slave), Some(baro)) => libm::sqrtf(slave.bound_m2 + baro.bound_m2),
+            _ => f32::NAN,
+        };
+        self.note(now_us, Event::CrossCheck { agreement, value_m, bound_m });
+    }
+
+    fn note(&mut self, now_us: u64, event: Event) {
+        if !self.events.push(now_us, event) {
+            self.link.count_lost(MessageKind::StatusText);
+        }
+    }
+}
