@@ -3,7 +3,8 @@
 //!
 //! `PYLON_MODEL` is a preset's name or a model file (default: the preset `default`); the workbench gives
 //! `PYLON_MODEL_SOURCE` instead, a file of source that it has generated from the model it flies.
-//! `PYLON_MUTATE` (`ulp`, `panic`, `fault`, `starve`) plants an error (`src/mutation.rs`).
+//! `PYLON_TELEMETRY_BAUD` is the rate of the telemetry's line (default: 921600). `PYLON_MUTATE` (one of [`MUTATIONS`]) plants an
+//! error or a load (`src/mutation.rs`).
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -11,18 +12,28 @@ use std::{env, fs};
 
 use model::Model;
 
+/// The rate of the telemetry's line unless the environment says another, baud.
+const TELEMETRY_BAUD: u32 = 921_600;
+
+/// What can be planted.
+const MUTATIONS: [&str; 7] = ["ulp", "panic", "fault", "starve", "slow_line", "full_line", "silent_line"];
+
 fn main() -> Result<(), Box<dyn Error>> {
     let out = PathBuf::from(env::var_os("OUT_DIR").ok_or("OUT_DIR is not set")?);
     write_model(&out)?;
+    write_telemetry(&out)?;
 
     println!("cargo:rerun-if-env-changed=PYLON_MUTATE");
-    println!("cargo:rustc-check-cfg=cfg(pylon_mutate, values(\"ulp\", \"panic\", \"fault\", \"starve\"))");
+    println!(
+        "cargo:rustc-check-cfg=cfg(pylon_mutate, values({}))",
+        MUTATIONS.map(|name| format!("{name:?}")).join(", ")
+    );
     match env::var("PYLON_MUTATE") {
-        Ok(error) if ["ulp", "panic", "fault", "starve"].contains(&error.as_str()) => {
-            println!("cargo:rustc-cfg=pylon_mutate={error:?}");
+        Ok(mutation) if MUTATIONS.contains(&mutation.as_str()) => {
+            println!("cargo:rustc-cfg=pylon_mutate={mutation:?}");
         }
         Ok(other) => {
-            return Err(format!("PYLON_MUTATE is {other:?}: expected ulp, panic, fault or starve").into());
+            return Err(format!("PYLON_MUTATE is {other:?}: expected one of {}", MUTATIONS.join(", ")).into());
         }
         Err(_) => {}
     }
@@ -36,6 +47,20 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("cargo:rustc-link-arg-bins={argument}");
     }
     println!("cargo:rerun-if-changed=build.rs");
+    Ok(())
+}
+
+/// Writes the rate of the telemetry's line as a constant.
+fn write_telemetry(out: &Path) -> Result<(), Box<dyn Error>> {
+    println!("cargo:rerun-if-env-changed=PYLON_TELEMETRY_BAUD");
+    let baud = match env::var("PYLON_TELEMETRY_BAUD") {
+        Ok(text) => {
+            text.parse().map_err(|_| format!("PYLON_TELEMETRY_BAUD is {text:?}: expected a whole number"))?
+        }
+        Err(_) => TELEMETRY_BAUD,
+    };
+    let source = format!("/// The rate of the telemetry's line, baud.\npub const BAUD: u32 = {baud};\n");
+    fs::write(out.join("telemetry.rs"), source)?;
     Ok(())
 }
 

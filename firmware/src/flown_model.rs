@@ -1,5 +1,6 @@
 //! The model that was compiled in: the workbench's, to the bit (`build.rs`).
 
+use kf_core::effect::EffectId;
 use kf_core::estimator::ConfigError;
 use kf_core::mission::Mission;
 
@@ -14,6 +15,11 @@ pub const NAME: &str = env!("PYLON_MODEL_NAME");
 
 /// The mission of that model.
 pub type FlownMission = Mission<{ generated::HEAD }, { generated::TAIL }, { generated::EFFECTS }>;
+
+/// Its estimated effects, in the model's order.
+pub fn effects() -> [EffectId; generated::EFFECTS] {
+    generated::mission_config().estimated_effects.map(|effect| effect.id())
+}
 
 /// The mission before its first tick.
 pub fn mission() -> Result<FlownMission, ConfigError> {

@@ -1,12 +1,14 @@
 //! The flight computer's image: the estimator inside a 200 Hz timer interrupt.
 //!
-//! Priorities: `tick` (TIM2) preempts everything and never waits. With what time is left `report` writes
-//! what it said, and `feed` brings the flight record (only the emulated board has one). Both run on
-//! interrupts that no device of the board uses, pended by software: to pend one that runs runs it again.
+//! Priorities: `tick` (TIM2) preempts everything and never waits. `transmit` hands the telemetry's line its next frame.
+//! With what time is left `report` writes what the tick said, and `feed` brings the flight record (only the emulated board
+//! has one). These two run on interrupts that no device of the board uses, pended by software: to pend one that runs runs
+//! it again.
 #![no_std]
 #![no_main]
 
 mod board;
+mod downlink;
 mod failure;
 mod flown_model;
 mod meter;
@@ -15,13 +17,14 @@ mod stack;
 mod tick_timer;
 
 use drivers::Sensors as _;
-use flight_computer::{FlightComputer, Onboard, Step};
+use flight_computer::{FlightComputer, Onboard, Part, Step};
 use flight_record::{ExitStatus, Summary, TickRecord};
 use heapless::spsc::{Consumer, Producer, Queue};
 use kf_core::launch::LaunchConfig;
 use kf_core::strapdown;
 
-use board::{Board, CostClock, Feeder, Next, Sensors, Sink, Source, Storage};
+use board::{Board, CostClock, Feeder, Line, Next, Sensors, Sink, Source, Storage};
+use downlink::{Downlink, Frames, FramesOut};
 use flown_model::FlownMission;
 use meter::{Costs, TickMeter};
 use mutation::Mutated;
@@ -48,6 +51,7 @@ mod app {
 
     use super::*;
 
+    const TRANSMIT: Interrupt = Interrupt::DMA2_STREAM7;
     const REPORT: Interrupt = Interrupt::EXTI0;
     const FEED: Interrupt = Interrupt::EXTI1;
 
@@ -66,9 +70,16 @@ mod app {
         results_in: Producer<'static, TickRecord>,
         results_out: Consumer<'static, TickRecord>,
         sink: Sink,
+        downlink: Downlink,
+        line: Line,
+        frames_out: FramesOut,
     }
 
-    #[init(local = [storage: Storage = Storage::new(), results: Queue<TickRecord, RESULTS> = Queue::new()])]
+    #[init(local = [
+        storage: Storage = Storage::new(),
+        results: Queue<TickRecord, RESULTS> = Queue::new(),
+        frames: Frames = Frames::new(),
+    ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         defmt::info!(
             "pylon on {=str}: model {=str}, fingerprint {=u64:016x}",
@@ -80,7 +91,7 @@ mod app {
             Ok(mission) => mission,
             Err(_) => board::exit(ExitStatus::Configuration),
         };
-        let Board { timer, source, feeder, sensors, is_recording, sink } =
+        let Board { timer, source, feeder, sensors, is_recording, sink, line } =
             match board::start(cx.device, cx.core, cx.local.storage) {
                 Ok(board) => board,
                 Err(status) => board::exit(status),
@@ -93,10 +104,20 @@ mod app {
             Err(_) => board::exit(ExitStatus::Configuration),
         };
         let (results_in, results_out) = cx.local.results.split();
+        let (frames_in, frames_out) = cx.local.frames.split();
         rtic::pend(FEED);
         (
             Shared { computer, counts: TickCounts::default(), feeder },
-            Local { timer, source, results_in, results_out, sink },
+            Local {
+                timer,
+                source,
+                results_in,
+                results_out,
+                sink,
+                downlink: Downlink::new(frames_in),
+                line,
+                frames_out,
+            },
         )
     }
 
@@ -108,18 +129,24 @@ mod app {
     }
 
     /// One tick of the flight computer.
-    #[task(binds = TIM2, priority = 3, local = [timer, source, results_in], shared = [computer, counts])]
+    #[task(binds = TIM2, priority = 3, local = [timer, source, results_in, downlink], shared = [computer, counts])]
     fn tick(cx: tick::Context) {
-        let tick::LocalResources { timer, source, results_in, .. } = cx.local;
+        let begun = CostClock::time();
+        let tick::LocalResources { timer, source, results_in, downlink, .. } = cx.local;
         let mut computer = cx.shared.computer;
         let mut counts = cx.shared.counts;
         timer.acknowledge();
+        let lost_results = counts.lock(|counts| counts.lost_results);
         let stepped =
             computer.lock(|computer| match source.next(&mut computer.sensors.0, results_in.ready()) {
                 Next::Tick(now_us) => {
                     let mut meter = TickMeter::start();
                     let step = computer.tick_measured(now_us, &mut |part| meter.lap(part));
-                    Ok((meter, step, computer.sensors.faults().count))
+                    let sensor_faults = computer.sensors.faults().count;
+                    downlink.tell(&step, &computer.mission, sensor_faults, lost_results);
+                    meter.lap(Part::Telemetry);
+                    downlink.note_cost(meter.total());
+                    Ok((meter, step, sensor_faults))
                 }
                 otherwise => Err(otherwise),
             });
@@ -129,10 +156,11 @@ mod app {
                     counts.ticks = counts.ticks.saturating_add(1);
                     counts.costs.take(&meter);
                     counts.sensor_faults = sensor_faults;
-                    if results_in.enqueue(TickRecord { cost: meter.total(), input, output }).is_err() {
+                    if results_in.enqueue(TickRecord { begun, cost: meter.total(), input, output }).is_err() {
                         counts.lost_results = counts.lost_results.saturating_add(1);
                     }
                 });
+                rtic::pend(TRANSMIT);
                 rtic::pend(REPORT);
                 rtic::pend(FEED);
             }
@@ -148,6 +176,18 @@ mod app {
                 counts.lock(|counts| counts.ended = true);
                 rtic::pend(REPORT);
             }
+        }
+    }
+
+    /// Gives the telemetry's line its next frame: when the last is through, and after every tick. The real board's
+    /// DMA raises this interrupt; the emulated one has a timer pend it.
+    #[task(binds = DMA2_STREAM7, priority = 2, local = [line, frames_out])]
+    fn transmit(cx: transmit::Context) {
+        let transmit::LocalResources { line, frames_out, .. } = cx.local;
+        while line.is_free()
+            && let Some(frame) = mutation::next_frame(frames_out)
+        {
+            line.send(&frame);
         }
     }
 

@@ -3,6 +3,9 @@
 
 use drivers::{Device, Faults, Sensors};
 use kf_core::input::TickInput;
+use telemetry::Frame;
+
+use crate::downlink::FramesOut;
 
 /// Sensors whose samples are mutated on their way to the estimator.
 pub struct Mutated<Suite>(pub Suite);
@@ -57,6 +60,30 @@ fn mutated(input: TickInput) -> TickInput {
     }
     input
 }
+
+/// The frame that the line gets next.
+#[cfg(not(any(pylon_mutate = "silent_line", pylon_mutate = "full_line")))]
+pub fn next_frame(frames: &mut FramesOut) -> Option<Frame> {
+    frames.dequeue()
+}
+
+/// None: nothing goes over the line.
+#[cfg(pylon_mutate = "silent_line")]
+pub fn next_frame(frames: &mut FramesOut) -> Option<Frame> {
+    while frames.dequeue().is_some() {}
+    None
+}
+
+/// The next frame, and where there is none a filler, so that the line is never idle.
+#[cfg(pylon_mutate = "full_line")]
+pub fn next_frame(frames: &mut FramesOut) -> Option<Frame> {
+    let filler = || Frame::new(&telemetry::message::highres_imu(&TickInput::default()), 0);
+    Some(frames.dequeue().unwrap_or_else(filler))
+}
+
+/// How many times longer than at its rate a frame takes on the telemetry's line.
+#[cfg(feature = "board-qemu")]
+pub const LINE_SLOWNESS: u32 = if cfg!(pylon_mutate = "slow_line") { 10 } else { 1 };
 
 /// What has to be done besides the ticks.
 #[derive(Clone, Copy)]

@@ -3,7 +3,7 @@
 use drivers::Device;
 
 /// How many parts a tick has.
-pub const PARTS: usize = 7;
+pub const PARTS: usize = 8;
 
 /// A part of a tick, for what measures what each costs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,6 +23,8 @@ pub enum Part {
     Onboard = 5,
     /// The mission: estimator, latch, monitors.
     Mission = 6,
+    /// Making and queueing the telemetry's messages.
+    Telemetry = 7,
 }
 
 impl Part {
@@ -35,6 +37,7 @@ impl Part {
         Self::Vehicle,
         Self::Onboard,
         Self::Mission,
+        Self::Telemetry,
     ];
 
     /// Its place among the parts.
@@ -54,6 +57,7 @@ impl Part {
             Self::Vehicle => "vehicle",
             Self::Onboard => "onboard",
             Self::Mission => "mission",
+            Self::Telemetry => "telemetry",
         }
     }
 }

@@ -9,7 +9,7 @@ use serde::de::DeserializeOwned;
 /// First bytes of a header's payload.
 pub const MAGIC: [u8; 4] = *b"PYFR";
 /// Version of this format; a reader refuses any other.
-pub const FORMAT_VERSION: u16 = 6;
+pub const FORMAT_VERSION: u16 = 7;
 /// Most parts that a tick's cost can be divided into.
 pub const MAX_PARTS: usize = 16;
 
@@ -118,6 +118,9 @@ impl Payload for TickInput {
 /// What one tick saw, what it said, and what it cost.
 #[derive(Clone, Debug, PartialEq, Serialize, serde::Deserialize)]
 pub struct TickRecord {
+    /// When its code began, by the clock of [`Summary::cost_unit`], wrapping; where that counts instructions, with those
+    /// of the chips' models.
+    pub begun: u32,
     /// What the tick took, in the summary's [`Summary::cost_unit`].
     pub cost: u32,
     /// What was new, as the estimator got it.

@@ -80,7 +80,7 @@ fn longest_tick() -> TickRecord {
         bridged_us: Some(u64::MAX),
         coefficients: HeaplessVec::from_slice(&[coefficient; MAX_ESTIMATED_EFFECTS]).unwrap(),
     };
-    TickRecord { cost: u32::MAX, input: longest_input(), output }
+    TickRecord { begun: u32::MAX, cost: u32::MAX, input: longest_input(), output }
 }
 
 /// A latched calibration of the most states there can be.

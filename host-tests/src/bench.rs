@@ -48,7 +48,7 @@ pub struct Row {
 pub fn run() -> Result<Vec<Row>> {
     let image = build(Program::Bench, &Model::paper(), None)?;
     let directory = image.parent().context("the image has no directory")?;
-    let emulation = emulate(&image, directory, PATIENCE)?;
+    let emulation = emulate(&image, directory, None, PATIENCE)?;
     let printed = String::from_utf8_lossy(&emulation.stdout);
     let rows =
         parse(&printed).with_context(|| format!("the benchmark printed: {printed}{}", emulation.stderr))?;

@@ -52,6 +52,10 @@ pub struct FlightBudget {
     pub instructions_mean: f64,
     /// Instructions of the dearest tick.
     pub instructions_worst: u32,
+    /// Instructions of the dearest tick's telemetry.
+    pub telemetry_instructions_worst: u32,
+    /// Instructions by which one tick begins later on its grid than another.
+    pub start_jitter_instructions: u64,
 }
 
 /// What an image may not be linked with.
@@ -146,7 +150,7 @@ impl Budgets {
 
     /// Checks an emulated flight.
     #[must_use]
-    pub fn check_flight(&self, name: &str, report: &FlyReport) -> [Check; 3] {
+    pub fn check_flight(&self, name: &str, report: &FlyReport) -> [Check; 4] {
         let budget = &self.flight;
         [
             Check::at_most(format!("{name}: stack, bytes"), report.stack_used_bytes, budget.stack_bytes),
@@ -159,6 +163,11 @@ impl Budgets {
                 format!("{name}: instructions a tick, worst"),
                 report.instructions_worst,
                 budget.instructions_worst,
+            ),
+            Check::at_most(
+                format!("{name}: jitter of the ticks' beginning, instructions"),
+                report.start_jitter,
+                budget.start_jitter_instructions,
             ),
         ]
     }

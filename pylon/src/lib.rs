@@ -2,6 +2,7 @@
 
 pub mod compare;
 pub mod diagnose;
+pub mod downlink;
 pub mod export;
 pub mod flight;
 pub mod fly;

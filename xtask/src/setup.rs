@@ -3,7 +3,7 @@
 use std::env;
 use std::fs;
 use std::io::{self, IsTerminal};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, bail};
@@ -20,6 +20,13 @@ const NPM: &str = "npm";
 /// The browser that reports are looked at with; its package has the same name.
 const CHROMIUM: &str = "chromium";
 
+/// The telemetry's client, in a venv of that name under Cargo's folder.
+const PYMAVLINK: &str = "pymavlink";
+/// Its version.
+const PYMAVLINK_REQUIREMENTS: &str = "host-tests/telemetry/requirements.txt";
+/// Debian's package of what it runs on.
+const PYTHON: &str = "python3-venv";
+
 /// Something that does not come with the checkout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Need {
@@ -35,6 +42,8 @@ pub enum Need {
     Npm,
     /// The browser that tests look at reports with.
     Chromium,
+    /// The client that tests read the telemetry with.
+    Pymavlink,
 }
 
 /// What was found, or what was done about it.
@@ -47,8 +56,8 @@ pub enum Provided {
 
 impl Need {
     /// Everything that some job needs.
-    pub const ALL: [Self; 6] =
-        [Self::Rustfmt, Self::Clippy, Self::Target, Self::Qemu, Self::Npm, Self::Chromium];
+    pub const ALL: [Self; 7] =
+        [Self::Rustfmt, Self::Clippy, Self::Target, Self::Qemu, Self::Npm, Self::Chromium, Self::Pymavlink];
 
     /// Its name to the user.
     pub const fn name(self) -> &'static str {
@@ -59,6 +68,7 @@ impl Need {
             Self::Qemu => QEMU,
             Self::Npm => NPM,
             Self::Chromium => CHROMIUM,
+            Self::Pymavlink => PYMAVLINK,
         }
     }
 
@@ -79,6 +89,12 @@ impl Need {
                 Err(_) => first_line(workspace::program(NPM).arg("--version")),
             },
             Self::Chromium => first_line(workspace::program(CHROMIUM).arg("--version")),
+            Self::Pymavlink => {
+                let version = "import importlib.metadata as m; print('pymavlink==' + m.version('pymavlink'))";
+                let found = first_line(workspace::program(pymavlink_python()).args(["-c", version]))?;
+                let wanted = fs::read_to_string(workspace::root().join(PYMAVLINK_REQUIREMENTS)).ok()?;
+                wanted.lines().any(|line| line == found).then_some(found)
+            }
         }
     }
 
@@ -96,8 +112,28 @@ impl Need {
             Self::Qemu => install(QEMU, &format!("it must offer `{QEMU} -machine {MACHINE}`")),
             Self::Npm => install(NPM, "Node.js brings it"),
             Self::Chromium => install(CHROMIUM, "its command must be `chromium`"),
+            Self::Pymavlink => {
+                let has_venv =
+                    first_line(workspace::program("python3").args(["-c", "import ensurepip; print(1)"]));
+                let mut commands = match has_venv {
+                    Some(_) => Vec::new(),
+                    None => install(PYTHON, "Python 3.9 or newer with its venv module")?,
+                };
+                let mut venv = workspace::program("python3");
+                venv.args(["-m", "venv", "--clear"]).arg(workspace::target_folder().join(PYMAVLINK));
+                let mut pip = workspace::program(pymavlink_python());
+                pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]);
+                pip.args(["--requirement", PYMAVLINK_REQUIREMENTS]);
+                commands.extend([venv, pip]);
+                Ok(commands)
+            }
         }
     }
+}
+
+/// The interpreter that has the telemetry's client.
+fn pymavlink_python() -> PathBuf {
+    workspace::target_folder().join(PYMAVLINK).join("bin/python")
 }
 
 /// Finds what is needed; installs it where it is missing, and says so on standard error.

@@ -25,7 +25,11 @@ const STEPS: &[Step] = &[
     Step { name: "documentation, firmware", needs: &[Need::Target], run: documentation_firmware },
     Step { name: "image, board-qemu", needs: &[Need::Target], run: image_qemu },
     Step { name: "image, board-f405", needs: &[Need::Target], run: image_f405 },
-    Step { name: "tests", needs: &[Need::Target, Need::Qemu, Need::Npm, Need::Chromium], run: tests },
+    Step {
+        name: "tests",
+        needs: &[Need::Target, Need::Qemu, Need::Npm, Need::Chromium, Need::Pymavlink],
+        run: tests,
+    },
     Step { name: "demo", needs: &[Need::Target, Need::Qemu, Need::Npm], run: demo::test },
 ];
 

@@ -12,9 +12,9 @@ mod f405;
 mod qemu;
 
 #[cfg(feature = "board-f405")]
-pub use f405::{CostClock, Feeder, NAME, Sensors, Sink, Source, Storage, exit, start};
+pub use f405::{CostClock, Feeder, Line, NAME, Sensors, Sink, Source, Storage, exit, start};
 #[cfg(all(feature = "board-qemu", not(feature = "board-f405")))]
-pub use qemu::{CostClock, Feeder, NAME, Sensors, Sink, Source, Storage, exit, start};
+pub use qemu::{CostClock, Feeder, Line, NAME, Sensors, Sink, Source, Storage, exit, start};
 
 use crate::tick_timer::TickTimer;
 
@@ -32,6 +32,8 @@ pub struct Board {
     pub is_recording: bool,
     /// Where results go.
     pub sink: Sink,
+    /// Where the telemetry goes.
+    pub line: Line,
 }
 
 /// What a timer tick is for.

@@ -5,6 +5,8 @@
 //! The timers run at 1 GHz whatever the prescalers of the clock tree say; with `-icount shift=0` an
 //! instruction takes one nanosecond, so a timer counts instructions.
 
+mod line;
+
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use chip_models::flown::{ChipFault, RecordedSensors};
@@ -14,6 +16,7 @@ use flight_record::{
     CostUnit, Decoder, Encoder, End, ExitStatus, Header, INPUT_FILE, Kind, MAX_STUFFED, OUTPUT_FILE, Payload,
     SensorSource, Stream, Summary,
 };
+use heapless::Vec;
 use heapless::spsc::{Consumer, Producer, Queue};
 use kf_core::input::TickInput;
 use semihosting::fs::File;
@@ -21,6 +24,8 @@ use semihosting::io::{Read, Write};
 use stm32f4xx_hal::pac::{Peripherals, TIM5};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Config;
+
+pub use line::Line;
 
 use super::{Board, Next};
 use crate::flown_model::FINGERPRINT;
@@ -50,33 +55,42 @@ enum Item {
 pub struct Storage {
     inputs: Queue<Item, INPUTS>,
     ended: AtomicBool,
-    sensors: Option<RecordedSensors<ModelsWork>>,
+    /// None before the start; empty, unlike an `Option` of them, it takes no flash.
+    sensors: Vec<RecordedSensors<ModelsWork>, 1>,
 }
 
 impl Storage {
     /// Empty.
     pub const fn new() -> Self {
-        Self { inputs: Queue::new(), ended: AtomicBool::new(false), sensors: None }
+        Self { inputs: Queue::new(), ended: AtomicBool::new(false), sensors: Vec::new() }
     }
 }
 
 /// Starts the board.
 pub fn start(
     device: Peripherals,
-    _core: cortex_m::Peripherals,
+    mut core: cortex_m::Peripherals,
     storage: &'static mut Storage,
 ) -> Result<Board, ExitStatus> {
     let Storage { inputs, ended, sensors } = storage;
     let (inputs_in, inputs_out) = inputs.split();
-    let rcc = device.RCC.freeze(Config::hsi());
+    let mut rcc = device.RCC.freeze(Config::hsi());
+    let port_a = device.GPIOA.split(&mut rcc);
+    let line = Line::start(device.USART1, port_a.pa9, device.TIM3, &mut core.NVIC, &mut rcc)
+        .ok_or(ExitStatus::NoOutput)?;
     CostClock::start(&device.TIM5, &rcc);
     let (feeder, header) = Feeder::open(inputs_in, ended)?;
+    if sensors.push(RecordedSensors::new(header.sensors, &ModelsWork)).is_err() {
+        return Err(ExitStatus::Configuration);
+    }
+    let sensors = sensors.first_mut().ok_or(ExitStatus::Configuration)?;
     Ok(Board {
         feeder,
         source: Source { inputs: inputs_out, ended },
         is_recording: header.sensors == SensorSource::Ideal,
-        sensors: sensors.insert(RecordedSensors::new(header.sensors, &ModelsWork)),
+        sensors,
         sink: Sink::create(&header)?,
+        line,
         timer: TickTimer::start(device.TIM2, &rcc, TIMER_HZ),
     })
 }
@@ -100,11 +114,11 @@ pub struct ModelsWork;
 
 impl WorkObserver for ModelsWork {
     fn begin(&mut self) -> u32 {
-        CostClock::count()
+        CostClock::time()
     }
 
     fn end(&mut self, begun: u32) {
-        let took = CostClock::count().wrapping_sub(begun);
+        let took = CostClock::time().wrapping_sub(begun);
         // No read-modify-write is needed: only a tick polls sensors, and nothing interrupts it that does.
         MODELS_WORK.store(MODELS_WORK.load(Ordering::Relaxed).wrapping_add(took), Ordering::Relaxed);
     }
@@ -122,13 +136,18 @@ impl CostClock {
         tim5.cr1().modify(|_, w| w.cen().enabled());
     }
 
-    /// Now, wrapping.
-    pub fn now() -> u32 {
-        Self::count().wrapping_sub(MODELS_WORK.load(Ordering::Relaxed))
+    /// What share of a tick that is, per mille; instructions are no time.
+    pub const fn permille_of_a_tick(_cost: u32) -> Option<u16> {
+        None
     }
 
-    /// All instructions, wrapping.
-    fn count() -> u32 {
+    /// Now, for what a tick costs: without the models' instructions; wrapping.
+    pub fn now() -> u32 {
+        Self::time().wrapping_sub(MODELS_WORK.load(Ordering::Relaxed))
+    }
+
+    /// Now, for when a tick begins: all instructions, wrapping.
+    pub fn time() -> u32 {
         // SAFETY: a read of the counter, which changes nothing; nobody else has TIM5.
         unsafe { (*TIM5::ptr()).cnt().read().bits() }
     }

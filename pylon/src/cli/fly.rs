@@ -1,7 +1,11 @@
 //! `pylon fly`.
 
+use std::path::PathBuf;
+
 use clap::Args;
+use pylon::export::tlog;
 use pylon::fly::{ChipsReport, Difference, FlyError, FlyOptions, FlyReport, PlannedFault, SensorSource, fly};
+use pylon::output_file::write_atomically;
 use pylon::replay::Replay;
 use serde_json::{Value, json};
 
@@ -16,6 +20,8 @@ Examples:
       fly it through the firmware, emulated by QEMU, on models of the sensors' chips and their drivers, and compare
       every tick with the host's bits
   pylon fly flight.csv --model improved.toml --json
+  pylon fly flight.csv --telemetry flight.tlog
+      and record its telemetry, which `compare` and the others read as a flight
   pylon fly flight.csv --ideal-sensors
       without chips and drivers: the estimator gets the flight's rows as they are
   pylon fly flight.csv --fault \"baro stuck-low 60..65\" --fault \"imu reset 70\"
@@ -42,6 +48,9 @@ pub struct Arguments {
     /// Let a chip fail, such as "baro stuck-low 60..65"; may be given more than once
     #[arg(long = "fault", value_name = "FAULT", conflicts_with = "ideal_sensors")]
     faults: Vec<PlannedFault>,
+    /// Write what the emulated flight computer sent over its telemetry's line, as a ground station records it
+    #[arg(long, value_name = "TLOG")]
+    telemetry: Option<PathBuf>,
     /// Give the host's mission every barometer reading one unit in the last place off: to see that
     /// it is found
     #[arg(long, hide = true)]
@@ -60,6 +69,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         sensors: if arguments.ideal_sensors { SensorSource::Ideal } else { SensorSource::Chips },
         faults: arguments.faults.clone(),
         host_ulp_error: arguments.plant_host_error,
+        telemetry: arguments.telemetry.is_some(),
         ..FlyOptions::default()
     };
     let report = while_busy("flying in QEMU", || fly(&replay, &options)).map_err(|error| {
@@ -72,6 +82,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
         Failure::differs(line)
     })?;
+    if let (Some(file), Some(telemetry)) = (&arguments.telemetry, &report.telemetry) {
+        let log = tlog::recording(&telemetry.target, 0);
+        while_busy("writing", || write_atomically(file, |out| out.write_all(&log)))?;
+    }
     if arguments.what.json {
         return put_json(&report_json(&report));
     }
@@ -82,12 +96,14 @@ fn text(file: &str, report: &FlyReport) -> String {
     let mut text = format!(
         "{file}: the emulated flight computer and the host agree to the bit in all {} ticks\n  \
          instructions a tick  {:.1} mean, {} worst (at {:.3} s)\n  \
+         ticks begin          within {} instructions of an even 5 ms\n  \
          stack                {} of {} bytes used\n  \
          image                {} bytes of flash, {} bytes of static RAM\n",
         report.ticks,
         report.instructions_mean,
         report.instructions_worst,
         report.worst_time_us as f64 * 1e-6,
+        report.start_jitter,
         report.stack_used_bytes,
         report.stack_size_bytes,
         report.flash_bytes,
@@ -229,6 +245,7 @@ fn report_json(report: &FlyReport) -> Value {
             "instructions_worst": part.instructions_worst,
         }))).collect::<serde_json::Map<_, _>>(),
         "worst_time_s": report.worst_time_us as f64 * 1e-6,
+        "start_jitter_instructions": report.start_jitter,
         "stack_used_bytes": report.stack_used_bytes,
         "stack_size_bytes": report.stack_size_bytes,
         "flash_bytes": report.flash_bytes,

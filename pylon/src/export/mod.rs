@@ -1,3 +1,4 @@
 //! Flights in the formats of other programs.
 
 pub mod mcap;
+pub mod tlog;

@@ -76,6 +76,12 @@ pub enum PlantedError {
     /// A processor that seldom has time for anything but the ticks: no error, and the flight must
     /// lose nothing.
     Starve,
+    /// A telemetry line that takes a tenth of the bytes: frames are dropped, and the flight must lose nothing.
+    SlowLine,
+    /// A telemetry line that is never idle: where no frame waits, one that says nothing is sent.
+    FullLine,
+    /// A telemetry line that nothing is sent on.
+    SilentLine,
 }
 
 impl PlantedError {
@@ -85,6 +91,9 @@ impl PlantedError {
             Self::Panic => "panic",
             Self::Fault => "fault",
             Self::Starve => "starve",
+            Self::SlowLine => "slow_line",
+            Self::FullLine => "full_line",
+            Self::SilentLine => "silent_line",
         }
     }
 }
@@ -122,6 +131,7 @@ pub fn build(program: Program, model: &Model, planted: Option<PlantedError>) -> 
         .arg(&target_directory)
         .env("PYLON_MODEL_SOURCE", &source)
         .env("DEFMT_LOG", "info")
+        .env_remove("PYLON_TELEMETRY_BAUD")
         .env_remove("PYLON_MUTATE");
     // A host's flags (of a coverage run, say) are not the target's.
     for variable in ["RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "CARGO_TARGET_DIR", "CARGO_BUILD_TARGET"] {

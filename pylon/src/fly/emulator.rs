@@ -24,13 +24,19 @@ pub struct Emulation {
 }
 
 /// Runs an image with `directory` as the place of its files, one instruction a nanosecond and no
-/// waiting for the wall clock.
+/// waiting for the wall clock. What goes over USART1 goes into the file `serial` there, if any.
 ///
 /// # Errors
 /// [`FlyError::NoEmulator`], [`FlyError::Timeout`], [`FlyError::Io`].
-pub fn emulate(image: &Path, directory: &Path, timeout: Duration) -> Result<Emulation, FlyError> {
+pub fn emulate(
+    image: &Path,
+    directory: &Path,
+    serial: Option<&str>,
+    timeout: Duration,
+) -> Result<Emulation, FlyError> {
+    let serial = serial.map_or_else(|| "none".to_owned(), |file| format!("file:{file}"));
     let mut qemu = Command::new("qemu-system-arm")
-        .args(["-machine", MACHINE, "-nographic", "-monitor", "none", "-serial", "none"])
+        .args(["-machine", MACHINE, "-nographic", "-monitor", "none", "-serial", &serial])
         .args(["-icount", "shift=0,sleep=off", "-semihosting-config", "enable=on,target=native"])
         .arg("-kernel")
         .arg(image)

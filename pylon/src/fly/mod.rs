@@ -12,6 +12,7 @@ mod image;
 mod log;
 mod old_images;
 mod record;
+mod starts;
 
 use std::fs;
 use std::path::Path;
@@ -25,6 +26,7 @@ use flight_record::{ExitStatus, INPUT_FILE, OUTPUT_FILE, Summary, TickRecord};
 use kf_core::input::TickInput;
 use kf_core::latch::LatchRecord;
 use model::Model;
+use telemetry::{ComputerStatus, FrameQueue, Rates};
 
 pub use agreement::{Agreement, SensorAgreement};
 pub use builder::{Board, PlantedError, Program, TARGET, build};
@@ -35,7 +37,9 @@ pub use fault_script::{FaultError, PlannedFault};
 pub use grid::{GridReport, TICK_US};
 pub use image::Image;
 pub use record::{FlightResult, Results};
+pub use starts::Starts;
 
+use crate::downlink::Downlink;
 use crate::replay::Replay;
 use fault_script::{Item, Scripted, schedule};
 use grid::OnGrid;
@@ -44,6 +48,9 @@ use grid::OnGrid;
 const PATIENCE: Duration = Duration::from_secs(120);
 /// And for each tick: some fifty times what a tick takes.
 const PATIENCE_PER_TICK: Duration = Duration::from_millis(10);
+
+/// The file of the telemetry's line, in the emulation's folder.
+const TELEMETRY_FILE: &str = "telemetry.bin";
 
 /// How to fly.
 #[derive(Clone, Debug, Default)]
@@ -58,6 +65,17 @@ pub struct FlyOptions {
     /// The host's flight computer gets every barometer reading one unit in the last place off, to see that it
     /// is found.
     pub host_ulp_error: bool,
+    /// Records what goes over the telemetry's line.
+    pub telemetry: bool,
+}
+
+/// What went over the telemetry's line.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Downlinked {
+    /// The emulated flight computer's: whole frames, without those that still waited at the flight's end.
+    pub target: Vec<u8>,
+    /// What the host would have sent on a line that is never full.
+    pub host: Vec<u8>,
 }
 
 /// A flight whose every tick had the same bits on host and target.
@@ -71,6 +89,8 @@ pub struct FlyReport {
     pub instructions_worst: u32,
     /// When that was, microseconds.
     pub worst_time_us: u64,
+    /// How much later on its grid of 5 ms one tick began than another at most, instructions.
+    pub start_jitter: u64,
     /// What each part of the ticks took.
     pub parts: Vec<PartReport>,
     /// Timer ticks at which the mission waited for its input.
@@ -93,6 +113,8 @@ pub struct FlyReport {
     pub latch: Option<LatchRecord>,
     /// What the firmware logged.
     pub log: Vec<String>,
+    /// What went over the telemetry's line, if asked for.
+    pub telemetry: Option<Downlinked>,
 }
 
 /// What there is to say about a flight on chips.
@@ -212,18 +234,27 @@ fn fly_items(
         items.clone(),
     )?;
 
-    let mut run = run(&image_path, directory.path(), count)?;
+    let line = options.telemetry.then_some(TELEMETRY_FILE);
+    let mut run = run(&image_path, directory.path(), count, line)?;
     if run.status != Some(ExitStatus::Finished) {
         return Err(FlyError::Stopped { status: run.status, log: run.log });
     }
     let compared = compare(items, model, options, &mut run.results)?;
     let summary = compared.summary;
     check_complete(&summary, count, compared.ticks, compared.sensor_faults)?;
+    let telemetry = match line {
+        Some(file) => Some(Downlinked {
+            target: fs::read(directory.path().join(file)).map_err(FlyError::io("the telemetry"))?,
+            host: compared.telemetry,
+        }),
+        None => None,
+    };
     Ok(FlyReport {
         ticks: summary.ticks,
         instructions_mean: summary.cost_sum as f64 / f64::from(summary.ticks.max(1)),
         instructions_worst: summary.cost_worst,
         worst_time_us: compared.worst_time_us,
+        start_jitter: compared.starts.jitter(),
         parts: parts(&summary),
         underruns: summary.underruns,
         stalls: summary.stalls,
@@ -235,6 +266,7 @@ fn fly_items(
         chips: compared.chips,
         latch: compared.latch,
         log: run.log,
+        telemetry,
     })
 }
 
@@ -268,7 +300,7 @@ pub fn fly_bytes(record: &[u8], model: &Model, planted: Option<PlantedError>) ->
     let image = build(Program::Flight(Board::Qemu), model, planted)?;
     let directory = tempfile::tempdir().map_err(FlyError::io("temporary directory"))?;
     fs::write(directory.path().join(name(INPUT_FILE)?), record).map_err(FlyError::io("the flight record"))?;
-    let mut run = run(&image, directory.path(), u32::try_from(record.len() / 16).unwrap_or(u32::MAX))?;
+    let mut run = run(&image, directory.path(), u32::try_from(record.len() / 16).unwrap_or(u32::MAX), None)?;
     let mut flight = RawFlight { status: run.status, log: run.log, ..RawFlight::default() };
     while let Some(result) = run.results.next_result()? {
         match result {
@@ -295,9 +327,9 @@ pub struct RawFlight {
     pub summary: Option<Summary>,
 }
 
-fn run(image: &Path, directory: &Path, ticks: u32) -> Result<Run, FlyError> {
+fn run(image: &Path, directory: &Path, ticks: u32, telemetry: Option<&'static str>) -> Result<Run, FlyError> {
     let patience = PATIENCE + PATIENCE_PER_TICK.saturating_mul(ticks);
-    let emulation = emulate(image, directory, patience)?;
+    let emulation = emulate(image, directory, telemetry, patience)?;
     let status = emulation.code.and_then(ExitStatus::from_code);
     let elf = fs::read(image).map_err(FlyError::io(image.display().to_string()))?;
     let mut log = log::lines(&elf, &emulation.stdout);
@@ -316,10 +348,12 @@ fn name(file: &'static std::ffi::CStr) -> Result<&'static str, FlyError> {
 struct Compared {
     ticks: u64,
     worst_time_us: u64,
+    starts: Starts,
     latch: Option<LatchRecord>,
     sensor_faults: u32,
     chips: Option<ChipsReport>,
     summary: Summary,
+    telemetry: Vec<u8>,
 }
 
 /// Runs the host's flight computer beside the target's results.
@@ -330,11 +364,14 @@ fn compare(
     results: &mut Results,
 ) -> Result<Compared, FlyError> {
     let mut computer = host::computer(model, options.sensors, options.host_ulp_error)?;
+    let mut frames = FrameQueue::new();
+    let mut downlink = options.telemetry.then(|| Downlink::new(&mut frames, model, Rates::FULL));
     let mut first: Option<Difference> = None;
     let mut differing = 0_u64;
     let mut ticks = 0_u64;
     let mut last_us = 0;
     let (mut worst, mut worst_time_us) = (0, 0);
+    let mut starts = Starts::default();
     let mut target_latch = None;
     let mut note = |tick, time_us, (field, host, target): compare::FieldDifference| {
         first.get_or_insert(Difference {
@@ -362,6 +399,11 @@ fn compare(
                 };
                 computer.sensors.recorded.load(&input);
                 let host = computer.tick(input.time_us);
+                if let Some(downlink) = &mut downlink {
+                    let sensor_faults = computer.sensors.faults().count;
+                    let status = ComputerStatus { sensor_faults, ..ComputerStatus::default() };
+                    downlink.tell(&host.input, &host.output, &*computer.mission, &status);
+                }
                 let target = Step { input: record.input, output: record.output };
                 if !compare::same_step(&host, &target) {
                     differing += 1;
@@ -370,6 +412,7 @@ fn compare(
                 if record.cost > worst {
                     (worst, worst_time_us) = (record.cost, input.time_us);
                 }
+                starts.take(record.begun);
                 last_us = input.time_us;
                 ticks += 1;
             }
@@ -393,8 +436,18 @@ fn compare(
                 untold_fixes: computer.sensors.recorded.untold_solutions(),
                 agreement: None,
             });
+            let telemetry = downlink.map(Downlink::into_bytes).unwrap_or_default();
             let sensor_faults = computer.sensors.faults().count;
-            Ok(Compared { ticks, worst_time_us, latch: target_latch, sensor_faults, chips, summary })
+            Ok(Compared {
+                ticks,
+                worst_time_us,
+                starts,
+                latch: target_latch,
+                sensor_faults,
+                chips,
+                summary,
+                telemetry,
+            })
         }
     }
 }

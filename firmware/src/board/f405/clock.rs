@@ -35,8 +35,20 @@ impl CostClock {
         dwt.enable_cycle_counter();
     }
 
-    /// Now, wrapping.
+    /// What share of a tick that is, per mille.
+    pub const fn permille_of_a_tick(cost: u32) -> Option<u16> {
+        const CYCLES: u64 = (CORE_MHZ * 1_000_000 / TICK_HZ) as u64;
+        let permille = cost as u64 * 1_000 / CYCLES;
+        Some(if permille > u16::MAX as u64 { u16::MAX } else { permille as u16 })
+    }
+
+    /// Now, for what a tick costs; wrapping.
     pub fn now() -> u32 {
+        Self::time()
+    }
+
+    /// Now, for when a tick begins; wrapping.
+    pub fn time() -> u32 {
         DWT::cycle_count()
     }
 }

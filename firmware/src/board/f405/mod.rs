@@ -3,6 +3,7 @@
 mod absent;
 mod break_wire;
 mod clock;
+mod line;
 mod results;
 mod sensors;
 mod spi;
@@ -16,8 +17,10 @@ use flight_record::{ExitStatus, Summary};
 use stm32f4xx_hal::dma::StreamsTuple;
 use stm32f4xx_hal::pac::Peripherals;
 use stm32f4xx_hal::prelude::*;
+use telemetry::Frame;
 
 pub use clock::{CostClock, Source};
+pub use line::Line;
 pub use results::Sink;
 pub use sensors::Sensors;
 
@@ -34,12 +37,14 @@ pub const NAME: &str = "f405";
 /// What the board needs in static memory.
 pub struct Storage {
     sensors: SensorStorage,
+    /// What the telemetry's DMA reads.
+    frames: [Frame; 2],
 }
 
 impl Storage {
     /// Empty.
     pub const fn new() -> Self {
-        Self { sensors: SensorStorage::new() }
+        Self { sensors: SensorStorage::new(), frames: [Frame::EMPTY; 2] }
     }
 }
 
@@ -49,7 +54,8 @@ pub fn start(
     core: cortex_m::Peripherals,
     storage: &'static mut Storage,
 ) -> Result<Board, ExitStatus> {
-    let storage = &storage.sensors;
+    let Storage { sensors: storage, frames } = storage;
+    let storage = &*storage;
     let mut rcc = device.RCC.freeze(clock::tree());
     if rcc.clocks.timclk1().raw() != clock::TIMER_HZ {
         return Err(ExitStatus::Configuration);
@@ -65,6 +71,13 @@ pub fn start(
         .map_err(|_| ExitStatus::Configuration)?;
     let umbilical = sensors::umbilical_port(device.UART4, pins.umbilical, streams.2, storage, &mut rcc)
         .map_err(|_| ExitStatus::Configuration)?;
+    let line = Line::start(
+        device.USART1,
+        pins.telemetry,
+        StreamsTuple::new(device.DMA2, &mut rcc).7,
+        frames,
+        &mut rcc,
+    );
     let break_wire = BreakWire::start(pins.break_wire, device.EXTI, &mut device.SYSCFG.constrain(&mut rcc));
 
     Ok(Board {
@@ -72,7 +85,8 @@ pub fn start(
         feeder: Feeder { teller: storage.teller() },
         is_recording: false,
         sensors: sensors::suite(storage, receiver, barometer, imu, umbilical, break_wire),
-        sink: Sink::start(device.USART1, pins.results, &mut rcc)?,
+        sink: Sink::start(device.USART6, pins.results, &mut rcc)?,
+        line: line.ok_or(ExitStatus::NoOutput)?,
         timer: TickTimer::start(device.TIM2, &rcc, clock::TIMER_HZ),
     })
 }

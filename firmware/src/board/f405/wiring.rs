@@ -5,12 +5,12 @@
 //! inertial unit on SPI1, the barometer on SPI3, pads for the UARTs. `docs/bring-up.md` has this as tables, from the first
 //! lines of these comments; `cargo test --package xtask` holds the one against the other.
 
-use stm32f4xx_hal::dma::{Stream1, Stream2};
+use stm32f4xx_hal::dma::{Stream1, Stream2, Stream7};
 use stm32f4xx_hal::gpio::{
-    Debugger, Input, PA0, PA1, PA3, PA4, PA5, PA6, PA7, PA9, PB3, PB5, PB10, PB11, PC10, PC11, PC12,
+    Debugger, Input, PA0, PA1, PA3, PA4, PA5, PA6, PA7, PA9, PB3, PB5, PB10, PB11, PC6, PC10, PC11, PC12,
 };
 use stm32f4xx_hal::gpio::{gpioa, gpiob, gpioc};
-use stm32f4xx_hal::pac::{DMA1, SPI1, SPI3, UART4, USART1, USART3};
+use stm32f4xx_hal::pac::{DMA1, DMA2, SPI1, SPI3, UART4, USART1, USART3, USART6};
 
 /// The crystal, MHz.
 pub const CRYSTAL_MHZ: u32 = 8;
@@ -75,10 +75,19 @@ pub const UMBILICAL_BAUD: u32 = 115_200;
 /// input, pulled up: umbilical's break-wire, whose other end is ground on the mother ship; open is launched
 pub type BreakWirePin<Mode = Input> = PA3<Mode>;
 
+/// The telemetry's UART.
+pub type TelemetryUart = USART1;
+/// The DMA stream of its transmitter, and that stream's channel (RM0090, table 43).
+pub type TelemetryStream = Stream7<DMA2>;
+/// See [`TelemetryStream`].
+pub const TELEMETRY_CHANNEL: u8 = 4;
+/// USART1_TX: the ground's radio or recorder, RX
+pub type TelemetryTx = PA9;
+
 /// The results' UART.
-pub type ResultsUart = USART1;
-/// USART1_TX: the results' reader, RX
-pub type ResultsTx = PA9;
+pub type ResultsUart = USART6;
+/// USART6_TX: the results' reader, RX
+pub type ResultsTx = PC6;
 /// Rate of the results' line, baud: a tick's result is about 150 bytes, so 200 Hz fill a third of it.
 pub const RESULTS_BAUD: u32 = 921_600;
 
@@ -101,6 +110,8 @@ pub struct Pins {
     pub umbilical: (UmbilicalTx, UmbilicalRx),
     /// The break-wire.
     pub break_wire: BreakWirePin,
+    /// TX of the telemetry's UART.
+    pub telemetry: TelemetryTx,
     /// TX of the results' UART.
     pub results: ResultsTx,
     /// The LED.
@@ -118,7 +129,8 @@ impl Pins {
             receiver: (port_b.pb10, port_b.pb11),
             umbilical: (port_a.pa0, port_a.pa1),
             break_wire: port_a.pa3,
-            results: port_a.pa9,
+            telemetry: port_a.pa9,
+            results: port_c.pc6,
             led: port_b.pb5,
         }
     }
