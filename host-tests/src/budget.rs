@@ -5,6 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result};
+use flight_computer::Part;
 use model::Model;
 use pylon::fly::{Board, FlyReport, Image, Program, build};
 use serde::{Deserialize, Serialize};
@@ -150,8 +151,9 @@ impl Budgets {
 
     /// Checks an emulated flight.
     #[must_use]
-    pub fn check_flight(&self, name: &str, report: &FlyReport) -> [Check; 4] {
+    pub fn check_flight(&self, name: &str, report: &FlyReport) -> [Check; 5] {
         let budget = &self.flight;
+        let telemetry = report.parts.iter().find(|part| part.part == Part::Telemetry);
         [
             Check::at_most(format!("{name}: stack, bytes"), report.stack_used_bytes, budget.stack_bytes),
             Check::at_most(
@@ -163,6 +165,11 @@ impl Budgets {
                 format!("{name}: instructions a tick, worst"),
                 report.instructions_worst,
                 budget.instructions_worst,
+            ),
+            Check::at_most(
+                format!("{name}: instructions of a tick's telemetry, worst"),
+                telemetry.map_or(u32::MAX, |part| part.instructions_worst),
+                budget.telemetry_instructions_worst,
             ),
             Check::at_most(
                 format!("{name}: jitter of the ticks' beginning, instructions"),
