@@ -16,3 +16,10 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimation for Missio
         Self::tick(self, input)
     }
 }
+
+/// Where it is too large to be moved about.
+impl<E: Estimation> Estimation for &mut E {
+    fn tick(&mut self, input: &TickInput) -> TickOutput {
+        E::tick(self, input)
+    }
+}

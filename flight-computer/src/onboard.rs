@@ -2,7 +2,7 @@
 //! altitude of its own inertial unit.
 
 use kf_core::estimator::ConfigError;
-use kf_core::input::TickInput;
+use kf_core::input::{LaunchDoubt, TickInput};
 use kf_core::launch::{LaunchConfig, LaunchDetector, LaunchInput};
 use kf_core::navigation::InertialAltitude;
 use kf_core::strapdown;
@@ -14,6 +14,8 @@ pub struct Onboard {
     /// None where the alignment was lost in a restart: in free flight there is nothing to align with.
     inertial: Option<InertialAltitude>,
     last_message_us: Option<u64>,
+    /// Decided before a restart.
+    has_left: bool,
 }
 
 impl Onboard {
@@ -26,14 +28,15 @@ impl Onboard {
             launch: LaunchDetector::new(launch)?,
             inertial: Some(InertialAltitude::new(strapdown)),
             last_message_us: None,
+            has_left: false,
         })
     }
 
-    /// After a restart in free flight: the strapdown channel's alignment is gone, so it says nothing any more, which leaves
-    /// `imu_slave` without readings.
+    /// After a restart in free flight: the vehicle has left, whatever the wire and the force say. The strapdown channel's
+    /// alignment is gone, so it says nothing any more, which leaves `imu_slave` without readings.
     #[must_use]
-    pub fn without_alignment(self) -> Self {
-        Self { inertial: None, ..self }
+    pub fn in_free_flight(self) -> Self {
+        Self { inertial: None, has_left: true, ..self }
     }
 
     /// The launch's decision, and what it counted.
@@ -60,8 +63,8 @@ impl Onboard {
             force_mps2: input.imu.map(|imu| imu.accel_mps2),
             last_message_us: self.last_message_us,
         });
-        input.launch = state.is_launched();
-        input.launch_doubt = state.doubt();
+        input.launch = self.has_left || state.is_launched();
+        input.launch_doubt = if self.has_left { LaunchDoubt::None } else { state.doubt() };
         if let Some(inertial) = &mut self.inertial {
             inertial.tick(input);
         }
@@ -70,7 +73,7 @@ impl Onboard {
 
 #[cfg(test)]
 mod tests {
-    use kf_core::input::{ImuSample, LaunchDoubt};
+    use kf_core::input::ImuSample;
 
     use super::*;
 
@@ -124,13 +127,13 @@ mod tests {
     }
 
     #[test]
-    fn without_alignment_there_is_no_altitude_and_the_launch_goes_on() {
-        let mut onboard = onboard().without_alignment();
+    fn after_a_restart_in_free_flight_there_is_no_altitude_and_it_has_left() {
+        let mut onboard = onboard().in_free_flight();
         assert!(onboard.inertial().is_none());
         for tick in 0..10 {
             let mut input = input(tick, false);
             onboard.complete(&mut input, None);
-            assert_eq!(input.imu_slave_altitude_m, None);
+            assert_eq!((input.imu_slave_altitude_m, input.launch), (None, true));
         }
         assert_eq!(onboard.launch().counts().unreadable, 10);
     }

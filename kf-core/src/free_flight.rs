@@ -113,25 +113,25 @@ impl Correction {
     }
 
     /// False where what was kept is of another kind, or no filter.
-    fn restore(&mut self, kept: KeptCorrection) -> bool {
+    fn restore(&mut self, kept: &KeptCorrection) -> bool {
         match (self, kept) {
             (Self::Off, KeptCorrection::Off) => true,
             (
                 Self::MovingAverage { average, value_m },
                 KeptCorrection::MovingAverage { average: kept, value_m: kept_m },
             ) => {
-                *average = kept;
-                *value_m = kept_m;
+                average.clone_from(kept);
+                *value_m = *kept_m;
                 true
             }
             (
                 Self::Kalman { filter, last_us, .. },
                 KeptCorrection::Kalman { state_m, pending_m, variance_m2, last_us: kept_us },
             ) => {
-                let Ok(mut kept) = UdFilter::new([], [], [state_m], [variance_m2]) else { return false };
-                let is_restored = kept.shift_tail(0, pending_m).is_ok();
+                let Ok(mut kept) = UdFilter::new([], [], [*state_m], [*variance_m2]) else { return false };
+                let is_restored = kept.shift_tail(0, *pending_m).is_ok();
                 *filter = kept;
-                *last_us = kept_us;
+                *last_us = *kept_us;
                 is_restored
             }
             _ => false,
@@ -217,14 +217,14 @@ impl FreeFlight {
     }
 
     /// Goes on from a snapshot; false where that is not of this configuration and latch.
-    pub(crate) fn restore(&mut self, kept: KeptFreeFlight) -> bool {
+    pub(crate) fn restore(&mut self, kept: &KeptFreeFlight) -> bool {
         self.watches.iter_mut().zip(kept).all(|(watch, kept)| match (watch, kept) {
             (None, None) => true,
             (Some(watch), Some(kept)) if watch.monitor.bound_m2() == kept.monitor.bound_m2() => {
-                watch.monitor = kept.monitor;
+                watch.monitor.clone_from(&kept.monitor);
                 watch.last_us = kept.last_us;
                 watch.stopped = kept.stopped;
-                watch.correction.restore(kept.correction)
+                watch.correction.restore(&kept.correction)
             }
             _ => false,
         })

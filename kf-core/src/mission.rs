@@ -152,6 +152,12 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         self.latch.is_some() && !self.is_launched
     }
 
+    /// Time of the last tick that was taken, microseconds; 0 before the first.
+    #[must_use]
+    pub const fn last_us(&self) -> u64 {
+        self.last_us
+    }
+
     /// What was counted.
     #[must_use]
     pub const fn counters(&self) -> &Counters {

@@ -75,14 +75,14 @@ impl MissionSnapshot {
     ///
     /// # Errors
     /// [`SnapshotError::Format`], [`SnapshotError::Version`].
+    #[inline(never)]
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, SnapshotError> {
-        match bytes.first() {
-            None => return Err(SnapshotError::Format),
-            Some(&SNAPSHOT_VERSION) => {}
-            Some(_) => return Err(SnapshotError::Version),
+        let (version, snapshot) = bytes.split_first().ok_or(SnapshotError::Format)?;
+        if *version != SNAPSHOT_VERSION {
+            return Err(SnapshotError::Version);
         }
-        match postcard::take_from_bytes::<(u8, Self)>(bytes) {
-            Ok(((_, snapshot), [])) => Ok(snapshot),
+        match postcard::take_from_bytes(snapshot) {
+            Ok((snapshot, [])) => Ok(snapshot),
             _ => Err(SnapshotError::Format),
         }
     }

@@ -77,22 +77,29 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         snapshot: MissionSnapshot,
         flags: RaisedFlags,
     ) -> Result<Self, ResumeError> {
-        let other = ResumeError::Snapshot(SnapshotError::OtherMission);
         let mut mission = Self::new(config).map_err(ResumeError::Config)?;
-        let latch = snapshot.latch;
+        mission.take_up(&snapshot, flags).map_err(ResumeError::Snapshot)?;
+        Ok(mission)
+    }
+
+    /// As [`Self::resume`], of a mission before its first tick, where it is.
+    ///
+    /// # Errors
+    /// [`SnapshotError::OtherMission`]; the mission is then as it was.
+    #[inline(never)]
+    pub fn take_up(&mut self, snapshot: &MissionSnapshot, flags: RaisedFlags) -> Result<(), SnapshotError> {
+        let other = SnapshotError::OtherMission;
+        let (config, latch) = (&self.config, &snapshot.latch);
         let effects = config.estimated_effects.iter().chain(&config.constant_effects);
-        if latch.state.len() != HEAD + TAIL
-            || latch.covariance.len() != (HEAD + TAIL) * (HEAD + TAIL + 1) / 2
-            || !snapshot.signals.is_for(effects.map(|effect| effect.id()), config.latitude_deg)
-        {
+        let is_ours = latch.state.len() == HEAD + TAIL
+            && latch.covariance.len() == (HEAD + TAIL) * (HEAD + TAIL + 1) / 2
+            && snapshot.signals.is_for(effects.map(|effect| effect.id()), config.latitude_deg);
+        let fix_regressors_m = snapshot.fix_regressors_m.as_slice().try_into().map_err(|_| other)?;
+        let mut free_flight = FreeFlight::new(config, latch);
+        if !is_ours || !free_flight.restore(&snapshot.free_flight) {
             return Err(other);
         }
-        mission.fix_regressors_m = snapshot.fix_regressors_m.into_array().map_err(|_| other)?;
-        let mut free_flight = FreeFlight::new(config, &latch);
-        if !free_flight.restore(snapshot.free_flight) {
-            return Err(other);
-        }
-        let mut cross_check = CrossCheck::new(&latch, microseconds(config.monitor.window_s));
+        let mut cross_check = CrossCheck::new(latch, microseconds(config.monitor.window_s));
         cross_check.raise(snapshot.cross_check);
         for sensor in Sensor::ALL {
             if let Some(flag) = flags.of(sensor) {
@@ -102,22 +109,23 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         if let Some(flag) = flags.of_cross_check() {
             cross_check.raise(flag);
         }
-        mission.phase = Phase::FreeFlight;
-        mission.first_us = Some(snapshot.first_us);
-        mission.last_us = snapshot.last_us;
-        mission.launch_was = snapshot.launch_was;
-        mission.tracker = snapshot.tracker;
-        mission.signals = snapshot.signals;
-        mission.stuck = snapshot.stuck;
-        mission.last_accepted_us = snapshot.last_accepted_us;
-        mission.counters = snapshot.counters;
-        mission.counters.restarts = mission.counters.restarts.saturating_add(1);
-        mission.latch = Some(latch);
-        mission.free_flight = Some(free_flight);
-        mission.cross_check = Some(cross_check);
-        mission.is_launched = true;
-        mission.is_resumed = true;
-        Ok(mission)
+        self.phase = Phase::FreeFlight;
+        self.first_us = Some(snapshot.first_us);
+        self.last_us = snapshot.last_us;
+        self.launch_was = snapshot.launch_was;
+        self.tracker = snapshot.tracker.clone();
+        self.signals = snapshot.signals.clone();
+        self.fix_regressors_m = fix_regressors_m;
+        self.stuck = snapshot.stuck.clone();
+        self.last_accepted_us = snapshot.last_accepted_us;
+        self.counters = snapshot.counters;
+        self.counters.restarts = self.counters.restarts.saturating_add(1);
+        self.latch = Some(latch.clone());
+        self.free_flight = Some(free_flight);
+        self.cross_check = Some(cross_check);
+        self.is_launched = true;
+        self.is_resumed = true;
+        Ok(())
     }
 
     /// At the first tick after a restart: what nothing is known of, microseconds. `last_us` is still the

@@ -4,6 +4,7 @@ use kf_core::input::TickInput;
 use kf_core::latch::LatchRecord;
 use kf_core::mission::{Counters, Mission};
 use kf_core::output::TickOutput;
+use kf_core::snapshot::{MissionSnapshot, RaisedFlags};
 use model::{Model, ModelError};
 
 use super::error::ReplayError;
@@ -16,6 +17,8 @@ pub trait AnyMission {
     fn latch(&self) -> Option<&LatchRecord>;
     /// See [`Mission::counters`].
     fn counters(&self) -> &Counters;
+    /// See [`Mission::snapshot`].
+    fn snapshot(&self) -> Option<MissionSnapshot>;
 }
 
 impl<const HEAD: usize, const TAIL: usize, const E: usize> AnyMission for Mission<HEAD, TAIL, E> {
@@ -30,12 +33,24 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> AnyMission for Missio
     fn counters(&self) -> &Counters {
         Self::counters(self)
     }
+
+    fn snapshot(&self) -> Option<MissionSnapshot> {
+        Self::snapshot(self)
+    }
 }
+
+/// What a mission starts with.
+type Kept = Option<(MissionSnapshot, RaisedFlags)>;
 
 fn boxed<const HEAD: usize, const TAIL: usize, const E: usize>(
     model: &Model,
+    kept: Kept,
 ) -> Result<Box<dyn AnyMission>, ReplayError> {
-    Ok(Box::new(Mission::<HEAD, TAIL, E>::new(&model.mission_config()?)?))
+    let config = model.mission_config()?;
+    Ok(Box::new(match kept {
+        None => Mission::<HEAD, TAIL, E>::new(&config)?,
+        Some((snapshot, flags)) => Mission::<HEAD, TAIL, E>::resume(&config, snapshot, flags)?,
+    }))
 }
 
 /// A new mission of the shape that the model needs.
@@ -43,12 +58,28 @@ fn boxed<const HEAD: usize, const TAIL: usize, const E: usize>(
 /// # Errors
 /// [`ReplayError::Model`], [`ReplayError::Config`].
 pub fn mission(model: &Model) -> Result<Box<dyn AnyMission>, ReplayError> {
+    of_its_shape(model, None)
+}
+
+/// The mission that goes on from a snapshot, with the flags that were raised by the time it was interrupted.
+///
+/// # Errors
+/// As [`mission`], and [`ReplayError::Resume`].
+pub fn resumed_mission(
+    model: &Model,
+    snapshot: MissionSnapshot,
+    flags: RaisedFlags,
+) -> Result<Box<dyn AnyMission>, ReplayError> {
+    of_its_shape(model, Some((snapshot, flags)))
+}
+
+fn of_its_shape(model: &Model, kept: Kept) -> Result<Box<dyn AnyMission>, ReplayError> {
     macro_rules! by_shape {
         ($($effects:literal)*) => {
             match (model.shape().head, model.shape().effects) {
                 $(
-                    (0, $effects) => boxed::<0, { 4 + $effects }, $effects>(model),
-                    (3, $effects) => boxed::<3, { 1 + $effects }, $effects>(model),
+                    (0, $effects) => boxed::<0, { 4 + $effects }, $effects>(model, kept),
+                    (3, $effects) => boxed::<3, { 1 + $effects }, $effects>(model, kept),
                 )*
                 // More effects than the estimator holds.
                 (_, effects) => Err(model.validate().err().unwrap_or(
