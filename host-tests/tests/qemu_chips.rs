@@ -12,7 +12,8 @@ use std::path::Path;
 
 use flight_computer::Step;
 use kf_core::input::{BaroReading, ImuSample, TickInput};
-use kf_core::output::Trust;
+use kf_core::output::{Rejection, Trust};
+use kf_core::quality::{Check, FailedChecks};
 use model::Model;
 use pylon::fly::{FlyOptions, FlyReport, PlannedFault, SensorSource, fly, fly_inputs, fly_on_host};
 use pylon::replay::Replay;
@@ -150,11 +151,15 @@ fn span(steps: &[(Step, u32)], from_s: f64, to_s: f64) -> &[(Step, u32)] {
 
 /// Flies with these faults: the target has the host's bits; here is what the host saw.
 fn fly_with(faults: &[&str]) -> Vec<(Step, u32)> {
+    fly_inputs_with(&flight(), faults)
+}
+
+fn fly_inputs_with(inputs: &[TickInput], faults: &[&str]) -> Vec<(Step, u32)> {
     let model = prompt(Model::default());
     let options = on_chips(faults);
-    let report = must(fly_inputs(flight().into_iter(), &model, &options));
+    let report = must(fly_inputs(inputs.iter().copied(), &model, &options));
     let mut steps = Vec::new();
-    let count = fly_on_host(flight().into_iter(), &model, &options, &mut |step, count| {
+    let count = fly_on_host(inputs.iter().copied(), &model, &options, &mut |step, count| {
         steps.push((step.clone(), count));
     });
     assert_eq!(count.unwrap(), report.sensor_faults, "{faults:?}");
@@ -268,6 +273,75 @@ fn a_receiver_that_can_not_be_configured_at_first_is_counted_and_comes_back() {
         assert!(span(&steps, 6.0, 6.1)[0].1 > 0, "{fault}");
         assert_eq!(delivered(&steps, 9.0, 12.0)[2], delivered(healthy(), 9.0, 12.0)[2], "{fault}");
     }
+}
+
+/// Its registers answer, and what it measures does not move any more: no driver can know, the mission does, after two seconds.
+#[test]
+fn a_barometer_that_repeats_itself_is_rejected_and_counted_in_every_phase() {
+    for (start_s, end_s) in [(8.0, 12.0), (18.0, 24.0), (24.0, 29.0)] {
+        let inputs: Vec<TickInput> = flight()
+            .into_iter()
+            .map(|input| {
+                let time_s = input.time_us as f64 * 1e-6;
+                let frozen = (start_s..end_s).contains(&time_s);
+                let baro =
+                    input.baro.map(|baro| if frozen { BaroReading::PressurePa(79_300.0) } else { baro });
+                TickInput { baro, ..input }
+            })
+            .collect();
+        let steps = fly_inputs_with(&inputs, &[]);
+        let of_baro = |(step, _): &&(Step, u32)| step.input.baro.is_some();
+        let rejected =
+            |(step, _): &(Step, u32)| step.output.sensors[BARO].rejection == Some(Rejection::Stuck);
+        // Two seconds of one value, and what was on its way when it began.
+        let early = span(&steps, 1.0, start_s + 2.0);
+        assert!(!early.iter().any(rejected), "{start_s}");
+        let late = span(&steps, start_s + 2.2, end_s);
+        assert!(late.iter().filter(of_baro).count() > 40, "{start_s}");
+        assert!(late.iter().filter(of_baro).all(rejected), "{start_s}");
+        let after = span(&steps, end_s + 0.2, 31.0);
+        assert!(!after.iter().any(rejected), "{start_s}");
+        // A calibration with it says so; a value that was stuck is not watched, nor trusted for it.
+        let latched = steps.iter().find(|(step, _)| step.output.latched_now).unwrap();
+        let failed = FailedChecks::from_bits(latched.0.output.failed_checks);
+        assert_eq!(failed.contains(Check::SensorsAlive), start_s < 20.0, "{start_s}");
+    }
+}
+
+/// While nobody is monitored, the two that fly free are held against each other.
+#[test]
+fn without_a_receiver_barometer_and_inertial_altitude_are_checked_against_each_other() {
+    let cross_checks = |offset_pa: f32| {
+        let inputs: Vec<TickInput> = flight()
+            .into_iter()
+            .map(|input| {
+                let is_off = input.time_us > 26_000_000;
+                let baro = input.baro.map(|baro| match baro {
+                    BaroReading::PressurePa(pressure) if is_off => {
+                        BaroReading::PressurePa(pressure + offset_pa)
+                    }
+                    other => other,
+                });
+                TickInput { baro, ..input }
+            })
+            .collect();
+        let steps = fly_inputs_with(&inputs, &["gps unplugged 17..31"]);
+        // The last fix is good for five seconds.
+        assert!(span(&steps, 1.0, 21.8).iter().all(|(step, _)| step.output.cross_check.is_none()));
+        let at = |from_s: f64, to_s: f64| {
+            let checks: Vec<_> = span(&steps, from_s, to_s)
+                .iter()
+                .filter_map(|(step, _)| step.output.cross_check)
+                .map(|check| check.difference_m)
+                .collect();
+            assert!(checks.len() > 10, "{from_s}");
+            checks.iter().sum::<f32>() / checks.len() as f32
+        };
+        at(26.5, 30.0) - at(23.0, 25.5)
+    };
+    // 500 Pa are 51 m of altitude at 79 kPa, whatever the two differ by otherwise.
+    let moved_m = cross_checks(500.0) - cross_checks(0.0);
+    assert!((moved_m + 51.0).abs() < 2.0, "{moved_m}");
 }
 
 /// Longer than the reference may be gone, at launch: nobody is watched, and that is said; with fixes the watch begins.
