@@ -16,7 +16,8 @@ use model::Model;
 const TELEMETRY_BAUD: u32 = 921_600;
 
 /// What can be planted.
-const MUTATIONS: [&str; 7] = ["ulp", "panic", "fault", "starve", "slow_line", "full_line", "silent_line"];
+const MUTATIONS: [&str; 8] =
+    ["ulp", "panic", "fault", "starve", "strike", "slow_line", "full_line", "silent_line"];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let out = PathBuf::from(env::var_os("OUT_DIR").ok_or("OUT_DIR is not set")?);
@@ -45,6 +46,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     // --nmagic: the linker must not pad the load addresses to its page size.
     for argument in ["--nmagic", "-Tlink.x", "-Tdefmt.x"] {
         println!("cargo:rustc-link-arg-bins={argument}");
+    }
+    // The benchmark's peers take more stack than the flight computer's; it has what lies between its variables and the retained memory.
+    for argument in ["--defsym=_stack_end=__sheap", "--defsym=_stack_start=_retained_start"] {
+        println!("cargo:rustc-link-arg-bin=bench={argument}");
     }
     println!("cargo:rerun-if-changed=build.rs");
     Ok(())

@@ -1,39 +1,124 @@
-//! What happens when what must not happen does: it is logged, and the board is stopped (emulated) or
-//! reset.
+//! What happens when what must not happen does: it is kept in the retained memory, and the board is
+//! reset. The next start says what it was ([`crate::restart`]).
 
+use core::arch::naked_asm;
 use core::panic::PanicInfo;
+use core::ptr;
 use core::sync::atomic::{AtomicBool, Ordering};
 
-use cortex_m_rt::{ExceptionFrame, exception};
-use flight_record::ExitStatus;
+use cortex_m::peripheral::SCB;
+use survival::{Cause, CrashRecord};
 
-use crate::board;
+use crate::board::CostClock;
+use crate::{SUPERVISOR, retained, stack};
 
-/// The failure may be one of the log itself: it is told to the log once only.
-static LOGGED: AtomicBool = AtomicBool::new(false);
+/// Bytes of the stack that a fault's handler runs on: the one that it found may be the fault.
+const CRASH_STACK_BYTES: usize = 1_024;
 
-fn is_first() -> bool {
-    // No read-modify-write: nothing that runs after a failure returns to what ran before it.
-    let first = !LOGGED.load(Ordering::Relaxed);
-    LOGGED.store(true, Ordering::Relaxed);
-    first
-}
+#[repr(C, align(8))]
+struct CrashStack([u8; CRASH_STACK_BYTES]);
+
+static mut CRASH_STACK: CrashStack = CrashStack([0; CRASH_STACK_BYTES]);
+
+/// CFSR: the frame could not be stacked (MSTKERR, STKERR; ARMv7-M ARM B3.2.15).
+const STACKING: u32 = 1 << 4 | 1 << 12;
+/// CFSR: MMFAR, BFAR hold the address (MMARVALID, BFARVALID).
+const ADDRESSES_VALID: [u32; 2] = [1 << 7, 1 << 15];
 
 #[panic_handler]
 fn panicked(info: &PanicInfo) -> ! {
-    if is_first() {
-        match info.location() {
-            Some(location) => defmt::error!("panic at {=str}:{=u32}", location.file(), location.line()),
-            None => defmt::error!("panic"),
-        }
+    /// A panic while a panic is kept: what has been kept stays.
+    static PANICKED: AtomicBool = AtomicBool::new(false);
+    // No read-modify-write: nothing that runs after a failure returns to what ran before it.
+    if !PANICKED.load(Ordering::Relaxed) {
+        PANICKED.store(true, Ordering::Relaxed);
+        let record = context(CrashRecord::new(Cause::Panic));
+        retained::keep_crash(match info.location() {
+            Some(location) => record.at(location.file(), location.line()),
+            None => record,
+        });
     }
-    board::exit(ExitStatus::Panic)
+    SCB::sys_reset()
 }
 
-#[exception]
-unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
-    if is_first() {
-        defmt::error!("hard fault at {=u32:#010x}, called from {=u32:#010x}", frame.pc(), frame.lr());
+/// Takes a stack that is known to be good, and goes on in [`faulted`].
+#[unsafe(naked)]
+#[unsafe(no_mangle)]
+unsafe extern "C" fn HardFault() -> ! {
+    naked_asm!(
+        "mrs r0, msp",
+        "movw r1, #:lower16:{stack}",
+        "movt r1, #:upper16:{stack}",
+        "add r1, r1, #{size}",
+        "msr msp, r1",
+        "b {faulted}",
+        stack = sym CRASH_STACK,
+        size = const CRASH_STACK_BYTES,
+        faulted = sym faulted,
+    )
+}
+
+/// The watchdog's timer, at a priority that nothing masks but a critical section of all interrupts.
+#[unsafe(naked)]
+#[unsafe(no_mangle)]
+unsafe extern "C" fn TIM4() -> ! {
+    naked_asm!(
+        "mrs r0, msp",
+        "movw r1, #:lower16:{stack}",
+        "movt r1, #:upper16:{stack}",
+        "add r1, r1, #{size}",
+        "msr msp, r1",
+        "b {stuck}",
+        stack = sym CRASH_STACK,
+        size = const CRASH_STACK_BYTES,
+        stuck = sym stuck,
+    )
+}
+
+extern "C" fn faulted(frame: *const u32) -> ! {
+    let record = context(interrupted(CrashRecord::new(Cause::HardFault), frame));
+    let below = |address: u32| (address as usize) < stack::end();
+    let [memory_valid, bus_valid] = ADDRESSES_VALID.map(|bit| record.cfsr & bit != 0);
+    // The frame, or what was pushed, did not find room; an address far below is somebody else's fault.
+    let is_overflow = below(frame as u32)
+        || record.cfsr & STACKING != 0
+        || memory_valid && below(record.mmfar) && stack::end() - record.mmfar as usize <= stack::size()
+        || bus_valid && below(record.bfar) && stack::end() - record.bfar as usize <= stack::size();
+    let cause = if is_overflow { Cause::StackOverflow } else { Cause::HardFault };
+    retained::keep_crash(CrashRecord { cause, ..record });
+    SCB::sys_reset()
+}
+
+extern "C" fn stuck(frame: *const u32) -> ! {
+    let record = context(interrupted(CrashRecord::new(Cause::Stuck), frame));
+    retained::keep_crash(CrashRecord { late: SUPERVISOR.late().bits(), ..record });
+    SCB::sys_reset()
+}
+
+/// Where the program was: the frame that the core stacked (ARMv7-M ARM B1.5.6), if there is one.
+fn interrupted(record: CrashRecord, frame: *const u32) -> CrashRecord {
+    const LR: usize = 5;
+    const PC: usize = 6;
+    let is_frame = frame.is_aligned() && stack::contains(frame as usize, size_of::<[u32; 8]>());
+    if !is_frame {
+        return record;
     }
-    board::exit(ExitStatus::HardFault)
+    // SAFETY: aligned words of the stack, which lies in RAM.
+    let word = |index| unsafe { ptr::read_volatile(frame.wrapping_add(index)) };
+    CrashRecord { lr: word(LR), pc: word(PC), ..record }
+}
+
+/// What the core's registers say.
+fn context(record: CrashRecord) -> CrashRecord {
+    // SAFETY: reads of registers of the core, which change nothing.
+    let scb = unsafe { &*SCB::PTR };
+    CrashRecord {
+        cfsr: scb.cfsr.read(),
+        hfsr: scb.hfsr.read(),
+        mmfar: scb.mmfar.read(),
+        bfar: scb.bfar.read(),
+        exception: (scb.icsr.read() & 0x1ff) as u16,
+        count: CostClock::time(),
+        ..record
+    }
 }

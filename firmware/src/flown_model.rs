@@ -1,5 +1,7 @@
 //! The model that was compiled in: the workbench's, to the bit (`build.rs`).
 
+use core::mem::MaybeUninit;
+
 use kf_core::effect::EffectId;
 use kf_core::estimator::ConfigError;
 use kf_core::mission::Mission;
@@ -21,7 +23,8 @@ pub fn effects() -> [EffectId; generated::EFFECTS] {
     generated::mission_config().estimated_effects.map(|effect| effect.id())
 }
 
-/// The mission before its first tick.
-pub fn mission() -> Result<FlownMission, ConfigError> {
-    Mission::new(&generated::mission_config())
+/// Makes the mission before its first tick where it stays: it is too large to be moved over the stack.
+#[inline(never)]
+pub fn mission(place: &mut MaybeUninit<FlownMission>) -> Result<&mut FlownMission, ConfigError> {
+    Ok(place.write(Mission::new(&generated::mission_config())?))
 }

@@ -11,10 +11,17 @@ mod board;
 mod downlink;
 mod failure;
 mod flown_model;
+mod keeper;
 mod meter;
 mod mutation;
+mod restart;
+mod retained;
 mod stack;
+mod strike;
 mod tick_timer;
+mod watchdog;
+
+use core::mem::MaybeUninit;
 
 use drivers::Sensors as _;
 use flight_computer::{FlightComputer, Onboard, Part, Step};
@@ -22,13 +29,18 @@ use flight_record::{ExitStatus, Summary, TickRecord};
 use heapless::spsc::{Consumer, Producer, Queue};
 use kf_core::launch::LaunchConfig;
 use kf_core::strapdown;
+use survival::{Start, Supervised, Supervisor, TickMark, TickMarks};
 
-use board::{Board, CostClock, Feeder, Line, Next, Sensors, Sink, Source, Storage};
+use board::{Board, CostClock, Feeder, Line, Next, Sensors, Sink, Source, Storage, Watchdog};
 use downlink::{Downlink, Frames, FramesOut};
 use flown_model::FlownMission;
+use keeper::Keeper;
 use meter::{Costs, TickMeter};
 use mutation::Mutated;
 use tick_timer::TickTimer;
+
+/// What must be alive, for the watchdog to be fed.
+static SUPERVISOR: Supervisor = Supervisor::new();
 
 /// Results between the tick and the report, one slot of which stays empty.
 const RESULTS: usize = 8;
@@ -41,6 +53,7 @@ pub struct TickCounts {
     stalls: u32,
     lost_results: u32,
     sensor_faults: u32,
+    start_cost: Option<u32>,
     costs: Costs,
     ended: bool,
 }
@@ -57,7 +70,7 @@ mod app {
 
     #[shared]
     struct Shared {
-        computer: FlightComputer<Mutated<Sensors>, FlownMission>,
+        computer: FlightComputer<Mutated<Sensors>, &'static mut FlownMission>,
         counts: TickCounts,
         #[lock_free]
         feeder: Feeder,
@@ -73,10 +86,15 @@ mod app {
         downlink: Downlink,
         line: Line,
         frames_out: FramesOut,
+        marks: &'static mut TickMarks,
+        watchdog: Watchdog,
+        keeper: Keeper,
+        restarts: u32,
     }
 
     #[init(local = [
         storage: Storage = Storage::new(),
+        mission: MaybeUninit<FlownMission> = MaybeUninit::uninit(),
         results: Queue<TickRecord, RESULTS> = Queue::new(),
         frames: Frames = Frames::new(),
     ])]
@@ -87,19 +105,37 @@ mod app {
             flown_model::NAME,
             flown_model::FINGERPRINT
         );
-        let mission = match flown_model::mission() {
-            Ok(mission) => mission,
-            Err(_) => board::exit(ExitStatus::Configuration),
-        };
-        let Board { timer, source, feeder, sensors, is_recording, sink, line } =
-            match board::start(cx.device, cx.core, cx.local.storage) {
+        board::open_retained(&cx.device);
+        // SAFETY: here alone, and opened.
+        let (mut retained, words) = unsafe { retained::claim() };
+        let mut report = restart::notice(&mut retained);
+        strike::arm(report.map_or(0, |report| report.resumed_us));
+        let resumed_us = report.filter(|report| report.restarts > 0).map(|report| report.resumed_us);
+        let Board { timer, source, feeder, sensors, is_recording, mut sink, line, watchdog } =
+            match board::start(cx.device, cx.core, cx.local.storage, resumed_us, words) {
                 Ok(board) => board,
                 Err(status) => board::exit(status),
             };
+        if let Some(report) = report.filter(|report| report.start == Start::Standby) {
+            restart::log(&report);
+            sink.write(&report);
+            board::stand_by(report.cause);
+        }
+        let mission = match flown_model::mission(cx.local.mission) {
+            Ok(mission) => mission,
+            Err(_) => board::exit(ExitStatus::Configuration),
+        };
+        if let Some(report) = &mut report {
+            restart::go_on(mission, &mut retained, report);
+            restart::log(report);
+            sink.write(report);
+        }
+        let flies_free = report.is_some_and(|report| matches!(report.start, Start::Resumed | Start::Lost));
         let sensors = Mutated(sensors);
         let onboard = Onboard::new(LaunchConfig::DEFAULT, strapdown::Config::MEMS);
         let computer = match onboard {
             _ if is_recording => FlightComputer::new(sensors, mission),
+            Ok(onboard) if flies_free => FlightComputer::on_board(sensors, mission, onboard.in_free_flight()),
             Ok(onboard) => FlightComputer::on_board(sensors, mission, onboard),
             Err(_) => board::exit(ExitStatus::Configuration),
         };
@@ -107,7 +143,11 @@ mod app {
         let (frames_in, frames_out) = cx.local.frames.split();
         rtic::pend(FEED);
         (
-            Shared { computer, counts: TickCounts::default(), feeder },
+            Shared {
+                computer,
+                counts: TickCounts { start_cost: CostClock::since_reset(), ..TickCounts::default() },
+                feeder,
+            },
             Local {
                 timer,
                 source,
@@ -117,6 +157,10 @@ mod app {
                 downlink: Downlink::new(frames_in),
                 line,
                 frames_out,
+                marks: retained.marks,
+                watchdog,
+                keeper: Keeper::new(retained.slots),
+                restarts: report.map_or(0, |report| report.restarts),
             },
         )
     }
@@ -129,13 +173,25 @@ mod app {
     }
 
     /// One tick of the flight computer.
-    #[task(binds = TIM2, priority = 3, local = [timer, source, results_in, downlink], shared = [computer, counts])]
+    #[task(
+        binds = TIM2,
+        priority = 3,
+        local = [timer, source, results_in, downlink, marks, watchdog],
+        shared = [computer, counts],
+    )]
     fn tick(cx: tick::Context) {
         let begun = CostClock::time();
-        let tick::LocalResources { timer, source, results_in, downlink, .. } = cx.local;
+        let tick::LocalResources { timer, source, results_in, downlink, marks, watchdog, .. } = cx.local;
         let mut computer = cx.shared.computer;
         let mut counts = cx.shared.counts;
         timer.acknowledge();
+        SUPERVISOR.is_alive(Supervised::Tick);
+        if stack::is_whole() {
+            SUPERVISOR.is_alive(Supervised::Stack);
+        }
+        if SUPERVISOR.may_feed() {
+            watchdog.feed();
+        }
         let lost_results = counts.lock(|counts| counts.lost_results);
         let stepped =
             computer.lock(|computer| match source.next(&mut computer.sensors.0, results_in.ready()) {
@@ -143,9 +199,18 @@ mod app {
                     let mut meter = TickMeter::start();
                     let step = computer.tick_measured(now_us, &mut |part| meter.lap(part));
                     let sensor_faults = computer.sensors.faults().count;
-                    downlink.tell(&step, &computer.mission, sensor_faults, lost_results);
+                    downlink.tell(&step, &*computer.mission, sensor_faults, lost_results);
                     meter.lap(Part::Telemetry);
                     downlink.note_cost(meter.total());
+                    if !step.output.out_of_order {
+                        marks.keep(&TickMark {
+                            time_us: now_us,
+                            count: CostClock::time(),
+                            flags: computer.mission.raised_flags().bits(),
+                            free_flight: computer.mission.latch().is_some(),
+                        });
+                    }
+                    strike::strike(now_us);
                     Ok((meter, step, sensor_faults))
                 }
                 otherwise => Err(otherwise),
@@ -160,23 +225,17 @@ mod app {
                         counts.lost_results = counts.lost_results.saturating_add(1);
                     }
                 });
-                rtic::pend(TRANSMIT);
-                rtic::pend(REPORT);
-                rtic::pend(FEED);
             }
             Err(Next::Underrun) => {
-                counts.lock(|counts| counts.underruns = counts.underruns.saturating_add(1));
-                rtic::pend(FEED);
+                counts.lock(|counts| counts.underruns = counts.underruns.saturating_add(1))
             }
-            Err(Next::Stall) => {
-                counts.lock(|counts| counts.stalls = counts.stalls.saturating_add(1));
-                rtic::pend(REPORT);
-            }
-            Err(Next::End | Next::Tick(_)) => {
-                counts.lock(|counts| counts.ended = true);
-                rtic::pend(REPORT);
-            }
+            Err(Next::Stall) => counts.lock(|counts| counts.stalls = counts.stalls.saturating_add(1)),
+            Err(Next::End | Next::Tick(_)) => counts.lock(|counts| counts.ended = true),
         }
+        // All of them, whatever there is to do: each shows that it is alive.
+        rtic::pend(TRANSMIT);
+        rtic::pend(REPORT);
+        rtic::pend(FEED);
     }
 
     /// Gives the telemetry's line its next frame: when the last is through, and after every tick. The real board's
@@ -189,6 +248,7 @@ mod app {
         {
             line.send(&frame);
         }
+        SUPERVISOR.is_alive(Supervised::Transmit);
     }
 
     /// Brings input for the ticks to come.
@@ -198,15 +258,17 @@ mod app {
             return;
         }
         cx.shared.feeder.feed();
+        SUPERVISOR.is_alive(Supervised::Feed);
     }
 
     /// Writes what the ticks said.
-    #[task(binds = EXTI0, priority = 1, local = [results_out, sink], shared = [computer, counts, feeder])]
+    #[task(binds = EXTI0, priority = 1, local = [results_out, sink, keeper, restarts], shared = [computer, counts, feeder])]
     fn report(cx: report::Context) {
         if mutation::is_busy(mutation::Work::Report) {
             return;
         }
-        let report::LocalResources { results_out, sink, .. } = cx.local;
+        strike::hang_report();
+        let report::LocalResources { results_out, sink, keeper, restarts, .. } = cx.local;
         let mut computer = cx.shared.computer;
         let mut counts = cx.shared.counts;
         while let Some(record) = results_out.dequeue() {
@@ -222,6 +284,16 @@ mod app {
                 }
             }
         }
+        let due = computer.lock(|computer| {
+            let flags = computer.mission.raised_flags();
+            let time_us = computer.mission.last_us();
+            (computer.mission.latch().is_some() && keeper.is_due(time_us, flags))
+                .then(|| (flags, computer.mission.snapshot()))
+        });
+        if let Some((flags, Some(snapshot))) = due {
+            keeper.keep(&snapshot, flags);
+        }
+        SUPERVISOR.is_alive(Supervised::Report);
         let counts = counts.lock(|counts| *counts);
         if counts.ended {
             let stack = stack::usage();
@@ -234,6 +306,10 @@ mod app {
                 bad_payloads: 0,
                 missed_frames: 0,
                 input_cut: false,
+                restarts: *restarts,
+                skipped_inputs: 0,
+                start_cost: counts.start_cost,
+                lost_snapshots: keeper.lost(),
                 sensor_faults: counts.sensor_faults,
                 cost_unit: CostClock::UNIT,
                 cost_sum: counts.costs.whole.sum,

@@ -108,7 +108,7 @@ pub fn is_busy(work: Work) -> bool {
     static ASKED: [AtomicU32; 2] = [const { AtomicU32::new(0) }; 2];
     let (asked, turn) = match work {
         Work::Feed => (&ASKED[0], 40),
-        Work::Report => (&ASKED[1], 20),
+        Work::Report => (&ASKED[1], 12),
     };
     !asked.fetch_add(1, Ordering::Relaxed).is_multiple_of(turn)
 }

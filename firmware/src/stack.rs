@@ -37,3 +37,31 @@ pub fn usage() -> Usage {
     let bytes = |from: *const u32, to: *const u32| (to as usize - from as usize) as u32;
     Usage { used_bytes: bytes(lowest, start), size_bytes: bytes(end, start) }
 }
+
+/// Words at the end of the stack that the supervisor watches.
+const WATCHED_WORDS: usize = 8;
+
+/// Where the stack ends, as an address.
+pub fn end() -> usize {
+    &raw const _stack_end as usize
+}
+
+/// What there is, bytes.
+pub fn size() -> usize {
+    &raw const _stack_start as usize - end()
+}
+
+/// Whether so many bytes from an address on lie in the stack.
+pub fn contains(address: usize, bytes: usize) -> bool {
+    address >= end() && address.checked_add(bytes).is_some_and(|past| past <= end() + size())
+}
+
+/// Whether the last words before the stack's end have never been written.
+pub fn is_whole() -> bool {
+    let end = &raw const _stack_end;
+    (0..WATCHED_WORDS).all(|word| {
+        // SAFETY: as in `usage`.
+        let word = unsafe { ptr::read_volatile(end.wrapping_add(word)) };
+        word == STACK_PAINT_VALUE
+    })
+}

@@ -21,6 +21,12 @@ impl TickTimer {
         Self(tim2)
     }
 
+    /// The timer's interrupt without the timer: something else pends it.
+    #[cfg(feature = "board-qemu")]
+    pub const fn pended(tim2: TIM2) -> Self {
+        Self(tim2)
+    }
+
     /// Tells the timer that its interrupt has been taken.
     pub fn acknowledge(&mut self) {
         self.0.sr().modify(|_, w| w.uif().clear());

@@ -36,6 +36,12 @@ impl Decoder {
         }
     }
 
+    /// At the frame of that number in the middle of a stream.
+    #[must_use]
+    pub const fn at(sequence: u32) -> Self {
+        Self { next_sequence: sequence, ..Self::new() }
+    }
+
     /// Takes one byte; returns the frame that it closes, or why it closes none.
     ///
     /// # Errors
@@ -89,7 +95,9 @@ impl Decoder {
         let [kind, sequence @ ..] = *head;
         let kind = Kind::from_byte(kind).ok_or(FrameError::Kind(kind))?;
         let sequence = u32::from_le_bytes(sequence);
-        let missed = sequence.wrapping_sub(self.next_sequence);
+        // A sender that has restarted counts from its header on again.
+        let starts_anew = kind == Kind::Header && sequence == 0;
+        let missed = if starts_anew { 0 } else { sequence.wrapping_sub(self.next_sequence) };
         if missed > u32::MAX / 2 {
             return Err(FrameError::Repeated);
         }

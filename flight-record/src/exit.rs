@@ -20,11 +20,13 @@ pub enum ExitStatus {
     Panic = 101,
     /// The core faulted: a bug.
     HardFault = 102,
+    /// The firmware restarted too often within too short a time.
+    Standby = 103,
 }
 
 impl ExitStatus {
     /// Every status.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Finished,
         Self::NoInput,
         Self::NoHeader,
@@ -33,6 +35,7 @@ impl ExitStatus {
         Self::NoOutput,
         Self::Panic,
         Self::HardFault,
+        Self::Standby,
     ];
 
     /// The status as a number.

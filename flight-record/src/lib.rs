@@ -13,7 +13,8 @@
 //! closed by one zero byte. A reader that loses its place finds it again at the next zero; what it
 //! lost shows in the sequence numbers.
 //!
-//! The first frame is a [`Header`]. A stream of inputs ends with an [`End`], a stream of outputs with
+//! The first frame is a [`Header`]; one with the number 0 later in the stream says that the sender has
+//! restarted, and numbers go on from there. A stream of inputs ends with an [`End`], a stream of outputs with
 //! a [`Summary`]; without it the stream was cut.
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
@@ -25,6 +26,7 @@ mod encoder;
 mod exit;
 mod frame;
 mod payload;
+mod strike;
 
 pub use decoder::Decoder;
 pub use encoder::{EncodeError, Encoder};
@@ -34,6 +36,7 @@ pub use payload::{
     CostUnit, End, FORMAT_VERSION, Header, Kind, MAGIC, MAX_PARTS, PartCost, Payload, SensorSource, Stream,
     Summary, TickRecord,
 };
+pub use strike::{Blow, STRIKE_BYTES, STRIKES_FILE, Strike};
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 

@@ -5,6 +5,7 @@ use kf_core::latch::LatchRecord;
 use kf_core::output::TickOutput;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use survival::RestartReport;
 
 /// First bytes of a header's payload.
 pub const MAGIC: [u8; 4] = *b"PYFR";
@@ -31,6 +32,8 @@ pub enum Kind {
     Latch = 6,
     /// A fault of a chip, `chip_models::flown::ChipFault`: it begins with the input that follows.
     ChipFault = 7,
+    /// [`RestartReport`].
+    Restart = 8,
 }
 
 impl Kind {
@@ -45,6 +48,7 @@ impl Kind {
             5 => Some(Self::Summary),
             6 => Some(Self::Latch),
             7 => Some(Self::ChipFault),
+            8 => Some(Self::Restart),
             _ => None,
         }
     }
@@ -138,6 +142,11 @@ impl Payload for LatchRecord {
     const KIND: Kind = Kind::Latch;
 }
 
+/// A restart, right after the header that starts its part of the stream.
+impl Payload for RestartReport {
+    const KIND: Kind = Kind::Restart;
+}
+
 /// The last frame of a stream of inputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, serde::Deserialize)]
 pub struct End {
@@ -177,6 +186,14 @@ pub struct Summary {
     pub missed_frames: u32,
     /// The input had no [`End`], or its count was not the number of inputs that came.
     pub input_cut: bool,
+    /// Restarts since power-on.
+    pub restarts: u32,
+    /// Input frames that were passed over after a restart: the flight went on meanwhile.
+    pub skipped_inputs: u32,
+    /// From the last reset until the first tick may come, in the costs' unit, where the board can tell.
+    pub start_cost: Option<u32>,
+    /// Snapshots that could not be kept.
+    pub lost_snapshots: u32,
     /// Polls of a sensor that failed.
     pub sensor_faults: u32,
     /// Unit of the costs.

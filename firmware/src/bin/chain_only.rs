@@ -9,6 +9,7 @@
 
 use core::convert::Infallible;
 use core::hint::black_box;
+use core::mem::MaybeUninit;
 use core::panic::PanicInfo;
 
 use cortex_m_rt::entry;
@@ -62,7 +63,8 @@ impl Read for Unknown {
 
 /// Ticks with this barometer.
 fn fly(barometer: impl Barometer) {
-    let Ok(mut mission) = flown_model::mission() else { return };
+    let mut place = MaybeUninit::uninit();
+    let Ok(mission) = flown_model::mission(&mut place) else { return };
     let imu_config = drivers::icm42688p::Config {
         accel_range: black_box(AccelRange::G16),
         gyro_range: black_box(GyroRange::Dps2000),

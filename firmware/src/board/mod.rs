@@ -12,9 +12,15 @@ mod f405;
 mod qemu;
 
 #[cfg(feature = "board-f405")]
-pub use f405::{CostClock, Feeder, Line, NAME, Sensors, Sink, Source, Storage, exit, start};
+pub use f405::{
+    CostClock, Feeder, INDEPENDENT_WATCHDOG_US, Line, NAME, RESTART_US, Sensors, Sink, Source, Storage,
+    Watchdog, exit, microseconds, open_retained, reset_source, retained, stand_by, start, umbilical_is_open,
+};
 #[cfg(all(feature = "board-qemu", not(feature = "board-f405")))]
-pub use qemu::{CostClock, Feeder, Line, NAME, Sensors, Sink, Source, Storage, exit, start};
+pub use qemu::{
+    CostClock, Feeder, INDEPENDENT_WATCHDOG_US, Line, NAME, RESTART_US, Sensors, Sink, Source, Storage,
+    Watchdog, exit, microseconds, open_retained, reset_source, retained, stand_by, start, umbilical_is_open,
+};
 
 use crate::tick_timer::TickTimer;
 
@@ -34,6 +40,8 @@ pub struct Board {
     pub sink: Sink,
     /// Where the telemetry goes.
     pub line: Line,
+    /// The watchdog.
+    pub watchdog: Watchdog,
 }
 
 /// What a timer tick is for.

@@ -4,6 +4,9 @@
 //! the USARTs and some more; it has no clock tree, so waiting for the crystal or the PLL never ends.
 //! The timers run at 1 GHz whatever the prescalers of the clock tree say; with `-icount shift=0` an
 //! instruction takes one nanosecond, so a timer counts instructions.
+//!
+//! The first interrupt of one comes after the period and, once more, the time at which the timer was started, which after a reset is
+//! the whole flight so far. So after a restart SysTick, which is the watchdog's timer, makes the tick as well and paces the line.
 
 mod line;
 
@@ -11,6 +14,10 @@ use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use chip_models::flown::{ChipFault, RecordedSensors};
 use chip_models::metered::WorkObserver;
+use cortex_m::peripheral::scb::SystemHandler;
+use cortex_m::peripheral::syst::SystClkSource;
+use cortex_m::peripheral::{NVIC, SCB, SYST};
+use cortex_m_rt::exception;
 use defmt_semihosting as _;
 use flight_record::{
     CostUnit, Decoder, Encoder, End, ExitStatus, Header, INPUT_FILE, Kind, MAX_STUFFED, OUTPUT_FILE, Payload,
@@ -20,21 +27,25 @@ use heapless::Vec;
 use heapless::spsc::{Consumer, Producer, Queue};
 use kf_core::input::TickInput;
 use semihosting::fs::File;
-use semihosting::io::{Read, Write};
-use stm32f4xx_hal::pac::{Peripherals, TIM5};
+use semihosting::io::{Read, Seek, SeekFrom, Write};
+use stm32f4xx_hal::pac::{Interrupt, Peripherals, TIM4, TIM5};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Config;
+use survival::{BOARD_WORDS, Cause, ResetSource, RetainedMemory};
 
 pub use line::Line;
 
 use super::{Board, Next};
 use crate::flown_model::FINGERPRINT;
-use crate::tick_timer::TickTimer;
+use crate::tick_timer::{TICK_HZ, TickTimer};
+use crate::watchdog::{TIMEOUT_MS, unmask};
 
 /// The board's name.
 pub const NAME: &str = "qemu";
 /// QEMU's clock of the timers, Hz.
 const TIMER_HZ: u32 = 1_000_000_000;
+/// QEMU's clock of SysTick, Hz.
+const CORE_HZ: u32 = 168_000_000;
 /// Inputs read ahead, one slot of which stays empty.
 const INPUTS: usize = 16;
 /// Bytes of one read from the host.
@@ -66,20 +77,72 @@ impl Storage {
     }
 }
 
-/// Starts the board.
+/// From the last tick to the first after a restart, microseconds, beside the time that something hung: the record
+/// goes on for as long as the flight computer may take.
+pub const RESTART_US: u64 = 100_000;
+
+/// The emulator has no independent watchdog.
+pub const INDEPENDENT_WATCHDOG_US: u64 = 0;
+
+unsafe extern "C" {
+    /// Where the linker puts nothing (`memory.x`).
+    static _retained_start: u32;
+}
+
+/// The retained memory: RAM, which the emulator's reset leaves as it is.
+pub fn retained() -> *mut RetainedMemory {
+    (&raw const _retained_start).cast_mut().cast()
+}
+
+/// Nothing guards it.
+pub const fn open_retained(_device: &Peripherals) {}
+
+/// The emulator knows of no other; its supply comes with RAM full of zeros, in which nothing was kept.
+pub const fn reset_source() -> ResetSource {
+    ResetSource::Software
+}
+
+/// Not known before the first tick.
+pub const fn umbilical_is_open() -> Option<bool> {
+    None
+}
+
+/// So many counts of [`CostClock`] in microseconds.
+pub const fn microseconds(count: u32) -> u32 {
+    count / 1_000
+}
+
+/// There is nothing to wait for in an emulation.
+pub fn stand_by(cause: Cause) -> ! {
+    exit(match cause {
+        Cause::Panic => ExitStatus::Panic,
+        Cause::HardFault => ExitStatus::HardFault,
+        Cause::Unrecorded
+        | Cause::StackOverflow
+        | Cause::Stuck
+        | Cause::Supply
+        | Cause::ResetPin
+        | Cause::IndependentWatchdog => ExitStatus::Standby,
+    })
+}
+
+/// Starts the board; after a restart, where the record is by `resumed_us`.
 pub fn start(
     device: Peripherals,
     mut core: cortex_m::Peripherals,
     storage: &'static mut Storage,
+    resumed_us: Option<u64>,
+    kept: &'static mut [u32; BOARD_WORDS],
 ) -> Result<Board, ExitStatus> {
     let Storage { inputs, ended, sensors } = storage;
+    let has_restarted = resumed_us.is_some();
     let (inputs_in, inputs_out) = inputs.split();
     let mut rcc = device.RCC.freeze(Config::hsi());
     let port_a = device.GPIOA.split(&mut rcc);
-    let line = Line::start(device.USART1, port_a.pa9, device.TIM3, &mut core.NVIC, &mut rcc)
+    let line = Line::start(device.USART1, port_a.pa9, device.TIM3, has_restarted, &mut core.NVIC, &mut rcc)
         .ok_or(ExitStatus::NoOutput)?;
     CostClock::start(&device.TIM5, &rcc);
-    let (feeder, header) = Feeder::open(inputs_in, ended)?;
+    let (feeder, header) = Feeder::open(inputs_in, ended, resumed_us, kept)?;
     if sensors.push(RecordedSensors::new(header.sensors, &ModelsWork)).is_err() {
         return Err(ExitStatus::Configuration);
     }
@@ -89,15 +152,60 @@ pub fn start(
         source: Source { inputs: inputs_out, ended },
         is_recording: header.sensors == SensorSource::Ideal,
         sensors,
-        sink: Sink::create(&header)?,
+        sink: Sink::open(&header, has_restarted)?,
         line,
-        timer: TickTimer::start(device.TIM2, &rcc, TIMER_HZ),
+        watchdog: Watchdog::start(core.SYST, &mut core.SCB, &mut core.NVIC, has_restarted),
+        timer: match has_restarted {
+            true => TickTimer::pended(device.TIM2),
+            false => TickTimer::start(device.TIM2, &rcc, TIMER_HZ),
+        },
     })
 }
 
 /// Ends the emulation.
 pub fn exit(status: ExitStatus) -> ! {
     semihosting::process::exit(status.code().into())
+}
+
+/// Ticks that are left before the watchdog strikes.
+static TICKS_LEFT: AtomicU32 = AtomicU32::new(TIMEOUT_MS * TICK_HZ / 1_000);
+
+/// Whether SysTick stands in for the other timers.
+static HAS_RESTARTED: AtomicBool = AtomicBool::new(false);
+
+/// SysTick, which pends the watchdog's interrupt unless it is fed.
+pub struct Watchdog;
+
+impl Watchdog {
+    fn start(mut timer: SYST, scb: &mut SCB, nvic: &mut NVIC, has_restarted: bool) -> Self {
+        HAS_RESTARTED.store(has_restarted, Ordering::Relaxed);
+        // SAFETY: above every critical section of RTIC; the handler touches nothing that these protect.
+        unsafe { scb.set_priority(SystemHandler::SysTick, 0) };
+        unmask(nvic);
+        timer.set_clock_source(SystClkSource::Core);
+        timer.set_reload(CORE_HZ / TICK_HZ - 1);
+        timer.clear_current();
+        timer.enable_counter();
+        timer.enable_interrupt();
+        Self
+    }
+
+    /// All is well for another while.
+    pub fn feed(&mut self) {
+        TICKS_LEFT.store(TIMEOUT_MS * TICK_HZ / 1_000, Ordering::Relaxed);
+    }
+}
+
+#[exception]
+fn SysTick() {
+    let left = TICKS_LEFT.load(Ordering::Relaxed);
+    TICKS_LEFT.store(left.saturating_sub(1), Ordering::Relaxed);
+    if left == 0 {
+        NVIC::pend(Interrupt::TIM4);
+    } else if HAS_RESTARTED.load(Ordering::Relaxed) {
+        NVIC::pend(Interrupt::TIM2);
+        line::pass(TIMER_HZ / TICK_HZ);
+    }
 }
 
 /// Counts the flight computer's instructions: TIM5, which is this clock's alone once it runs, without those of the models of
@@ -139,6 +247,12 @@ impl CostClock {
     /// What share of a tick that is, per mille; instructions are no time.
     pub const fn permille_of_a_tick(_cost: u32) -> Option<u16> {
         None
+    }
+
+    /// Since the last reset: a timer of QEMU counts from there on, started or not.
+    pub fn since_reset() -> Option<u32> {
+        // SAFETY: a read of the counter of a timer that nobody has.
+        Some(unsafe { (*TIM4::ptr()).cnt().read().bits() })
     }
 
     /// Now, for what a tick costs: without the models' instructions; wrapping.
@@ -187,12 +301,41 @@ impl Source {
     }
 }
 
+/// A place in the record, between two frames.
+#[derive(Clone, Copy)]
+struct Place {
+    /// Bytes before it.
+    offset: u32,
+    /// Number of the next frame.
+    sequence: u32,
+    /// Inputs before it.
+    received: u32,
+}
+
+impl Place {
+    fn keep(self, kept: &mut [u32; BOARD_WORDS]) {
+        let Self { offset, sequence, received } = self;
+        *kept = [offset, sequence, received, !(offset ^ sequence ^ received), 0, 0, 0, 0];
+    }
+
+    fn kept([offset, sequence, received, check, ..]: [u32; BOARD_WORDS]) -> Option<Self> {
+        (check == !(offset ^ sequence ^ received)).then_some(Self { offset, sequence, received })
+    }
+}
+
 /// Reads the record.
 pub struct Feeder {
     inputs: Producer<'static, Item>,
     ended: &'static AtomicBool,
     bytes: Bytes,
     decoder: Decoder,
+    /// Inputs before this time have passed while the flight computer restarted.
+    from_us: u64,
+    skipped: u32,
+    /// Where the inputs that are waiting began, and those before them: all that may not have been flown.
+    places: [Place; INPUTS],
+    oldest: usize,
+    kept: &'static mut [u32; BOARD_WORDS],
     received: u32,
     bad_frames: u32,
     bad_payloads: u32,
@@ -201,13 +344,15 @@ pub struct Feeder {
 }
 
 impl Feeder {
-    /// Opens the record and reads its header.
+    /// Opens the record, reads its header and, after a restart, goes to where it had come.
     fn open(
         inputs: Producer<'static, Item>,
         ended: &'static AtomicBool,
+        resumed_us: Option<u64>,
+        kept: &'static mut [u32; BOARD_WORDS],
     ) -> Result<(Self, Header), ExitStatus> {
         let file = File::open(INPUT_FILE).map_err(|_| ExitStatus::NoInput)?;
-        let mut bytes = Bytes { file, chunk: [0; CHUNK], at: 0, len: 0 };
+        let mut bytes = Bytes { file, chunk: [0; CHUNK], at: 0, len: 0, read: 0 };
         let mut decoder = Decoder::new();
         let header = loop {
             let byte = bytes.next().ok_or(ExitStatus::NoHeader)?;
@@ -222,12 +367,24 @@ impl Feeder {
             defmt::error!("the record is meant for model {=u64:016x}", header.model);
             return Err(ExitStatus::OtherModel);
         }
+        let mut place = Place { offset: bytes.offset(), sequence: 1, received: 0 };
+        if let (Some(there), true) = (Place::kept(*kept), resumed_us.is_some()) {
+            bytes.go_to(there.offset).map_err(|_| ExitStatus::NoInput)?;
+            decoder = Decoder::at(there.sequence);
+            place = there;
+        }
+        place.keep(kept);
         let feeder = Self {
             inputs,
             ended,
             bytes,
             decoder,
-            received: 0,
+            from_us: resumed_us.unwrap_or(0),
+            skipped: 0,
+            places: [place; INPUTS],
+            oldest: 0,
+            kept,
+            received: place.received,
             bad_frames: 0,
             bad_payloads: 0,
             missed_frames: 0,
@@ -257,17 +414,37 @@ impl Feeder {
                 self.end(!whole);
                 return;
             }
+            let sequence = frame.sequence.wrapping_add(1);
             let is_fault = frame.kind == Kind::ChipFault;
             let item =
                 if is_fault { frame.payload().map(Item::Fault) } else { frame.payload().map(Item::Tick) };
-            // Cannot be full: `ready` was asked above.
-            let taken = item.is_ok_and(|item| self.inputs.enqueue(item).is_ok());
-            let counter = match (taken, is_fault) {
-                (true, true) => continue,
-                (true, false) => &mut self.received,
-                (false, _) => &mut self.bad_payloads,
+            let taken = match item {
+                Ok(Item::Tick(input)) if input.time_us < self.from_us => {
+                    self.skipped = self.skipped.saturating_add(1);
+                    true
+                }
+                Ok(item) => {
+                    if !is_fault {
+                        self.from_us = 0;
+                    }
+                    // Cannot be full: `ready` was asked above.
+                    self.inputs.enqueue(item).is_ok()
+                }
+                Err(_) => false,
             };
-            *counter = counter.saturating_add(1);
+            if !taken {
+                self.bad_payloads = self.bad_payloads.saturating_add(1);
+            }
+            if !taken || is_fault {
+                continue;
+            }
+            self.received = self.received.saturating_add(1);
+            let place = Place { offset: self.bytes.offset(), sequence, received: self.received };
+            if let Some(oldest) = self.places.get_mut(self.oldest) {
+                oldest.keep(self.kept);
+                *oldest = place;
+            }
+            self.oldest = (self.oldest + 1) % INPUTS;
         }
     }
 
@@ -283,6 +460,7 @@ impl Feeder {
             bad_payloads: self.bad_payloads,
             missed_frames: self.missed_frames,
             input_cut: self.cut,
+            skipped_inputs: self.skipped,
             ..summary
         }
     }
@@ -294,6 +472,8 @@ struct Bytes {
     chunk: [u8; CHUNK],
     at: usize,
     len: usize,
+    /// Bytes read from the file.
+    read: u32,
 }
 
 impl Bytes {
@@ -302,10 +482,22 @@ impl Bytes {
             // A read that fails is the end of what can be had, and shows as a record that was cut.
             self.len = self.file.read(&mut self.chunk).ok()?;
             self.at = 0;
+            self.read = self.read.wrapping_add(self.len as u32);
         }
         let byte = self.chunk.get(..self.len)?.get(self.at).copied()?;
         self.at += 1;
         Some(byte)
+    }
+
+    /// Where the next byte is in the file.
+    fn offset(&self) -> u32 {
+        self.read.wrapping_sub(self.len.saturating_sub(self.at) as u32)
+    }
+
+    fn go_to(&mut self, offset: u32) -> semihosting::io::Result<()> {
+        self.file.seek(SeekFrom::Start(offset.into()))?;
+        (self.at, self.len, self.read) = (0, 0, offset);
+        Ok(())
     }
 }
 
@@ -317,9 +509,15 @@ pub struct Sink {
 }
 
 impl Sink {
-    /// Begins a stream of outputs for a stream of inputs.
-    fn create(inputs: &Header) -> Result<Self, ExitStatus> {
-        let file = File::create(OUTPUT_FILE).map_err(|_| ExitStatus::NoOutput)?;
+    /// Begins a stream of outputs for a stream of inputs; after a restart in the same file, from another header on.
+    fn open(inputs: &Header, goes_on: bool) -> Result<Self, ExitStatus> {
+        let mut options = File::options();
+        let options = options.write(true).append(goes_on).truncate(!goes_on);
+        let mut file = options.create(true).open(OUTPUT_FILE).map_err(|_| ExitStatus::NoOutput)?;
+        if goes_on {
+            // QEMU 7.2 opens for appending and then writes at the start.
+            file.seek(SeekFrom::End(0)).map_err(|_| ExitStatus::NoOutput)?;
+        }
         let mut sink = Self { file, encoder: Encoder::new(), failed: false };
         sink.write(&Header::new(Stream::Outputs, FINGERPRINT, inputs.sensors));
         Ok(sink)

@@ -62,6 +62,18 @@ impl Program {
             Self::CoreOnly | Self::ChainOnly => "",
         }
     }
+
+    /// Settings of cargo's on top of the profile. The benchmark compares filters, each as fast as the compiler makes it; the
+    /// flight's image has to fit.
+    const fn settings(self) -> &'static [&'static str] {
+        match self {
+            Self::Bench => &[
+                "--config=profile.firmware.opt-level=3",
+                "--config=profile.firmware.package.kf-core.opt-level=3",
+            ],
+            Self::Flight(_) | Self::CoreOnly | Self::ChainOnly => &[],
+        }
+    }
 }
 
 /// An error, or load, planted in an image, to prove that it is found, or stood.
@@ -76,6 +88,8 @@ pub enum PlantedError {
     /// A processor that seldom has time for anything but the ticks: no error, and the flight must
     /// lose nothing.
     Starve,
+    /// Blows that the emulated board reads from a file ([`flight_record::Strike`]).
+    Strike,
     /// A telemetry line that takes a tenth of the bytes: frames are dropped, and the flight must lose nothing.
     SlowLine,
     /// A telemetry line that is never idle: where no frame waits, one that says nothing is sent.
@@ -91,6 +105,7 @@ impl PlantedError {
             Self::Panic => "panic",
             Self::Fault => "fault",
             Self::Starve => "starve",
+            Self::Strike => "strike",
             Self::SlowLine => "slow_line",
             Self::FullLine => "full_line",
             Self::SilentLine => "silent_line",
@@ -127,6 +142,7 @@ pub fn build(program: Program, model: &Model, planted: Option<PlantedError>) -> 
         .current_dir(&root)
         .args(["build", "--quiet", "--package", "firmware", "--bin", program.binary()])
         .args(["--profile", "firmware", "--target", TARGET, "--features", program.features()])
+        .args(program.settings())
         .arg("--target-dir")
         .arg(&target_directory)
         .env("PYLON_MODEL_SOURCE", &source)

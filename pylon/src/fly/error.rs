@@ -35,6 +35,9 @@ pub enum FlyError {
         /// Where it should be.
         path: String,
     },
+    /// The flight computer restarted in the middle of the flight.
+    #[error("the flight computer restarted, after {0}: ticks are missing")]
+    Restarted(&'static str),
     /// The firmware does not build.
     #[error("the firmware does not build: {first_error}")]
     Build {
@@ -108,6 +111,7 @@ const fn ended(status: Option<ExitStatus>) -> &'static str {
         Some(ExitStatus::NoOutput) => "it could not write its results",
         Some(ExitStatus::Panic) => "it panicked",
         Some(ExitStatus::HardFault) => "the core faulted",
+        Some(ExitStatus::Standby) => "it restarted too often",
         None => "QEMU failed",
     }
 }

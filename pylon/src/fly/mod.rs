@@ -22,10 +22,11 @@ use chip_models::flown::TruthCounts;
 use drivers::Sensors as _;
 use flight_computer::{Part, Step};
 pub use flight_record::SensorSource;
-use flight_record::{ExitStatus, INPUT_FILE, OUTPUT_FILE, Summary, TickRecord};
+use flight_record::{ExitStatus, INPUT_FILE, OUTPUT_FILE, STRIKES_FILE, Strike, Summary, TickRecord};
 use kf_core::input::TickInput;
 use kf_core::latch::LatchRecord;
 use model::Model;
+use survival::RestartReport;
 use telemetry::{ComputerStatus, FrameQueue, Rates};
 
 pub use agreement::{Agreement, SensorAgreement};
@@ -297,15 +298,35 @@ pub struct Run {
 /// # Errors
 /// Only what keeps the emulation from running to an end of its own.
 pub fn fly_bytes(record: &[u8], model: &Model, planted: Option<PlantedError>) -> Result<RawFlight, FlyError> {
+    fly_raw(record, model, planted, &[])
+}
+
+/// Flies a flight record whose flight computer is struck at these times: it must go on.
+///
+/// # Errors
+/// As [`fly_bytes`].
+pub fn fly_struck(record: &[u8], model: &Model, strikes: &[Strike]) -> Result<RawFlight, FlyError> {
+    fly_raw(record, model, Some(PlantedError::Strike), strikes)
+}
+
+fn fly_raw(
+    record: &[u8],
+    model: &Model,
+    planted: Option<PlantedError>,
+    strikes: &[Strike],
+) -> Result<RawFlight, FlyError> {
     let image = build(Program::Flight(Board::Qemu), model, planted)?;
     let directory = tempfile::tempdir().map_err(FlyError::io("temporary directory"))?;
     fs::write(directory.path().join(name(INPUT_FILE)?), record).map_err(FlyError::io("the flight record"))?;
+    let blows: Vec<u8> = strikes.iter().flat_map(|strike| strike.to_bytes()).collect();
+    fs::write(directory.path().join(name(STRIKES_FILE)?), blows).map_err(FlyError::io("the blows"))?;
     let mut run = run(&image, directory.path(), u32::try_from(record.len() / 16).unwrap_or(u32::MAX), None)?;
     let mut flight = RawFlight { status: run.status, log: run.log, ..RawFlight::default() };
     while let Some(result) = run.results.next_result()? {
         match result {
             FlightResult::Tick(tick) => flight.ticks.push(tick),
             FlightResult::Latch(latch) => flight.latches.push(latch),
+            FlightResult::Restart(report) => flight.restarts.push((flight.ticks.len(), report)),
             FlightResult::Summary(summary) => flight.summary = Some(summary),
         }
     }
@@ -323,6 +344,8 @@ pub struct RawFlight {
     pub ticks: Vec<TickRecord>,
     /// Every latched calibration; there should be one at most.
     pub latches: Vec<LatchRecord>,
+    /// Every restart, and how many ticks there were before it.
+    pub restarts: Vec<(usize, RestartReport)>,
     /// What was counted, if the flight came to its end.
     pub summary: Option<Summary>,
 }
@@ -417,6 +440,7 @@ fn compare(
                 ticks += 1;
             }
             Some(FlightResult::Latch(latch)) => target_latch = Some(latch),
+            Some(FlightResult::Restart(report)) => return Err(FlyError::Restarted(report.cause.name())),
             Some(FlightResult::Summary(summary)) => break summary,
             None => return Err(FlyError::Results("they have no summary".to_owned())),
         }

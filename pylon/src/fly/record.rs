@@ -8,6 +8,7 @@ use flight_record::{
     Decoder, Encoder, End, Header, Kind, MAX_STUFFED, Payload, SensorSource, Stream, Summary, TickRecord,
 };
 use kf_core::latch::LatchRecord;
+use survival::RestartReport;
 
 use super::error::FlyError;
 use super::fault_script::Item;
@@ -68,6 +69,8 @@ pub enum FlightResult {
     Tick(TickRecord),
     /// The calibration, after the tick that latched it.
     Latch(LatchRecord),
+    /// The flight computer has restarted; what follows is from after it.
+    Restart(RestartReport),
     /// What was counted: the last one.
     Summary(Summary),
 }
@@ -109,7 +112,8 @@ impl Results {
             }
             let bad_payload = |_| damaged("a result does not decode");
             match (frame.kind, self.header) {
-                (Kind::Header, None) => {
+                // A header after others: the flight computer has restarted.
+                (Kind::Header, _) => {
                     let header: Header = frame.payload().map_err(bad_payload)?;
                     if header != Header::new(Stream::Outputs, header.model, header.sensors) {
                         return Err(damaged("they are of another version of the format"));
@@ -126,7 +130,10 @@ impl Results {
                 (Kind::Summary, _) => {
                     return frame.payload().map(FlightResult::Summary).map(Some).map_err(bad_payload);
                 }
-                (Kind::Header | Kind::Input | Kind::ChipFault | Kind::End, _) => {
+                (Kind::Restart, _) => {
+                    return frame.payload().map(FlightResult::Restart).map(Some).map_err(bad_payload);
+                }
+                (Kind::Input | Kind::ChipFault | Kind::End, _) => {
                     return Err(damaged("a frame is out of place"));
                 }
             }

@@ -8,7 +8,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use cortex_m::peripheral::NVIC;
 use drivers::{LaunchDiscrete, SensorError};
 use stm32f4xx_hal::gpio::{Edge, ExtiPin, Input, Pin};
-use stm32f4xx_hal::pac::{EXTI, TIM5, interrupt};
+use stm32f4xx_hal::pac::{EXTI, GPIOA, RCC, TIM5, interrupt};
 use stm32f4xx_hal::syscfg::SysCfg;
 
 use super::wiring::BreakWirePin;
@@ -48,6 +48,20 @@ impl BreakWire {
     pub const fn short_openings(&self) -> u32 {
         self.short_openings
     }
+}
+
+/// Whether the wire is open, before the board has been started.
+pub fn umbilical_is_open() -> Option<bool> {
+    /// Cycles of the 16 MHz that a reset leaves for the pull-up of at most 50 kOhm (DS8626 rev 10, table 48) to load the
+    /// wire: 60 us are twenty times 50 kOhm and 60 pF.
+    const SETTLING_CYCLES: u32 = 1_000;
+    // SAFETY: nobody else has these before the board has been started, and that sets them all again.
+    let (rcc, port) = unsafe { (&*RCC::ptr(), &*GPIOA::ptr()) };
+    rcc.ahb1enr().modify(|_, w| w.gpioaen().enabled());
+    port.moder().modify(|_, w| w.moder3().input());
+    port.pupdr().modify(|_, w| w.pupdr3().pull_up());
+    cortex_m::asm::delay(SETTLING_CYCLES);
+    Some(port.idr().read().idr3().bit_is_set())
 }
 
 impl LaunchDiscrete for BreakWire {

@@ -6,6 +6,7 @@ use stm32f4xx_hal::gpio::Output;
 use stm32f4xx_hal::pac::{RCC, TIM5};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Config;
+use survival::WideClock;
 
 use super::Sensors;
 use super::wiring::{CORE_MHZ, CRYSTAL_MHZ, Led};
@@ -16,6 +17,9 @@ use crate::tick_timer::TICK_HZ;
 const TIMER_MHZ: u16 = 84;
 /// The same in Hz.
 pub const TIMER_HZ: u32 = TIMER_MHZ as u32 * 1_000_000;
+
+/// Prescaler that makes 10 kHz of the timers' clock.
+pub const TIMER_10_KHZ: u16 = TIMER_MHZ * 100 - 1;
 
 /// The clock tree: the crystal, through the PLL.
 pub fn tree() -> Config {
@@ -42,6 +46,11 @@ impl CostClock {
         Some(if permille > u16::MAX as u64 { u16::MAX } else { permille as u16 })
     }
 
+    /// Not known: the counter starts with the board.
+    pub const fn since_reset() -> Option<u32> {
+        None
+    }
+
     /// Now, for what a tick costs; wrapping.
     pub fn now() -> u32 {
         Self::time()
@@ -53,34 +62,40 @@ impl CostClock {
     }
 }
 
-/// The clock of the mission: TIM5 in microseconds, carried beyond its 32 bits (71 minutes) by looking at
-/// it at every tick. The LED changes every half second as long as there are ticks.
+/// So many counts of [`CostClock`] in microseconds.
+pub const fn microseconds(count: u32) -> u32 {
+    count / CORE_MHZ
+}
+
+/// The clock of the mission: TIM5 in microseconds, carried beyond its 32 bits at every tick. The LED changes every
+/// half second as long as there are ticks.
 pub struct Source {
     tim5: TIM5,
-    now_us: u64,
+    clock: WideClock,
     led: Led<Output>,
     ticks_to_blink: u32,
 }
 
 impl Source {
-    pub(super) fn start(tim5: TIM5, led: Led, rcc: &RCC) -> Self {
+    pub(super) fn start(tim5: TIM5, led: Led, rcc: &RCC, now_us: u64) -> Self {
         rcc.apb1enr().modify(|_, w| w.tim5en().enabled());
         tim5.psc().write(|w| w.psc().set(TIMER_MHZ - 1));
         tim5.arr().write(|w| w.arr().set(u32::MAX));
         tim5.egr().write(|w| w.ug().set_bit());
+        // The low half of the mission's microseconds, which others read it as.
+        tim5.cnt().write(|w| w.set(now_us as u32));
         tim5.cr1().modify(|_, w| w.cen().enabled());
-        Self { tim5, now_us: 0, led: led.into_push_pull_output(), ticks_to_blink: 0 }
+        let clock = WideClock::new(now_us, now_us as u32);
+        Self { tim5, clock, led: led.into_push_pull_output(), ticks_to_blink: 0 }
     }
 
     /// Every tick runs the mission; a flight cannot wait.
     pub fn next(&mut self, _sensors: &mut Sensors, _room: bool) -> Next {
-        let elapsed_us = self.tim5.cnt().read().bits().wrapping_sub(self.now_us as u32);
-        self.now_us += u64::from(elapsed_us);
         if self.ticks_to_blink == 0 {
             self.led.toggle();
             self.ticks_to_blink = TICK_HZ / 2;
         }
         self.ticks_to_blink -= 1;
-        Next::Tick(self.now_us)
+        Next::Tick(self.clock.at(self.tim5.cnt().read().bits()))
     }
 }

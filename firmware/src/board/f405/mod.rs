@@ -1,13 +1,16 @@
 //! The flight computer: an STM32F405RG at 168 MHz from an 8 MHz crystal, with the chips and lines of [`wiring`].
 
 mod absent;
+mod backup;
 mod break_wire;
 mod clock;
+mod independent_watchdog;
 mod line;
 mod results;
 mod sensors;
 mod spi;
 mod uart;
+mod watchdog;
 mod watched;
 mod wiring;
 
@@ -17,12 +20,18 @@ use flight_record::{ExitStatus, Summary};
 use stm32f4xx_hal::dma::StreamsTuple;
 use stm32f4xx_hal::pac::Peripherals;
 use stm32f4xx_hal::prelude::*;
+use survival::{BOARD_WORDS, Cause};
 use telemetry::Frame;
+use wiring::CORE_MHZ;
 
-pub use clock::{CostClock, Source};
+pub use backup::{open_retained, reset_source, retained};
+pub use break_wire::umbilical_is_open;
+pub use clock::{CostClock, Source, microseconds};
+pub use independent_watchdog::INDEPENDENT_WATCHDOG_US;
 pub use line::Line;
 pub use results::Sink;
 pub use sensors::Sensors;
+pub use watchdog::Watchdog;
 
 use break_wire::BreakWire;
 use sensors::{SensorStorage, SensorTeller};
@@ -48,11 +57,17 @@ impl Storage {
     }
 }
 
-/// Starts the board.
+/// From a reset to the first tick, microseconds: 2 ms until the crystal runs (DS8626, table 39), 0.3 ms until the PLL has
+/// locked (table 42), the first period of the tick, and the start's code, most of it at 16 MHz: some 8 ms.
+pub const RESTART_US: u64 = 15_000;
+
+/// Starts the board; after a restart its clock goes on at `resumed_us`.
 pub fn start(
     device: Peripherals,
-    core: cortex_m::Peripherals,
+    mut core: cortex_m::Peripherals,
     storage: &'static mut Storage,
+    resumed_us: Option<u64>,
+    _kept: &'static mut [u32; BOARD_WORDS],
 ) -> Result<Board, ExitStatus> {
     let Storage { sensors: storage, frames } = storage;
     let storage = &*storage;
@@ -80,15 +95,30 @@ pub fn start(
     );
     let break_wire = BreakWire::start(pins.break_wire, device.EXTI, &mut device.SYSCFG.constrain(&mut rcc));
 
+    // A debugger that halts the core must not find it reset.
+    device.DBGMCU.apb1_fz().modify(|_, w| w.dbg_iwdg_stop().set_bit().dbg_tim4_stop().set_bit());
+    independent_watchdog::start_independent_watchdog(&device.IWDG);
     Ok(Board {
-        source: Source::start(device.TIM5, pins.led, &rcc),
+        source: Source::start(device.TIM5, pins.led, &rcc, resumed_us.unwrap_or(0)),
         feeder: Feeder { teller: storage.teller() },
         is_recording: false,
         sensors: sensors::suite(storage, receiver, barometer, imu, umbilical, break_wire),
         sink: Sink::start(device.USART6, pins.results, &mut rcc)?,
         line: line.ok_or(ExitStatus::NoOutput)?,
         timer: TickTimer::start(device.TIM2, &rcc, clock::TIMER_HZ),
+        watchdog: Watchdog::start(device.TIM4, &rcc, &mut core.NVIC),
     })
+}
+
+/// Without a mission: nothing is said of any sensor, and the log goes on saying why.
+pub fn stand_by(cause: Cause) -> ! {
+    loop {
+        defmt::error!("standby after {=str}", cause.name());
+        for _ in 0..10 {
+            cortex_m::asm::delay(CORE_MHZ * 100_000);
+            independent_watchdog::feed_independent_watchdog();
+        }
+    }
 }
 
 /// Starts again: a flight computer does not stop.

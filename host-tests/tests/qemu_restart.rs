@@ -1,0 +1,367 @@
+//! The emulated flight computer is reset, crashed and poisoned in flight, and goes on: with the host's bits,
+//! the same latch, every flag, and a report of what happened.
+//!
+//! Needs qemu-system-arm and the Rust target; without them the tests fail and say what to install
+//! (`cargo xtask test` installs it).
+#![allow(clippy::unwrap_used)]
+
+mod ticks;
+
+use flight_record::{
+    Blow, Encoder, End, ExitStatus, Header, MAX_STUFFED, SensorSource, Stream, Strike, TickRecord,
+};
+use host_tests::budget::Budgets;
+use kf_core::input::{BaroReading, TickInput};
+use kf_core::latch::LatchRecord;
+use kf_core::output::{Phase, TickOutput, Trust};
+use kf_core::snapshot::RaisedFlags;
+use model::Model;
+use pylon::fly::{RawFlight, fly_struck};
+use pylon::replay::{mission, resumed_mission};
+use survival::{Cause, Late, Refusal, RestartReport, Start, Supervised};
+
+use ticks::{LAUNCH, TICK_US, TICKS, flight, must, prompt};
+
+/// When the record's clock starts, microseconds.
+const FIRST_US: u64 = 1_000_000;
+/// What the emulated board passes over for a restart, microseconds.
+const OUTAGE_US: u64 = 100_000;
+/// What may be late before the watchdog strikes, microseconds.
+const WATCHDOG_US: u64 = 250_000;
+
+fn model() -> Model {
+    prompt(Model::default())
+}
+
+const fn at(tick: usize) -> u64 {
+    FIRST_US + tick as u64 * TICK_US
+}
+
+fn record(inputs: &[TickInput], sensors: SensorSource) -> Vec<u8> {
+    let mut encoder = Encoder::new();
+    let mut buffer = [0; MAX_STUFFED];
+    let header = Header::new(Stream::Inputs, model().fingerprint().unwrap(), sensors);
+    let mut bytes = encoder.encode(&header, &mut buffer).unwrap().to_vec();
+    for input in inputs {
+        bytes.extend(encoder.encode(input, &mut buffer).unwrap());
+    }
+    let end = End { inputs: u32::try_from(inputs.len()).unwrap() };
+    bytes.extend(encoder.encode(&end, &mut buffer).unwrap());
+    bytes
+}
+
+fn struck_on(inputs: &[TickInput], blows: &[(Blow, usize)]) -> RawFlight {
+    let strikes: Vec<Strike> = blows.iter().map(|&(blow, tick)| Strike { blow, time_us: at(tick) }).collect();
+    must(fly_struck(&record(inputs, SensorSource::Ideal), &model(), &strikes))
+}
+
+fn struck(blows: &[(Blow, usize)]) -> RawFlight {
+    let flight = struck_on(&flight(), blows);
+    assert_eq!(flight.status, Some(ExitStatus::Finished), "{:?}", flight.log);
+    assert_eq!(flight.restarts.len(), blows.len(), "{:?}", flight.log);
+    let summary = flight.summary.as_ref().unwrap();
+    assert_eq!(summary.restarts as usize, blows.len());
+    assert_eq!((summary.lost_snapshots, summary.bad_frames, summary.missed_frames), (0, 0, 0));
+    assert!(!summary.input_cut, "every input was flown or passed over, and counted");
+    flight
+}
+
+/// The bits of a tick's output.
+fn bits(output: &TickOutput) -> Vec<u8> {
+    let mut buffer = [0; MAX_STUFFED];
+    postcard::to_slice(output, &mut buffer).unwrap().to_vec()
+}
+
+/// Does on the host what the flight computer says that it did, and holds every tick of it to the host's bits;
+/// returns the latch that the host came to.
+fn same_on_the_host(flown: &RawFlight) -> Option<LatchRecord> {
+    let model = model();
+    let mut host = mission(&model).unwrap();
+    let mut snapshots = Vec::new();
+    let mut restarts = flown.restarts.iter().peekable();
+    for (k, TickRecord { input, output, .. }) in flown.ticks.iter().enumerate() {
+        while let Some((_, report)) = restarts.next_if(|(ticks, _)| *ticks == k) {
+            host = match report.snapshot_us {
+                Some(snapshot_us) => {
+                    let kept = |(time_us, _): &&(u64, _)| *time_us == snapshot_us;
+                    let (_, snapshot) = snapshots.iter().find(kept).unwrap();
+                    let flags = RaisedFlags::from_bits(report.mark.unwrap().flags);
+                    resumed_mission(&model, Clone::clone(snapshot), flags).unwrap()
+                }
+                None => mission(&model).unwrap(),
+            };
+        }
+        let expected = host.tick(input);
+        assert_eq!(bits(&expected), bits(output), "tick {k} at {} us", output.time_us);
+        if let Some(snapshot) = host.snapshot() {
+            snapshots.push((output.time_us, snapshot));
+        }
+    }
+    host.latch().cloned()
+}
+
+/// The report of the only restart, which goes on in free flight, and the first tick after it.
+fn resumed(flown: &RawFlight) -> (RestartReport, &TickRecord) {
+    let (ticks, report) = &flown.restarts[0];
+    assert_eq!(report.start, Start::Resumed, "{:?}", flown.log);
+    let latch = same_on_the_host(flown);
+    assert_eq!(flown.latches, [latch.unwrap()], "latched once, and the same bits after the restart");
+    let first = &flown.ticks[*ticks];
+    assert_eq!(first.output.phase, Phase::FreeFlight);
+    let snapshot_us = report.snapshot_us.unwrap();
+    assert_eq!(first.output.bridged_us, Some(first.output.time_us - snapshot_us));
+    let mark_us = report.mark.unwrap().time_us;
+    // A snapshot every 0.1 s, and the task that keeps it runs within a tick.
+    assert!(mark_us - snapshot_us <= 105_000, "{report:?}");
+    (*report, first)
+}
+
+/// What the restart took; `-- --nocapture` shows it.
+fn assert_keeps_budget(flown: &RawFlight) {
+    let instructions = flown.summary.as_ref().unwrap().start_cost.unwrap();
+    let check = Budgets::read().unwrap().check_restart(instructions);
+    println!("{}: {} ({})", check.what, check.measured, check.budget);
+    assert!(check.kept, "{check:?}");
+    // The stack alone, 24 KiB, takes more than that to paint: a counter that did not count.
+    assert!(instructions > 10_000, "{check:?}");
+}
+
+#[test]
+fn a_reset_in_free_flight_resumes_with_the_same_latch_and_the_hosts_bits() {
+    let flown = struck(&[(Blow::Reset, LAUNCH + 700)]);
+    let (report, first) = resumed(&flown);
+    assert_eq!((report.cause, report.crash, report.restarts), (Cause::Unrecorded, None, 1));
+    assert_eq!(report.mark.unwrap().time_us, at(LAUNCH + 700));
+    assert_eq!(report.resumed_us, at(LAUNCH + 700) + OUTAGE_US);
+    assert_eq!(first.output.time_us, report.resumed_us);
+    // Of the tick that was struck the result was lost; 19 more are before the clock that goes on.
+    let missing = (OUTAGE_US / TICK_US) as usize;
+    assert_eq!(flown.ticks.len(), TICKS - missing);
+    assert_keeps_budget(&flown);
+    assert!(flown.log.iter().any(|line| line.contains("restart 1 (resumed) after a reset without a record")));
+}
+
+#[test]
+fn with_chips_the_drivers_begin_again_and_the_mission_goes_on() {
+    let strike = Strike { blow: Blow::Reset, time_us: at(LAUNCH + 700) };
+    let flown = must(fly_struck(&record(&flight(), SensorSource::Chips), &model(), &[strike]));
+    assert_eq!(flown.status, Some(ExitStatus::Finished), "{:?}", flown.log);
+    let (report, _) = resumed(&flown);
+    assert_eq!(report.restarts, 1);
+    let after = &flown.ticks[flown.restarts[0].0..];
+    // The driver of the barometer reads its chip's constants anew, and then measures: 0.1 s are ten conversions.
+    let first_reading = after.iter().position(|tick| tick.input.baro.is_some()).unwrap();
+    assert!(first_reading < 20, "{first_reading}");
+}
+
+/// Where the inertial altitude is the strapdown channel's, its alignment is lost: it must not say an altitude any more.
+#[test]
+fn a_channel_whose_alignment_is_lost_is_silent() {
+    // The channel needs 20 s to align: what is captive comes twice.
+    const MORE: usize = 2_000;
+    let longer = flight().into_iter().take(MORE).chain(flight());
+    let inputs: Vec<TickInput> = longer
+        .enumerate()
+        .map(|(k, input)| TickInput { time_us: at(k), imu_slave_altitude_m: None, ..input })
+        .collect();
+    let strike = Strike { blow: Blow::Reset, time_us: at(MORE + LAUNCH + 700) };
+    let flown = must(fly_struck(&record(&inputs, SensorSource::Chips), &model(), &[strike]));
+    resumed(&flown);
+    let (before, after) = flown.ticks.split_at(flown.restarts[0].0);
+    let has_altitude = |tick: &&TickRecord| tick.input.imu_slave_altitude_m.is_some();
+    // Twenty a second.
+    assert!(before[MORE + LAUNCH + 200..].iter().filter(has_altitude).count() >= 45);
+    assert!(!after.iter().any(|tick| has_altitude(&tick)));
+    // This dive, which no accelerometer feels, has the channel found out before the restart; that stays.
+    assert!(after.iter().all(|tick| tick.output.sensors[1].trust == Trust::Untrustworthy));
+}
+
+#[test]
+fn a_reset_in_captive_flight_starts_the_calibration_again_and_says_so() {
+    let flown = struck(&[(Blow::Reset, 2_000)]);
+    let (ticks, report) = flown.restarts[0];
+    assert_eq!((report.start, report.snapshot_us), (Start::Captive, None));
+    assert_eq!(flown.ticks[ticks].output.phase, Phase::Settling);
+    let latch = same_on_the_host(&flown).unwrap();
+    assert_eq!(flown.latches.as_slice(), std::slice::from_ref(&latch));
+    // Ten seconds, less the restart and the settling.
+    assert!((latch.duration_s - (10.0 - 0.1 - 2.0)).abs() < 0.02, "{}", latch.duration_s);
+    assert!(flown.log.iter().any(|line| line.contains("the calibration starts again")));
+}
+
+#[test]
+fn at_any_tick_of_the_launch_and_of_free_flight_what_was_latched_is_what_is_there_after_it() {
+    for tick in [LAUNCH + 1, LAUNCH + 19, LAUNCH + 20, LAUNCH + 1_337, TICKS - 60] {
+        let (report, _) = resumed(&struck(&[(Blow::Reset, tick)]));
+        assert_eq!(report.mark.unwrap().time_us, at(tick));
+    }
+}
+
+/// The tick that latches, before the task has run that keeps the first snapshot; and the one before it. Neither passes for a
+/// calibration.
+#[test]
+fn a_reset_at_the_very_launch_latches_nothing_that_would_be_trusted() {
+    for (tick, start) in [(LAUNCH - 1, Start::Captive), (LAUNCH, Start::Lost)] {
+        let flown = struck(&[(Blow::Reset, tick)]);
+        let (ticks, report) = flown.restarts[0];
+        assert_eq!((report.start, report.refused), (start, [Some(Refusal::Empty); 2]), "{:?}", flown.log);
+        let latch = same_on_the_host(&flown).unwrap();
+        assert!(latch.failed_checks != 0);
+        assert!(trusts_nobody(&flown.ticks[ticks..]));
+    }
+}
+
+fn trusts_nobody(ticks: &[TickRecord]) -> bool {
+    let unmonitored =
+        |tick: &TickRecord| tick.output.sensors.iter().all(|sensor| sensor.trust == Trust::Unmonitored);
+    ticks.iter().all(unmonitored)
+}
+
+/// The mission's microseconds leave 32 bits 71.6 minutes after power-on; the board's own counter, of nanoseconds, wraps every 4.3 s
+/// of any flight.
+#[test]
+fn a_clock_that_leaves_32_bits_changes_no_bit_but_the_times_and_a_restart_bears_it() {
+    let wrap_at = |tick: usize| {
+        let shift_us = (1 << 32) - at(tick);
+        flight().into_iter().map(move |input| TickInput { time_us: input.time_us + shift_us, ..input })
+    };
+    let plain: Vec<Vec<u8>> = host_outputs(flight().into_iter());
+    for (wrap, blow) in [(2_000, None), (LAUNCH + 500, None), (LAUNCH + 701, Some(LAUNCH + 700))] {
+        let inputs: Vec<TickInput> = wrap_at(wrap).collect();
+        let shift_us = inputs[0].time_us - at(0);
+        let strikes = blow.map(|tick| Strike { blow: Blow::Reset, time_us: at(tick) + shift_us });
+        let flown = must(fly_struck(&record(&inputs, SensorSource::Ideal), &model(), strikes.as_slice()));
+        assert_eq!(flown.status, Some(ExitStatus::Finished), "{:?}", flown.log);
+        if blow.is_some() {
+            let (report, first) = resumed(&flown);
+            assert_eq!(report.resumed_us, at(LAUNCH + 700) + shift_us + OUTAGE_US);
+            assert!(report.mark.unwrap().time_us < 1 << 32 && first.output.time_us > 1 << 32);
+            continue;
+        }
+        same_on_the_host(&flown);
+        let back = |tick: &TickRecord| {
+            bits(&TickOutput { time_us: tick.output.time_us - shift_us, ..tick.output.clone() })
+        };
+        assert!(flown.ticks.iter().map(back).eq(plain.iter().cloned()), "{wrap}");
+    }
+}
+
+fn host_outputs(inputs: impl Iterator<Item = TickInput>) -> Vec<Vec<u8>> {
+    let mut host = mission(&model()).unwrap();
+    inputs.map(|input| bits(&host.tick(&input))).collect()
+}
+
+#[test]
+fn flags_raised_before_the_restart_are_there_after_it() {
+    // The barometer jumps and is sound again a tick before the blow: only what is kept knows of it.
+    let mut inputs = flight();
+    for input in &mut inputs[LAUNCH + 690..LAUNCH + 699] {
+        input.baro = input.baro.map(|_| BaroReading::AltitudeM(9_000.0));
+    }
+    let flown = struck_on(&inputs, &[(Blow::Reset, LAUNCH + 699)]);
+    let (report, first) = resumed(&flown);
+    assert_eq!(first.output.sensors[2].trust, Trust::Untrustworthy);
+    assert_eq!(
+        RaisedFlags::from_bits(report.mark.unwrap().flags).of(kf_core::sensor::Sensor::Baro),
+        Some(Trust::Untrustworthy)
+    );
+}
+
+#[test]
+fn a_panic_is_kept_with_its_place_and_the_flight_goes_on() {
+    let (report, _) = resumed(&struck(&[(Blow::Panic, LAUNCH + 700)]));
+    let crash = report.crash.unwrap();
+    assert_eq!((report.cause, crash.file()), (Cause::Panic, "re/src/strike.rs"));
+    assert!(crash.line > 0);
+}
+
+#[test]
+fn a_hard_fault_is_kept_with_the_programs_place_and_the_flight_goes_on() {
+    let flown = struck(&[(Blow::Fault, LAUNCH + 700)]);
+    let (report, _) = resumed(&flown);
+    let crash = report.crash.unwrap();
+    assert_eq!(report.cause, Cause::HardFault);
+    // Flash, and an undefined instruction (UFSR.UNDEFINSTR), escalated (HFSR.FORCED).
+    assert!((0x0800_0000..0x0810_0000).contains(&crash.pc), "{crash:x?}");
+    assert_eq!((crash.cfsr >> 16 & 1, crash.hfsr >> 30 & 1), (1, 1), "{crash:x?}");
+    assert!(flown.log.iter().any(|line| line.contains("after a hard fault")), "{:?}", flown.log);
+}
+
+#[test]
+fn a_stack_overflow_is_caught_at_the_stacks_end_and_the_flight_goes_on() {
+    let (report, _) = resumed(&struck(&[(Blow::StackOverflow, LAUNCH + 700)]));
+    assert_eq!(report.cause, Cause::StackOverflow, "{report:x?}");
+}
+
+#[test]
+fn a_tick_that_hangs_and_a_task_that_hangs_are_ended_by_the_watchdog() {
+    for (blow, late) in [(Blow::HangTick, Supervised::Tick), (Blow::HangReport, Supervised::Report)] {
+        let flown = struck(&[(blow, LAUNCH + 700)]);
+        let (ticks, report) = flown.restarts[0];
+        assert_eq!((report.start, report.cause), (Start::Resumed, Cause::Stuck), "{:?}", flown.log);
+        let crash = report.crash.unwrap();
+        assert!(Late::from_bits(crash.late).contains(late), "{crash:x?}");
+        assert!((0x0800_0000..0x0810_0000).contains(&crash.pc), "{crash:x?}");
+        let outage_us = flown.ticks[ticks].output.time_us - at(LAUNCH + 700);
+        if blow == Blow::HangTick {
+            resumed(&flown);
+            // Fed at the last tick but one, so that two ticks' time is missing of it.
+            let range = WATCHDOG_US - 2 * TICK_US + OUTAGE_US..=WATCHDOG_US + OUTAGE_US + TICK_US;
+            assert!(range.contains(&outage_us), "{outage_us}");
+        } else {
+            // The ticks went on until their results had no room.
+            assert!(!Late::from_bits(crash.late).contains(Supervised::Tick), "{crash:x?}");
+        }
+    }
+}
+
+#[test]
+fn one_flipped_bit_costs_the_newest_copy_and_the_one_before_it_is_used() {
+    let flown = struck(&[(Blow::FlipBit, LAUNCH + 700)]);
+    let (ticks, report) = flown.restarts[0];
+    assert_eq!(report.start, Start::Resumed);
+    assert_eq!(report.refused.iter().flatten().collect::<Vec<_>>(), [&Refusal::Corrupt]);
+    same_on_the_host(&flown);
+    let bridged_us = flown.ticks[ticks].output.bridged_us.unwrap();
+    assert!((OUTAGE_US + 100_000..=OUTAGE_US + 210_000).contains(&bridged_us), "{bridged_us}");
+    assert!(flown.log.iter().any(|line| line.contains("is corrupt")), "{:?}", flown.log);
+}
+
+#[test]
+fn garbage_another_models_copies_and_what_is_no_snapshot_are_refused_loudly() {
+    for (blow, refusal, word) in [
+        (Blow::Garbage, Refusal::Corrupt, "is corrupt"),
+        (Blow::OtherModel, Refusal::OtherModel, "is another model's"),
+        (Blow::NoSnapshot, Refusal::NotUnderstood, "is no snapshot of this image"),
+    ] {
+        let flown = struck(&[(blow, LAUNCH + 700)]);
+        let (ticks, report) = flown.restarts[0];
+        assert_eq!((report.start, report.snapshot_us), (Start::Lost, None), "{:?}", flown.log);
+        assert_eq!(report.refused, [Some(refusal); 2]);
+        assert!(flown.log.iter().any(|line| line.contains(word)), "{:?}", flown.log);
+        assert!(flown.log.iter().any(|line| line.contains("the latched calibration is lost")));
+        // The cold start is launched at once: a latch of nothing, which says so, and nothing is trusted.
+        same_on_the_host(&flown);
+        let first = &flown.ticks[ticks].output;
+        assert!(first.latched_now && first.failed_checks != 0);
+        assert!(trusts_nobody(&flown.ticks[ticks..]));
+    }
+}
+
+#[test]
+fn three_blows_apart_are_survived_and_four_at_once_end_the_mission() {
+    let flown =
+        struck(&[(Blow::Panic, LAUNCH + 400), (Blow::Fault, LAUNCH + 800), (Blow::Reset, LAUNCH + 1_200)]);
+    assert!(flown.restarts.iter().all(|(_, report)| report.start == Start::Resumed));
+    let latch = same_on_the_host(&flown);
+    assert_eq!(flown.latches, [latch.unwrap()]);
+
+    let looping = struck_on(
+        &flight(),
+        &[(Blow::Fault, 400), (Blow::Fault, 800), (Blow::Fault, 1_200), (Blow::Fault, 1_600)],
+    );
+    assert_eq!(looping.status, Some(ExitStatus::HardFault), "{:?}", looping.log);
+    assert_eq!(looping.restarts.last().unwrap().1.start, Start::Standby);
+    assert!(looping.summary.is_none());
+    assert!(looping.log.iter().any(|line| line.contains("there is no mission any more")));
+}

@@ -1,0 +1,131 @@
+//! Whether everything that must be alive is.
+
+use core::sync::atomic::{AtomicU32, Ordering};
+
+/// What must be alive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Supervised {
+    /// The mission's tick.
+    Tick = 0,
+    /// The task that brings input.
+    Feed = 1,
+    /// The task that writes results.
+    Report = 2,
+    /// The stack, with its end untouched.
+    Stack = 3,
+    /// The task that sends the telemetry.
+    Transmit = 4,
+}
+
+impl Supervised {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Tick, Self::Feed, Self::Report, Self::Stack, Self::Transmit];
+
+    /// The name used in logs.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Tick => "tick",
+            Self::Feed => "feed",
+            Self::Report => "report",
+            Self::Stack => "stack",
+            Self::Transmit => "transmit",
+        }
+    }
+
+    const fn bit(self) -> u32 {
+        1 << self as u8
+    }
+}
+
+const ALL: u32 = 0b1_1111;
+
+/// What has not been seen since the last feed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Late(u8);
+
+impl Late {
+    /// Those of a byte that [`Self::bits`] gave.
+    #[must_use]
+    pub const fn from_bits(bits: u8) -> Self {
+        Self(bits)
+    }
+
+    /// As a byte.
+    #[must_use]
+    pub const fn bits(self) -> u8 {
+        self.0
+    }
+
+    /// Whether something is among it.
+    #[must_use]
+    pub const fn contains(self, supervised: Supervised) -> bool {
+        self.0 as u32 & supervised.bit() != 0
+    }
+}
+
+/// Gathers signs of life. The watchdog may be fed only when every one of them has come since it last was:
+/// one task that goes on can then not hide another that does not.
+#[derive(Debug, Default)]
+pub struct Supervisor {
+    seen: AtomicU32,
+}
+
+impl Supervisor {
+    /// Nothing has been seen yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { seen: AtomicU32::new(0) }
+    }
+
+    /// A sign of life. From any priority.
+    #[inline]
+    pub fn is_alive(&self, supervised: Supervised) {
+        self.seen.fetch_or(supervised.bit(), Ordering::Relaxed);
+    }
+
+    /// Whether the watchdog may be fed: if so, everything has to be seen again before it next may.
+    #[inline]
+    pub fn may_feed(&self) -> bool {
+        let is_whole = self.seen.load(Ordering::Relaxed) & ALL == ALL;
+        if is_whole {
+            // A sign that comes between the two is lost, and comes again.
+            self.seen.store(0, Ordering::Relaxed);
+        }
+        is_whole
+    }
+
+    /// What has not been seen since the last feed.
+    #[must_use]
+    pub fn late(&self) -> Late {
+        Late((!self.seen.load(Ordering::Relaxed) & ALL) as u8)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn is_fed_only_when_all_have_been_seen_since() {
+        for missing in Supervised::ALL {
+            let supervisor = Supervisor::new();
+            for _ in 0..3 {
+                Supervised::ALL.into_iter().for_each(|one| supervisor.is_alive(one));
+                assert!(supervisor.may_feed());
+                assert!(!supervisor.may_feed(), "not twice for the same signs");
+            }
+            for _ in 0..100 {
+                for one in Supervised::ALL.into_iter().filter(|one| *one != missing) {
+                    supervisor.is_alive(one);
+                }
+                assert!(!supervisor.may_feed(), "{missing:?}");
+            }
+            let late = Late::from_bits(supervisor.late().bits());
+            assert!(Supervised::ALL.into_iter().all(|one| late.contains(one) == (one == missing)));
+            supervisor.is_alive(missing);
+            assert!(supervisor.may_feed());
+        }
+    }
+}
