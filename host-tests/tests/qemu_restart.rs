@@ -172,6 +172,8 @@ fn a_channel_whose_alignment_is_lost_is_silent() {
     // Twenty a second.
     assert!(before[MORE + LAUNCH + 200..].iter().filter(has_altitude).count() >= 45);
     assert!(!after.iter().any(|tick| has_altitude(&tick)));
+    // A detector that began anew would wait for an edge that has been.
+    assert!(after.iter().all(|tick| tick.input.launch));
     // This dive, which no accelerometer feels, has the channel found out before the restart; that stays.
     assert!(after.iter().all(|tick| tick.output.sensors[1].trust == Trust::Untrustworthy));
 }
