@@ -105,6 +105,9 @@ mod app {
             flown_model::NAME,
             flown_model::FINGERPRINT
         );
+        if !stack::is_guarded() {
+            board::exit(ExitStatus::Configuration);
+        }
         board::open_retained(&cx.device);
         // SAFETY: here alone, and opened.
         let (mut retained, words) = unsafe { retained::claim() };

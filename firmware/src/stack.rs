@@ -10,6 +10,8 @@ unsafe extern "C" {
     static _stack_start: u32;
     /// Where it must end: the first word that is no static variable.
     static _stack_end: u32;
+    /// Where the static variables start.
+    static __sdata: u32;
 }
 
 /// Use of the stack since reset.
@@ -49,6 +51,11 @@ pub fn end() -> usize {
 /// What there is, bytes.
 pub fn size() -> usize {
     &raw const _stack_start as usize - end()
+}
+
+/// Whether an overflow meets no variable: the stack lies below all of them.
+pub fn is_guarded() -> bool {
+    end() + size() <= &raw const __sdata as usize
 }
 
 /// Whether so many bytes from an address on lie in the stack.
