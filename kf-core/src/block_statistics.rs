@@ -44,6 +44,55 @@ impl Block {
     }
 }
 
+/// The means of some blocks against their numbers: means, sums of squared and multiplied deviations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Line {
+    count: u32,
+    /// Numbers of the first and of the last block.
+    first: f32,
+    last: f32,
+    number: f32,
+    mean: f32,
+    numbers_squared: f32,
+    product: f32,
+    means_squared: f32,
+}
+
+impl Line {
+    const EMPTY: Self = Self {
+        count: 0,
+        first: 0.0,
+        last: 0.0,
+        number: 0.0,
+        mean: 0.0,
+        numbers_squared: 0.0,
+        product: 0.0,
+        means_squared: 0.0,
+    };
+
+    /// With one block more, if there is anything in it (Welford's update, in two dimensions).
+    fn with(self, number: usize, block: Block) -> Self {
+        if block.count == 0 {
+            return self;
+        }
+        let last = number as f32;
+        let count = self.count.saturating_add(1);
+        let share = 1.0 / count as f32;
+        let [along, apart] = [last - self.number, block.mean - self.mean];
+        let [number, mean] = [self.number + along * share, self.mean + apart * share];
+        Self {
+            count,
+            first: if self.count == 0 { last } else { self.first },
+            last,
+            number,
+            mean,
+            numbers_squared: self.numbers_squared + along * (last - number),
+            product: self.product + along * (block.mean - mean),
+            means_squared: self.means_squared + apart * (block.mean - mean),
+        }
+    }
+}
+
 /// Mean and spread of all samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Summary {
@@ -78,24 +127,29 @@ pub struct BlockStatistics {
     /// Number of the block that is being filled, and where it ends.
     open: usize,
     open_ends_us: u64,
-}
-
-impl Default for BlockStatistics {
-    fn default() -> Self {
-        Self::EMPTY
-    }
+    /// Of the blocks before that one: their samples together, and their means. Kept, so that the tick that latches
+    /// does not go through all blocks of all series.
+    closed: Block,
+    closed_means: Line,
 }
 
 impl BlockStatistics {
-    /// Of nothing yet. A constant, so that it is written where it stays: these blocks are most of what a
-    /// mission keeps, and copies of them on the way were most of the stack.
-    pub const EMPTY: Self = Self {
-        blocks: [Block { count: 0, mean: 0.0, squares: 0.0 }; BLOCKS],
-        start_us: None,
-        block_us: FIRST_BLOCK_US,
-        open: 0,
-        open_ends_us: 0,
-    };
+    /// Of nothing yet, with blocks of a second and `place` hundredths: series that begin in the same tick and differ in
+    /// `place` (0 to 9) run out of blocks, which costs, in different ones.
+    ///
+    /// To be called in a constant, so that it is written where it stays: these blocks are most of what a mission
+    /// keeps, and copies of them on the way were most of the stack.
+    pub const fn staggered(place: u8) -> Self {
+        Self {
+            blocks: [Block { count: 0, mean: 0.0, squares: 0.0 }; BLOCKS],
+            start_us: None,
+            block_us: FIRST_BLOCK_US + FIRST_BLOCK_US / 100 * place as u64,
+            open: 0,
+            open_ends_us: 0,
+            closed: Block { count: 0, mean: 0.0, squares: 0.0 },
+            closed_means: Line::EMPTY,
+        }
+    }
 
     /// Adds a finite sample; times increase.
     #[inline]
@@ -108,76 +162,107 @@ impl BlockStatistics {
         }
     }
 
-    /// Finds the block of `time_us`, halving the resolution until there is one.
+    /// Moves on to the block of `time_us`; blocks double in length where they run out.
     #[inline(never)]
     fn open_block(&mut self, time_us: u64) {
         let start_us = *self.start_us.get_or_insert(time_us);
-        let age_us = time_us.saturating_sub(start_us);
-        // `block_us` doubles from 1 s and ends the loop before it can overflow: 32 blocks of 2^58 us
-        // hold every u64.
-        while age_us / self.block_us.max(1) >= BLOCKS as u64 {
-            for k in 0..BLOCKS {
-                let pair = |offset| self.blocks.get(2 * k + offset).copied().unwrap_or_default();
-                let merged = pair(0).merged(pair(1));
-                if let Some(block) = self.blocks.get_mut(k) {
-                    *block = merged;
-                }
-            }
-            self.block_us = self.block_us.saturating_mul(2);
+        if self.open_ends_us == 0 {
+            self.open_ends_us = start_us.saturating_add(self.block_us);
         }
-        self.open = usize::try_from(age_us / self.block_us.max(1)).unwrap_or(0);
-        let ends = (self.open as u64 + 1).saturating_mul(self.block_us);
-        self.open_ends_us = start_us.saturating_add(ends);
+        // Ends: a step moves the end on by a block, and sixteen double the block. 2^64 us are 49 doublings of a second.
+        while time_us >= self.open_ends_us && self.open_ends_us < u64::MAX {
+            self.close(self.open);
+            self.open += 1;
+            if self.open == BLOCKS {
+                self.double();
+            }
+            self.open_ends_us = self.open_ends_us.saturating_add(self.block_us);
+        }
+    }
+
+    /// Makes one block of every two.
+    fn double(&mut self) {
+        self.closed_means = Line::EMPTY;
+        for number in 0..BLOCKS / 2 {
+            let merged = self.block(2 * number).merged(self.block(2 * number + 1));
+            if let Some(block) = self.blocks.get_mut(number) {
+                *block = merged;
+            }
+            self.closed_means = self.closed_means.with(number, merged);
+        }
+        if let Some(upper) = self.blocks.get_mut(BLOCKS / 2..) {
+            upper.fill(Block::default());
+        }
+        self.open = BLOCKS / 2;
+        self.block_us = self.block_us.saturating_mul(2);
+    }
+
+    fn block(&self, number: usize) -> Block {
+        self.blocks.get(number).copied().unwrap_or_default()
+    }
+
+    fn close(&mut self, number: usize) {
+        let block = self.block(number);
+        self.closed = self.closed.merged(block);
+        self.closed_means = self.closed_means.with(number, block);
+    }
+
+    /// The means of all blocks.
+    fn means(&self) -> Line {
+        self.closed_means.with(self.open, self.block(self.open))
     }
 
     /// Mean and spread; `None` without two samples.
     #[must_use]
     pub fn summary(&self) -> Option<Summary> {
-        let all = self.blocks.iter().fold(Block::default(), |sum, block| sum.merged(*block));
+        let all = self.closed.merged(self.block(self.open));
         if all.count < 2 {
             return None;
         }
-        let mut means = Block::default();
-        for block in self.blocks.iter().filter(|block| block.count > 0) {
-            means.add(block.mean);
-        }
+        let means = self.means();
         let (block_variance, mean_variance) = if means.count < 2 {
             (0.0, 0.0)
         } else {
-            let variance = means.squares / (means.count - 1) as f32;
+            let variance = means.means_squared / (means.count - 1) as f32;
             (variance, variance / means.count as f32)
         };
         let variance = all.squares / (all.count - 1) as f32;
         Some(Summary { count: all.count, mean: all.mean, variance, mean_variance, block_variance })
     }
 
-    /// Least-squares line through the means of blocks `from..to` of the filled span, given in 32nds
-    /// of it (0..32 is everything); `None` with fewer than five blocks.
+    /// Least-squares line through the means of the blocks; `None` with fewer than five of them.
     #[must_use]
-    pub fn trend(&self, from: usize, to: usize) -> Option<Trend> {
-        let filled = self.open + 1;
-        let range = (filled * from / BLOCKS)..(filled * to / BLOCKS);
-        let points = || {
-            let blocks = self.blocks.get(range.clone()).unwrap_or(&[]);
-            blocks.iter().enumerate().filter(|(_, b)| b.count > 0).map(|(k, b)| (k as f32, b.mean))
-        };
-        let count = points().count();
-        if count < FEWEST_FOR_TREND {
+    pub fn trend(&self) -> Option<Trend> {
+        self.trend_from(0, self.means())
+    }
+
+    /// The same of the later half of the blocks.
+    #[must_use]
+    pub fn later_trend(&self) -> Option<Trend> {
+        let from = usize::midpoint(self.open, 1);
+        let line = (from..=self.open).fold(Line::EMPTY, |line, number| line.with(number, self.block(number)));
+        self.trend_from(from, line)
+    }
+
+    /// Of the blocks from `from` on, whose means are `line`.
+    fn trend_from(&self, from: usize, line: Line) -> Option<Trend> {
+        if (line.count as usize) < FEWEST_FOR_TREND {
             return None;
         }
-        let n = count as f32;
-        let mean_x = points().map(|(x, _)| x).sum::<f32>() / n;
-        let mean_y = points().map(|(_, y)| y).sum::<f32>() / n;
-        let xx = points().map(|(x, _)| (x - mean_x) * (x - mean_x)).sum::<f32>();
-        let xy = points().map(|(x, y)| (x - mean_x) * (y - mean_y)).sum::<f32>();
-        let slope = xy / xx;
-        let residual = |(x, y): (f32, f32)| {
-            let r = y - mean_y - slope * (x - mean_x);
-            r * r
-        };
-        let scatter = points().map(residual).sum::<f32>() / (n - 2.0);
-        let span = points().next_back().map_or(0.0, |(x, _)| x) - points().next().map_or(0.0, |(x, _)| x);
-        Some(Trend { drift: slope * span, drift_variance: span * span * scatter / xx })
+        let slope = line.product / line.numbers_squared;
+        // From the residuals themselves: squares less what the line explains would cancel.
+        let mut squares = 0.0;
+        let mut along = from as f32 - line.number;
+        for block in self.blocks.get(from..=self.open).unwrap_or(&[]) {
+            if block.count > 0 {
+                let residual = block.mean - line.mean - slope * along;
+                squares += residual * residual;
+            }
+            along += 1.0;
+        }
+        let scatter = squares / (line.count as f32 - 2.0);
+        let span = line.last - line.first;
+        Some(Trend { drift: slope * span, drift_variance: span * span * scatter / line.numbers_squared })
     }
 }
 
@@ -187,7 +272,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn filled(samples: impl Iterator<Item = f32>, period_us: u64) -> BlockStatistics {
-        let mut statistics = BlockStatistics::default();
+        let mut statistics = BlockStatistics::staggered(0);
         for (k, x) in samples.enumerate() {
             statistics.add(1_000 + k as u64 * period_us, x);
         }
@@ -198,17 +283,17 @@ mod tests {
     fn too_little_says_so() {
         assert_eq!(filled([].into_iter(), 1).summary(), None);
         assert_eq!(filled([1.0].into_iter(), 1).summary(), None);
-        assert_eq!(filled((0..4).map(|k| k as f32), 1_000_000).trend(0, 32), None);
+        assert_eq!(filled((0..4).map(|k| k as f32), 1_000_000).trend(), None);
     }
 
     #[test]
     fn a_ramp_drifts_by_its_height_and_noise_does_not() {
         // 100 s at 20 Hz: 4 s blocks, 25 of them; the line spans their centres, 96 s.
-        let trend = filled((0..2_000).map(|k| k as f32 * 0.01), 50_000).trend(0, 32).unwrap();
+        let trend = filled((0..2_000).map(|k| k as f32 * 0.01), 50_000).trend().unwrap();
         assert!((trend.drift - 19.2).abs() < 1e-3, "{trend:?}");
         assert!(trend.drift_variance < 1e-6);
         let alternating = filled((0..2_000).map(|k| if k % 2 == 0 { 1.0 } else { -1.0 }), 50_000);
-        let trend = alternating.trend(0, 32).unwrap();
+        let trend = alternating.trend().unwrap();
         assert!(trend.drift.abs() <= 3.0 * trend.drift_variance.sqrt() + 1e-6, "{trend:?}");
     }
 
@@ -238,6 +323,41 @@ mod tests {
             prop_assert_eq!(summary.count as usize, samples.len());
             prop_assert!((f64::from(summary.mean) - mean).abs() < 1e-2);
             prop_assert!((f64::from(summary.variance).sqrt() - (squares / (n - 1.0)).sqrt()).abs() < 1e-1);
+        }
+
+        /// What is kept of the closed blocks, against all blocks in f64: a block forgotten or counted twice when
+        /// they double in length would show.
+        #[test]
+        fn what_is_kept_is_what_the_blocks_say(
+            samples in prop::collection::vec(-1e3_f32..1e3, 1..500),
+            period_us in 1_000_u64..10_000_000,
+        ) {
+            let statistics = filled(samples.into_iter(), period_us);
+            for (from, trend) in [(0, statistics.trend()), (statistics.open.div_ceil(2), statistics.later_trend())] {
+                let points: Vec<(f64, f64)> = (from..=statistics.open)
+                    .filter(|number| statistics.blocks[*number].count > 0)
+                    .map(|number| (number as f64, f64::from(statistics.blocks[number].mean)))
+                    .collect();
+                let n = points.len() as f64;
+                let mean = points.iter().map(|(_, y)| y).sum::<f64>() / n;
+                let number = points.iter().map(|(x, _)| x).sum::<f64>() / n;
+                let xx = points.iter().map(|(x, _)| (x - number).powi(2)).sum::<f64>();
+                let slope = points.iter().map(|(x, y)| (x - number) * (y - mean)).sum::<f64>() / xx;
+                let yy = points.iter().map(|(_, y)| (y - mean).powi(2)).sum::<f64>();
+                if let (0, Some(summary)) = (from, statistics.summary().filter(|_| n > 1.0)) {
+                    let variance = yy / (n - 1.0);
+                    prop_assert!((f64::from(summary.block_variance) - variance).abs() <= 1e-4 * variance + 1e-6);
+                }
+                prop_assert_eq!(trend.is_some(), points.len() >= FEWEST_FOR_TREND);
+                let Some(trend) = trend else { continue };
+                let span = points[points.len() - 1].0 - points[0].0;
+                let squares = points.iter().map(|(x, y)| (y - mean - slope * (x - number)).powi(2)).sum::<f64>();
+                let variance = span * span * squares / (n - 2.0) / xx;
+                // Beside a scatter `s`, f32 keeps the slope to some 1e-6 s.
+                let scale = span * (yy / xx).sqrt();
+                prop_assert!((f64::from(trend.drift) - slope * span).abs() <= 1e-4 * scale + 1e-6, "{trend:?}");
+                prop_assert!((f64::from(trend.drift_variance) - variance).abs() <= 1e-3 * variance + 1e-6 * scale * scale);
+            }
         }
     }
 }

@@ -123,10 +123,14 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
             start_us: None,
             propagated_us: 0,
             last_reading_us: [None; SENSORS],
-            residuals: [BlockStatistics::EMPTY; SENSORS],
-            altitude: BlockStatistics::EMPTY,
-            airspeed_squared: BlockStatistics::EMPTY,
-            reference_drift: BlockStatistics::EMPTY,
+            residuals: [
+                const { BlockStatistics::staggered(0) },
+                const { BlockStatistics::staggered(1) },
+                const { BlockStatistics::staggered(2) },
+            ],
+            altitude: const { BlockStatistics::staggered(3) },
+            airspeed_squared: const { BlockStatistics::staggered(4) },
+            reference_drift: const { BlockStatistics::staggered(5) },
             innovations: 0,
             implausible: 0,
             reference_was_lost: false,
@@ -400,7 +404,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         );
 
         let trends: [Option<Trend>; SENSORS] =
-            core::array::from_fn(|i| self.residuals.get(i).and_then(|residuals| residuals.trend(0, 32)));
+            core::array::from_fn(|i| self.residuals.get(i).and_then(BlockStatistics::trend));
         // A sensor is not blamed for a drift that the reference's own wander makes of itself.
         let wander_m2 = square(config.reference.sigma_m)
             * drift_variance_factor(duration_s, config.reference.correlation_time_s);
@@ -416,7 +420,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
 
         let drifts_alone = self
             .reference_drift
-            .trend(16, 32)
+            .later_trend()
             .is_some_and(|trend| is_significant(&trend) && trend.drift.abs() > limits.reference_drift_m);
         let reported = tracker.last_fix().is_none_or(|fix| {
             fix.vertical_accuracy_m.is_none_or(|sigma_m| sigma_m <= limits.vertical_accuracy_m)

@@ -15,22 +15,29 @@ const PAIR_US: u64 = 20_000;
 /// The cross-check of one flight.
 #[derive(Clone, Debug)]
 pub(crate) struct CrossCheck {
-    /// `None`: one of the two has no bound.
-    monitor: Option<Monitor>,
+    monitor: Monitor,
+    /// Both sensors have a bound.
+    is_bounded: bool,
     /// Calibrated altitudes of the inertial sensor and of the barometer, and when they were read.
     last: [Option<(u64, f32)>; 2],
 }
 
 impl CrossCheck {
+    /// Of no flight yet; it must [`Self::begin`].
+    pub(crate) fn new(window_us: u64) -> Self {
+        Self { monitor: Monitor::new(0.0, window_us), is_bounded: false, last: [None; 2] }
+    }
+
     /// The variances of two independent sensors add; what their residuals share, the reference's own
     /// error, is in both bounds and not in the difference, which errs towards silence.
-    pub(crate) fn new(latch: &LatchRecord, window_us: u64) -> Self {
+    pub(crate) fn begin(&mut self, latch: &LatchRecord) {
         let bound_m2 =
             |sensor: Sensor| latch.sensors.get(sensor.index()).map_or(0.0, |latched| latched.bound_m2);
         let (slave_m2, baro_m2) = (bound_m2(Sensor::ImuSlave), bound_m2(Sensor::Baro));
         let sum_m2 = slave_m2 + baro_m2;
-        let is_bounded = slave_m2 > 0.0 && baro_m2 > 0.0 && sum_m2.is_finite();
-        Self { monitor: is_bounded.then(|| Monitor::new(sum_m2, window_us)), last: [None; 2] }
+        self.is_bounded = slave_m2 > 0.0 && baro_m2 > 0.0 && sum_m2.is_finite();
+        self.monitor.restart(sum_m2);
+        self.last = [None; 2];
     }
 
     /// Takes the calibrated altitude of one sensor, metres, at a tick without a reference. Returns what
@@ -44,7 +51,9 @@ impl CrossCheck {
         };
         *own = Some((time_us, altitude_m));
         let (other_us, other_m) = (*other)?;
-        let monitor = self.monitor.as_mut()?;
+        if !self.is_bounded {
+            return None;
+        }
         if time_us.saturating_sub(other_us) > PAIR_US {
             return None;
         }
@@ -57,19 +66,19 @@ impl CrossCheck {
         }
         // The pair has been used.
         *other = None;
-        let moving_average_m = monitor.update(time_us, difference_m);
-        Some(CrossCheckOutput { difference_m, moving_average_m, agreement: agreement(monitor.trust()) })
+        let moving_average_m = self.monitor.update(time_us, difference_m);
+        Some(CrossCheckOutput { difference_m, moving_average_m, agreement: agreement(self.monitor.trust()) })
     }
 
     /// What the two have come to so far.
     pub(crate) fn trust(&self) -> Trust {
-        self.monitor.as_ref().map_or(Trust::Unmonitored, Monitor::trust)
+        if self.is_bounded { self.monitor.trust() } else { Trust::Unmonitored }
     }
 
     /// Raises a flag that is known from elsewhere.
     pub(crate) fn raise(&mut self, trust: Trust) {
-        if let Some(monitor) = &mut self.monitor {
-            monitor.raise(trust);
+        if self.is_bounded {
+            self.monitor.raise(trust);
         }
     }
 }
@@ -97,7 +106,9 @@ mod tests {
             state: heapless::Vec::new(),
             covariance: heapless::Vec::new(),
         };
-        CrossCheck::new(&latch, 2_000_000)
+        let mut check = CrossCheck::new(2_000_000);
+        check.begin(&latch);
+        check
     }
 
     #[test]

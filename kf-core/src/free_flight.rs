@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::config::{MissionConfig, SecondCorrection};
-use crate::latch::LatchRecord;
+use crate::latch::{LatchRecord, SensorLatch};
 use crate::monitor::Monitor;
 use crate::moving_average::MovingAverage;
 use crate::output::Trust;
@@ -30,22 +30,27 @@ enum Correction {
 }
 
 impl Correction {
-    fn new(
-        kind: &SecondCorrection,
-        variance_m2: f32,
-        bias_variance_m2: f32,
-        window_us: u64,
-        time_us: u64,
-    ) -> Self {
-        match *kind {
-            SecondCorrection::Off => Self::Off,
+    /// Before launch.
+    fn new(kind: &SecondCorrection, window_us: u64) -> Self {
+        match kind {
+            SecondCorrection::Off | SecondCorrection::Kalman { .. } => Self::Off,
             SecondCorrection::MovingAverage => {
                 Self::MovingAverage { average: MovingAverage::new(window_us), value_m: 0.0 }
             }
-            SecondCorrection::Kalman { wander_m_per_sqrt_s } => {
-                let noise = NoiseVariance::new(variance_m2);
-                let filter = UdFilter::new([], [], [0.0], [bias_variance_m2]);
-                match (noise, filter) {
+        }
+    }
+
+    /// At launch.
+    fn begin(&mut self, kind: &SecondCorrection, latched: &SensorLatch, time_us: u64) {
+        match (self, kind) {
+            (Self::MovingAverage { average, value_m }, _) => {
+                average.restart();
+                *value_m = 0.0;
+            }
+            (correction, &SecondCorrection::Kalman { wander_m_per_sqrt_s }) => {
+                let noise = NoiseVariance::new(latched.residual_variance_m2);
+                let filter = UdFilter::new([], [], [0.0], [latched.bias_variance_m2]);
+                *correction = match (noise, filter) {
                     (Ok(noise), Ok(filter)) => Self::Kalman {
                         filter,
                         noise,
@@ -54,8 +59,9 @@ impl Correction {
                     },
                     // A sensor whose residual has no spread has nothing to be corrected by.
                     _ => Self::Off,
-                }
+                };
             }
+            _ => {}
         }
     }
 
@@ -142,6 +148,8 @@ impl Correction {
 /// One sensor's watch.
 #[derive(Clone, Debug)]
 struct Watch {
+    /// There is something to watch it by.
+    is_on: bool,
     monitor: Monitor,
     correction: Correction,
     last_us: u64,
@@ -172,40 +180,48 @@ const fn position(sensor: Sensor) -> Option<usize> {
     }
 }
 
-/// The watch over every sensor that flies free.
+/// The watch over every sensor that flies free. It is there from the first tick on, so that at launch nothing of its size
+/// has to be made and moved.
 #[derive(Clone, Debug)]
 pub(crate) struct FreeFlight {
-    /// Of [`WATCHED`]; `None`: nothing to watch this sensor by.
-    watches: [Option<Watch>; WATCHED.len()],
+    /// Of [`WATCHED`].
+    watches: [Watch; WATCHED.len()],
     silent_after_us: u64,
 }
 
 impl FreeFlight {
-    pub(crate) fn new<const E: usize>(config: &MissionConfig<E>, latch: &LatchRecord) -> Self {
+    /// Of no flight yet; it must [`Self::begin`].
+    pub(crate) fn new<const E: usize>(config: &MissionConfig<E>) -> Self {
         let window_us = microseconds(config.monitor.window_s);
-        let watch = |sensor: Sensor| {
-            let latched = latch.sensors.get(sensor.index())?;
-            let is_watched = latched.bound_m2 > 0.0 && latched.bound_m2.is_finite();
-            is_watched.then(|| Watch {
-                monitor: Monitor::new(latched.bound_m2, window_us),
-                correction: Correction::new(
-                    &config.second_correction,
-                    latched.residual_variance_m2,
-                    latched.bias_variance_m2,
-                    window_us,
-                    latch.time_us,
-                ),
-                last_us: latch.time_us,
-                stopped: false,
-            })
+        let watch = |_| Watch {
+            is_on: false,
+            monitor: Monitor::new(0.0, window_us),
+            correction: Correction::new(&config.second_correction, window_us),
+            last_us: 0,
+            stopped: false,
         };
         Self { watches: WATCHED.map(watch), silent_after_us: microseconds(config.reference.lost_after_s) }
     }
 
+    /// Launch, or a suspicion of it.
+    pub(crate) fn begin<const E: usize>(&mut self, config: &MissionConfig<E>, latch: &LatchRecord) {
+        for (watch, sensor) in self.watches.iter_mut().zip(WATCHED) {
+            let latched = latch.sensors.get(sensor.index());
+            let latched = latched.filter(|latched| latched.bound_m2 > 0.0 && latched.bound_m2.is_finite());
+            watch.is_on = latched.is_some();
+            watch.last_us = latch.time_us;
+            watch.stopped = false;
+            if let Some(latched) = latched {
+                watch.monitor.restart(latched.bound_m2);
+                watch.correction.begin(&config.second_correction, latched, latch.time_us);
+            }
+        }
+    }
+
     /// What goes into a snapshot.
     pub(crate) fn kept(&self) -> KeptFreeFlight {
-        let kept = |watch: &Option<Watch>| {
-            watch.as_ref().map(|watch| KeptWatch {
+        let kept = |watch: &Watch| {
+            watch.is_on.then(|| KeptWatch {
                 monitor: watch.monitor.clone(),
                 correction: watch.correction.kept(),
                 last_us: watch.last_us,
@@ -218,15 +234,15 @@ impl FreeFlight {
 
     /// Goes on from a snapshot; false where that is not of this configuration and latch.
     pub(crate) fn restore(&mut self, kept: &KeptFreeFlight) -> bool {
-        self.watches.iter_mut().zip(kept).all(|(watch, kept)| match (watch, kept) {
-            (None, None) => true,
-            (Some(watch), Some(kept)) if watch.monitor.bound_m2() == kept.monitor.bound_m2() => {
+        self.watches.iter_mut().zip(kept).all(|(watch, kept)| match kept {
+            None => !watch.is_on,
+            Some(kept) if watch.is_on && watch.monitor.bound_m2() == kept.monitor.bound_m2() => {
                 watch.monitor.clone_from(&kept.monitor);
                 watch.last_us = kept.last_us;
                 watch.stopped = kept.stopped;
                 watch.correction.restore(&kept.correction)
             }
-            _ => false,
+            Some(_) => false,
         })
     }
 
@@ -246,19 +262,25 @@ impl FreeFlight {
 
     /// The flag that is raised for a sensor, if one is.
     pub(crate) fn flag(&self, sensor: Sensor) -> Option<Trust> {
-        let watch = position(sensor).and_then(|position| self.watches.get(position)?.as_ref())?;
+        let watch = self.watch(sensor)?;
         Some(watch.monitor.trust()).filter(|trust| *trust != Trust::Trusted)
     }
 
+    #[inline]
+    fn watch(&self, sensor: Sensor) -> Option<&Watch> {
+        self.watches.get(position(sensor)?).filter(|watch| watch.is_on)
+    }
+
+    #[inline]
     fn watch_mut(&mut self, sensor: Sensor) -> Option<&mut Watch> {
-        self.watches.get_mut(position(sensor)?)?.as_mut()
+        self.watches.get_mut(position(sensor)?).filter(|watch| watch.is_on)
     }
 
     /// Takes the error of eq. 16 of one sensor, metres; `None` if the sensor is not watched or the
     /// error overflows.
     #[inline]
     pub(crate) fn take(&mut self, sensor: Sensor, time_us: u64, error_m: f32) -> Option<WatchedError> {
-        let watch = self.watches.get_mut(position(sensor)?)?.as_mut().filter(|watch| !watch.stopped)?;
+        let watch = self.watch_mut(sensor).filter(|watch| !watch.stopped)?;
         let corrected_m = error_m - watch.correction.value_m();
         if !corrected_m.is_finite() {
             return None;
@@ -273,8 +295,7 @@ impl FreeFlight {
     /// or one that has gone silent, is not known.
     #[inline]
     pub(crate) fn trust(&self, sensor: Sensor, time_us: u64, has_reference: bool) -> Trust {
-        let watch = position(sensor).and_then(|position| self.watches.get(position)?.as_ref());
-        let Some(watch) = watch else { return Trust::Unmonitored };
+        let Some(watch) = self.watch(sensor) else { return Trust::Unmonitored };
         let is_silent = time_us.saturating_sub(watch.last_us) > self.silent_after_us;
         match watch.monitor.trust() {
             Trust::Trusted if !has_reference || is_silent || watch.stopped => Trust::Unmonitored,

@@ -94,11 +94,11 @@ pub struct Mission<const HEAD: usize, const TAIL: usize, const E: usize> {
     stuck: [StuckDetector; SENSORS],
     last_accepted_us: [Option<u64>; SENSORS],
     calibration: Calibration<HEAD, TAIL, E>,
-    /// From the first edge on, as is `free_flight`: a suspected launch is flown as one, in secret, so that nothing
+    /// From the first edge on, as `free_flight` and `cross_check` are begun: a suspected launch is flown as one, in secret, so that nothing
     /// depends on how long it takes to confirm it.
     latch: Option<LatchRecord>,
-    free_flight: Option<FreeFlight>,
-    cross_check: Option<CrossCheck>,
+    free_flight: FreeFlight,
+    cross_check: CrossCheck,
     /// Made by [`Self::resume`], and no tick since.
     is_resumed: bool,
     /// The launch is no suspicion.
@@ -131,8 +131,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             last_accepted_us: [None; SENSORS],
             calibration: Calibration::new(config)?,
             latch: None,
-            free_flight: None,
-            cross_check: None,
+            free_flight: FreeFlight::new(config),
+            cross_check: CrossCheck::new(microseconds(config.monitor.window_s)),
             is_resumed: false,
             is_launched: false,
             has_reacquired: false,
@@ -260,8 +260,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
                     }
                 }
             }
-            if let (Some(free_flight), true) = (&self.free_flight, self.is_launched) {
-                out.trust = free_flight.trust(sensor, time_us, reference_m.is_some());
+            if self.is_launched {
+                out.trust = self.free_flight.trust(sensor, time_us, reference_m.is_some());
             }
         }
         output
@@ -281,8 +281,6 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         if !launch && input.launch_doubt != LaunchDoubt::Suspected {
             if self.is_held() {
                 self.latch = None;
-                self.free_flight = None;
-                self.cross_check = None;
                 self.signals.resume_captive();
                 self.counters.launch_suspicions = self.counters.launch_suspicions.saturating_add(1);
             }
@@ -330,8 +328,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             !faults,
             delivering && !silent,
         );
-        self.free_flight = Some(FreeFlight::new(&self.config, &latch));
-        self.cross_check = Some(CrossCheck::new(&latch, microseconds(self.config.monitor.window_s)));
+        self.free_flight.begin(&self.config, &latch);
+        self.cross_check.begin(&latch);
         self.latch = Some(latch);
         self.signals.begin_free_flight(time_us);
     }
@@ -373,10 +371,10 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
 
     /// Eq. 16 for one sensor: `residual_m` is the reading less effects and reference.
     fn watch(&mut self, sensor: Sensor, time_us: u64, residual_m: f32, output: &mut SensorOutput) {
-        match (&mut self.free_flight, &self.latch) {
-            (Some(free_flight), Some(latch)) => {
+        match &self.latch {
+            Some(latch) => {
                 let error_m = residual_m - latch.sensors[sensor.index()].bias_m;
-                match free_flight.take(sensor, time_us, error_m) {
+                match self.free_flight.take(sensor, time_us, error_m) {
                     Some(watched) if self.is_launched => {
                         output.error_m = Some(watched.error_m);
                         output.moving_average_m = Some(watched.moving_average_m);
@@ -384,7 +382,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
                     _ => output.error_m = error_m.is_finite().then_some(error_m),
                 }
             }
-            _ => {
+            None => {
                 let error_m = residual_m - output.bias_m;
                 output.error_m = error_m.is_finite().then_some(error_m);
                 if self.phase == Phase::Calibrating && residual_m.is_finite() {
@@ -403,7 +401,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         altitude_m: f32,
     ) -> Option<CrossCheckOutput> {
         let bias_m = self.latch.as_ref()?.sensors.get(sensor.index())?.bias_m;
-        self.cross_check.as_mut()?.take(sensor, time_us, altitude_m - bias_m)
+        self.cross_check.take(sensor, time_us, altitude_m - bias_m)
     }
 
     /// The coefficients: as latched, or as they stand.
@@ -430,11 +428,11 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             signed_nis: None,
             error_m: None,
             moving_average_m: None,
-            trust: self
-                .free_flight
-                .as_ref()
-                .filter(|_| self.is_launched)
-                .map_or(Trust::Calibrating, |watch| watch.trust(sensor, time_us, has_reference)),
+            trust: if self.is_launched {
+                self.free_flight.trust(sensor, time_us, has_reference)
+            } else {
+                Trust::Calibrating
+            },
             rejection: None,
         };
         // One by one: `map` on the array moves every one of them through memory twice.

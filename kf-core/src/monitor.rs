@@ -22,6 +22,13 @@ impl Monitor {
         Self { bound_m2, average: MovingAverage::new(window_us), trust: Trust::Trusted }
     }
 
+    /// Begins anew with another bound, where it is.
+    pub fn restart(&mut self, bound_m2: f32) {
+        self.bound_m2 = bound_m2;
+        self.average.restart();
+        self.trust = Trust::Trusted;
+    }
+
     /// Takes the error of eq. 16 (finite, metres) and returns its moving average, metres.
     ///
     /// `doubtful` once `|error|` exceeds the bound; `untrustworthy` once, after that, `|average|` does.

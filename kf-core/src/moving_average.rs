@@ -77,6 +77,16 @@ impl MovingAverage {
         }
     }
 
+    /// Forgets every sample, where it is.
+    pub fn restart(&mut self) {
+        self.open = Bin::default();
+        self.closed = Bin::default();
+        self.open_ends_us = 0;
+        self.fresh = Bin::default();
+        self.ring.fill(Bin::default());
+        self.next = 0;
+    }
+
     /// Adds a sample (finite, times increasing) and returns the mean of the window.
     #[inline(always)]
     pub fn add(&mut self, time_us: u64, sample: f32) -> f32 {

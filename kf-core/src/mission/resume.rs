@@ -2,10 +2,8 @@
 
 use super::Mission;
 use crate::config::MissionConfig;
-use crate::cross_check::CrossCheck;
 use crate::effect::EffectSubject;
 use crate::estimator::ConfigError;
-use crate::free_flight::FreeFlight;
 use crate::latch::collected;
 use crate::output::Phase;
 use crate::sensor::Sensor;
@@ -25,18 +23,14 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
     /// The mission's state, to be kept; `None` before launch.
     #[must_use]
     pub fn snapshot(&self) -> Option<MissionSnapshot> {
-        let (Some(first_us), Some(latch), Some(free_flight), Some(cross_check)) =
-            (self.first_us, self.latch(), &self.free_flight, &self.cross_check)
-        else {
-            return None;
-        };
+        let (first_us, latch) = (self.first_us?, self.latch()?);
         Some(MissionSnapshot {
             first_us,
             last_us: self.last_us,
             launch_was: self.launch_was,
             latch: latch.clone(),
-            free_flight: free_flight.kept(),
-            cross_check: cross_check.trust(),
+            free_flight: self.free_flight.kept(),
+            cross_check: self.cross_check.trust(),
             signals: self.signals.clone(),
             tracker: self.tracker.clone(),
             fix_regressors_m: collected(self.fix_regressors_m.into_iter()),
@@ -52,13 +46,10 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         if !self.is_launched {
             return RaisedFlags::default();
         }
-        let flags = self
-            .free_flight
-            .iter()
-            .flat_map(|free_flight| Sensor::ALL.into_iter().map(|sensor| (sensor, free_flight.flag(sensor))));
+        let flags = Sensor::ALL.into_iter().map(|sensor| (sensor, self.free_flight.flag(sensor)));
         let flags =
             flags.fold(RaisedFlags::default(), |flags, (sensor, flag)| flags.with_sensor(sensor, flag));
-        flags.with_cross_check(self.cross_check.as_ref().map(CrossCheck::trust))
+        flags.with_cross_check(Some(self.cross_check.trust()))
     }
 
     /// A mission in free flight that goes on from a snapshot, with the flags that were raised by the time
@@ -85,7 +76,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
     /// As [`Self::resume`], of a mission before its first tick, where it is.
     ///
     /// # Errors
-    /// [`SnapshotError::OtherMission`]; the mission is then as it was.
+    /// [`SnapshotError::OtherMission`]; the mission is then as it was, as nothing of what has been begun is looked at before
+    /// a launch begins it anew.
     #[inline(never)]
     pub fn take_up(&mut self, snapshot: &MissionSnapshot, flags: RaisedFlags) -> Result<(), SnapshotError> {
         let other = SnapshotError::OtherMission;
@@ -95,19 +87,22 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             && latch.covariance.len() == (HEAD + TAIL) * (HEAD + TAIL + 1) / 2
             && snapshot.signals.is_for(effects.map(|effect| effect.id()), config.latitude_deg);
         let fix_regressors_m = snapshot.fix_regressors_m.as_slice().try_into().map_err(|_| other)?;
-        let mut free_flight = FreeFlight::new(config, latch);
-        if !is_ours || !free_flight.restore(&snapshot.free_flight) {
+        if !is_ours {
             return Err(other);
         }
-        let mut cross_check = CrossCheck::new(latch, microseconds(config.monitor.window_s));
-        cross_check.raise(snapshot.cross_check);
+        self.free_flight.begin(config, latch);
+        if !self.free_flight.restore(&snapshot.free_flight) {
+            return Err(other);
+        }
+        self.cross_check.begin(latch);
+        self.cross_check.raise(snapshot.cross_check);
         for sensor in Sensor::ALL {
             if let Some(flag) = flags.of(sensor) {
-                free_flight.raise(sensor, flag);
+                self.free_flight.raise(sensor, flag);
             }
         }
         if let Some(flag) = flags.of_cross_check() {
-            cross_check.raise(flag);
+            self.cross_check.raise(flag);
         }
         self.phase = Phase::FreeFlight;
         self.first_us = Some(snapshot.first_us);
@@ -121,8 +116,6 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         self.counters = snapshot.counters;
         self.counters.restarts = self.counters.restarts.saturating_add(1);
         self.latch = Some(latch.clone());
-        self.free_flight = Some(free_flight);
-        self.cross_check = Some(cross_check);
         self.is_launched = true;
         self.is_resumed = true;
         Ok(())
@@ -146,7 +139,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
     #[cold]
     fn give_up_integrals(&mut self) {
         self.signals.lose_integrals();
-        let Some(free_flight) = &mut self.free_flight else { return };
+        let free_flight = &mut self.free_flight;
         for effect in self.config.estimated_effects.iter().chain(&self.config.constant_effects) {
             if !effect.is_integrated() {
                 continue;

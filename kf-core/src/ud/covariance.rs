@@ -3,27 +3,14 @@
 use super::UdFilter;
 
 impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
-    /// One entry of U; rows and columns count head states first.
-    fn u(&self, row: usize, column: usize) -> f32 {
-        if row == column {
-            return 1.0;
+    /// A row of U right of the head, without the 1 that a tail state has on the diagonal, and where its entries begin.
+    fn row(&self, state: usize) -> (&[f32], usize) {
+        match state.checked_sub(HEAD) {
+            None => (self.cross.get(state).map_or(&[], |row| row), 0),
+            Some(tail) => {
+                (self.factor.get(tail).and_then(|row| row.get(tail + 1..)).unwrap_or(&[]), tail + 1)
+            }
         }
-        let Some(tail_column) = column.checked_sub(HEAD) else { return 0.0 };
-        let entries = match row.checked_sub(HEAD) {
-            None => self.cross.get(row),
-            Some(tail_row) if tail_row < tail_column => self.factor.get(tail_row),
-            Some(_) => None,
-        };
-        entries.and_then(|entries| entries.get(tail_column)).copied().unwrap_or(0.0)
-    }
-
-    /// One entry of D.
-    fn d(&self, index: usize) -> f32 {
-        let entry = match index.checked_sub(HEAD) {
-            None => self.head_d.get(index),
-            Some(tail) => self.tail_d.get(tail),
-        };
-        entry.copied().unwrap_or(0.0)
     }
 
     /// One entry of P; rows and columns count head states first. Zero outside of the matrix. On the
@@ -33,8 +20,19 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         if row == column {
             return self.variance(row);
         }
-        let from = row.max(column);
-        (from..HEAD + TAIL).map(|k| self.u(row, k) * self.d(k) * self.u(column, k)).sum()
+        let ((upper, from), (lower, start)) = (self.row(row.min(column)), self.row(row.max(column)));
+        let above = upper.get(start - from..).unwrap_or(&[]);
+        let d = self.tail_d.get(start..).unwrap_or(&[]);
+        let both: f32 = above.iter().zip(lower).zip(d).map(|((upper, lower), d)| upper * d * lower).sum();
+        // What the 1 on the lower one's diagonal is multiplied with; in the head it is a zero of the upper.
+        let on_diagonal = match start.checked_sub(1) {
+            Some(tail) => {
+                let upper = upper.get(tail.saturating_sub(from));
+                upper.zip(self.tail_d.get(tail)).map_or(0.0, |(upper, d)| upper * d)
+            }
+            None => 0.0,
+        };
+        on_diagonal + both
     }
 
     /// Variance of one state; head states first. Zero outside of the state vector.
