@@ -35,6 +35,7 @@ pub mod output;
 pub mod quality;
 pub mod reading;
 pub mod reference;
+mod root;
 pub mod sensor;
 pub mod snapshot;
 pub mod strapdown;

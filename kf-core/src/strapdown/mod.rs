@@ -36,7 +36,7 @@ use crate::time::seconds_between;
 use levelling::Levelling;
 use memory::Memory;
 use sum::Sum;
-use vector::{Down, Vector, cross, dot};
+use vector::{Down, Vector, cross, difference, dot, scaled, sum};
 use velocity_match::VelocityMatch;
 
 pub use crate::atmosphere::STANDARD_GRAVITY_MPS2 as GRAVITY_MPS2;
@@ -325,12 +325,10 @@ impl VerticalChannel {
             return Err(StrapdownError::Gap);
         }
         let bias = self.levelling.gyro_bias_radps();
-        let unbiased = |rate: Vector| [0, 1, 2].map(|axis| rate[axis] - bias[axis]);
-        let (before, after) = (unbiased(last.rate), unbiased(gyro_radps));
+        let (before, after) = (difference(last.rate, bias), difference(gyro_radps, bias));
         // The body turns by this angle, so down turns against it.
         let coning = cross(before, after);
-        let angle = [0, 1, 2]
-            .map(|axis| -step_s * (0.5 * (before[axis] + after[axis]) + step_s / 12.0 * coning[axis]));
+        let angle = scaled(sum(scaled(sum(before, after), 0.5), scaled(coning, step_s / 12.0)), -step_s);
         if dot(angle, angle) > LONGEST_ANGLE_RAD * LONGEST_ANGLE_RAD {
             return Err(StrapdownError::Gap);
         }

@@ -252,8 +252,8 @@ impl Carried {
         let variance = |state| f64::from(matching.variance(state));
         let [tilt, bias] = self.errors();
         [
-            tilt * tilt / variance(0).max(variance(1)),
-            bias * bias / variance(3).max(variance(4)).max(variance(5)),
+            tilt * tilt / variance(2).max(variance(3)),
+            bias * bias / variance(5).max(variance(6)).max(variance(7)),
         ]
     }
 }

@@ -12,6 +12,20 @@ pub(super) fn cross(a: Vector, b: Vector) -> Vector {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
+/// `a - b`. (Written out, as [`scaled`] and [`sum`] are: of a closure that takes an axis the compiler can not see that the
+/// axis is one.)
+pub(super) const fn difference([a, b, c]: Vector, [x, y, z]: Vector) -> Vector {
+    [a - x, b - y, c - z]
+}
+
+pub(super) const fn sum([a, b, c]: Vector, [x, y, z]: Vector) -> Vector {
+    [a + x, b + y, c + z]
+}
+
+pub(super) const fn scaled([a, b, c]: Vector, by: f32) -> Vector {
+    [a * by, b * by, c * by]
+}
+
 /// The local vertical in body axes: the third row of the direction cosine matrix from body to north-east-down.
 ///
 /// This row is closed under rotation (`c' = c x omega`, D. H. Titterton and J. L. Weston, "Strapdown Inertial

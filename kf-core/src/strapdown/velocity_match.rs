@@ -15,18 +15,22 @@
 //! bias of the accelerometer can not be told from a tilt in straight flight, and is taken for one; so is the Coriolis
 //! acceleration (4 mm/s^2 at 28 m/s), which is not in the model.
 //!
-//! One fix a second is used. The update is spread over the three ticks after it: no tick bears all of it.
+//! One fix a second is used. The update is spread over the fourteen samples after it: no tick bears all of it.
 
 use super::sum::Sum;
-use super::vector::{Down, Vector, cross, dot};
+use super::vector::{Down, Vector, cross, difference, dot, scaled, sum};
+use crate::error::FilterError;
+use crate::root::reciprocal_root;
 use crate::time::seconds_between;
 use crate::ud::{NoiseVariance, Row, UdFilter};
 
-/// Errors of tilt north and east, heading (rad), gyro bias x, y, z (rad/s), velocity north and east (m/s), crab angle (rad).
+/// Errors of velocity north and east (m/s), tilt north and east, heading (rad), gyro bias x, y, z (rad/s), crab angle (rad).
+/// In this order each is moved by later ones only, so the transition is unit upper triangular.
 const STATES: usize = 9;
-const HEADING: usize = 2;
-const BIAS: usize = 3;
-const VELOCITY: usize = 6;
+const VELOCITY: usize = 0;
+const TILT: usize = 2;
+const HEADING: usize = 4;
+const BIAS: usize = 5;
 const CRAB: usize = 8;
 
 /// Variances at the start: a tilt by an acceleration of 1 m/s^2, a crab angle of 0.3 rad, the bias of a MEMS gyro
@@ -61,8 +65,27 @@ const REFUSALS: u8 = 5;
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stage {
     Idle,
-    Propagate { seconds: f32, gained: [f32; 3], fix: Apart },
-    Update(Apart),
+    Propagate {
+        seconds: f32,
+        gained: [f32; 3],
+        fix: Apart,
+    },
+    /// The noise of one state.
+    Diffuse {
+        state: usize,
+        seconds: f32,
+        fix: Apart,
+    },
+    Measure(Component, Apart),
+    FeedBack,
+}
+
+/// What of a fix is measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Component {
+    North,
+    East,
+    Track,
 }
 
 /// How far a fix is from what was computed for its time.
@@ -75,13 +98,21 @@ struct Apart {
     turned: f32,
 }
 
+/// What is measured is a state, or the sum of two.
+const fn row_of(first: usize, second: usize) -> Row<STATES> {
+    let mut tail = [0.0; STATES];
+    tail[first] = 1.0;
+    tail[second] = 1.0;
+    Row { head: None, tail, first }
+}
+
 /// A direction in the level plane from its components; `None` for too short ones.
 fn unit([north, east]: [f32; 2], least: f32) -> Option<[f32; 2]> {
     let squared = north * north + east * east;
     if squared < least * least {
         return None;
     }
-    let scale = 1.0 / libm::sqrtf(squared);
+    let scale = reciprocal_root(squared);
     Some([north * scale, east * scale])
 }
 
@@ -111,14 +142,13 @@ impl VelocityMatch {
         if level < 0.25 {
             return None;
         }
-        // The body's x made level, and what is to its right; once a flight, so roots are no matter.
-        let scale = 1.0 / libm::sqrtf(level);
-        let ahead = [0, 1, 2].map(|axis| scale * (f32::from(u8::from(axis == 0)) - down[0] * down[axis]));
+        // The body's x made level, and what is to its right.
+        let ahead = scaled(difference([1.0, 0.0, 0.0], scaled(down, down[0])), reciprocal_root(level));
         let right = cross(down, ahead);
         let [cosine, sine] = track;
-        let north = [0, 1, 2].map(|axis| cosine * ahead[axis] - sine * right[axis]);
+        let north = difference(scaled(ahead, cosine), scaled(right, sine));
         let [tilt, heading, bias, velocity] = START;
-        let variance = [tilt, tilt, heading, bias, bias, bias, velocity, velocity, heading];
+        let variance = [velocity, velocity, tilt, tilt, heading, bias, bias, bias, heading];
         Some(Self {
             filter: UdFilter::new([], [], [0.0; STATES], variance).ok()?,
             north: Down::from_unit(north),
@@ -162,14 +192,38 @@ impl VelocityMatch {
         match self.stage {
             Stage::Idle => {}
             Stage::Propagate { seconds, gained, fix } => {
-                self.stage = Stage::Update(fix);
-                if self.propagate(down, seconds, gained, fix.turned).is_none() {
+                self.stage = Stage::Diffuse { state: 0, seconds, fix };
+                if self.propagate(down, seconds, gained).is_err() {
                     self.refusals = REFUSALS;
                 }
             }
-            Stage::Update(fix) => {
+            Stage::Diffuse { state, seconds, fix } => {
+                if self.diffuse(state, seconds, fix.turned).is_err() {
+                    self.refusals = REFUSALS;
+                }
+                self.stage = if state + 1 < STATES {
+                    Stage::Diffuse { state: state + 1, seconds, fix }
+                } else if self.is_plausible(&fix) {
+                    self.refusals = 0;
+                    Stage::Measure(Component::North, fix)
+                } else {
+                    self.refusals = self.refusals.saturating_add(1);
+                    Stage::Idle
+                };
+            }
+            Stage::Measure(component, fix) => {
+                self.stage = match component {
+                    Component::North => Stage::Measure(Component::East, fix),
+                    Component::East => Stage::Measure(Component::Track, fix),
+                    Component::Track => Stage::FeedBack,
+                };
+                if self.measure(component, &fix).is_err() {
+                    self.refusals = REFUSALS;
+                }
+            }
+            Stage::FeedBack => {
                 self.stage = Stage::Idle;
-                self.update(&fix);
+                self.filter.fold();
                 self.feed_back(down, gyro_bias);
             }
         }
@@ -186,7 +240,8 @@ impl VelocityMatch {
         self.filter.variance(state)
     }
 
-    /// Drops an update that is due: from now on only samples count.
+    /// Drops what is not yet taken of a fix: from now on only samples count. What is taken and not fed back stays in the
+    /// filter's state, for the next time.
     pub(super) fn hold(&mut self) {
         self.stage = Stage::Idle;
     }
@@ -197,7 +252,8 @@ impl VelocityMatch {
         if self.stage != Stage::Idle || seconds < SHORTEST_S {
             return;
         }
-        let apart = [0, 1].map(|axis| self.velocity[axis].value() - velocity_mps[axis]);
+        let [integrated, fixed] = [self.velocity.map(Sum::value), velocity_mps];
+        let apart = [integrated[0] - fixed[0], integrated[1] - fixed[1]];
         let [north, east, _] = self.axes(down);
         let ahead = unit([north[0], east[0]], 0.5);
         let track = unit(velocity_mps, LEAST_SPEED_MPS);
@@ -216,74 +272,65 @@ impl VelocityMatch {
         self.fix_us = time_us;
     }
 
-    fn propagate(&mut self, down: &Down, seconds: f32, gained: Vector, turned: f32) -> Option<()> {
+    fn propagate(&mut self, down: &Down, seconds: f32, gained: Vector) -> Result<(), FilterError> {
         let axes = self.axes(down);
         let mut transition = [[0.0; STATES]; STATES];
-        for (state, row) in transition.iter_mut().enumerate() {
-            row[state] = 1.0;
-        }
-        for angle in 0..3 {
-            for axis in 0..3 {
-                transition[angle][BIAS + axis] = -seconds * axes[angle][axis];
-            }
+        for (angle, [x, y, z]) in axes.into_iter().enumerate() {
+            let [to_x, to_y, to_z] = [-seconds * x, -seconds * y, -seconds * z];
+            transition[TILT + angle][BIAS] = to_x;
+            transition[TILT + angle][BIAS + 1] = to_y;
+            transition[TILT + angle][BIAS + 2] = to_z;
         }
         // Velocity by the tilt in the middle of the interval: half of what the bias makes of it.
         let [north, east, fall] = gained;
         for (row, parts) in [(VELOCITY, [0.0, -fall, east]), (VELOCITY + 1, [fall, 0.0, -north])] {
-            for angle in 0..3 {
-                transition[row][angle] = parts[angle];
-                for axis in 0..3 {
-                    transition[row][BIAS + axis] += 0.5 * parts[angle] * transition[angle][BIAS + axis];
+            for (angle, part) in parts.into_iter().enumerate() {
+                transition[row][TILT + angle] = part;
+                for bias in BIAS..BIAS + 3 {
+                    transition[row][bias] += 0.5 * part * transition[TILT + angle][bias];
                 }
             }
         }
-        self.filter.propagate::<0>(&transition, &[0.0; STATES], &[[]; STATES], &[]).ok()?;
-        for state in 0..STATES {
-            let variance = match state {
-                0..=HEADING => ANGLE_DENSITY * seconds,
-                BIAS..VELOCITY => BIAS_DENSITY * seconds,
-                CRAB => CRAB_DENSITY * seconds + CRAB_BY_TURN * turned,
-                _ => VELOCITY_DENSITY * seconds,
-            };
-            self.filter.add_tail_noise(state, variance).ok()?;
-        }
-        Some(())
+        self.filter.propagate_upper(&transition)
     }
 
-    fn update(&mut self, fix: &Apart) {
-        let apart = fix.velocity_mps;
-        let is_plausible = [0, 1].into_iter().all(|axis| {
-            let variance = self.filter.variance(VELOCITY + axis) + FIX_M2PS2;
-            apart[axis] * apart[axis] <= GATE * variance
-        });
-        if !is_plausible {
-            self.refusals = self.refusals.saturating_add(1);
-            return;
-        }
-        self.refusals = 0;
-        let [north, east] = [VELOCITY, VELOCITY + 1].map(|state| [state, state]);
-        let velocities = [(north, apart[0], FIX_M2PS2), (east, apart[1], FIX_M2PS2)];
-        let track = fix.track.map(|[apart_rad, variance]| ([HEADING, CRAB], apart_rad, variance));
-        for ([first, second], value, variance) in velocities.into_iter().chain(track) {
-            let mut row = Row { head: None, tail: [0.0; STATES], first };
-            row.tail[first] = 1.0;
-            row.tail[second] = 1.0;
-            let updated =
-                NoiseVariance::new(variance).and_then(|noise| self.filter.update(&row, value, noise));
-            if updated.is_err() {
-                self.refusals = REFUSALS;
-            }
-        }
-        self.filter.fold();
+    fn diffuse(&mut self, state: usize, seconds: f32, turned: f32) -> Result<(), FilterError> {
+        let variance = match state {
+            VELOCITY..TILT => VELOCITY_DENSITY * seconds,
+            TILT..BIAS => ANGLE_DENSITY * seconds,
+            BIAS..CRAB => BIAS_DENSITY * seconds,
+            _ => CRAB_DENSITY * seconds + CRAB_BY_TURN * turned,
+        };
+        self.filter.add_tail_noise(state, variance)
+    }
+
+    fn is_plausible(&self, fix: &Apart) -> bool {
+        fix.velocity_mps
+            .into_iter()
+            .zip(VELOCITY..)
+            .all(|(apart, state)| apart * apart <= GATE * (self.filter.variance(state) + FIX_M2PS2))
+    }
+
+    fn measure(&mut self, component: Component, fix: &Apart) -> Result<(), FilterError> {
+        let [north, east] = fix.velocity_mps;
+        let (row, value, variance) = match component {
+            Component::North => (const { row_of(VELOCITY, VELOCITY) }, north, FIX_M2PS2),
+            Component::East => (const { row_of(VELOCITY + 1, VELOCITY + 1) }, east, FIX_M2PS2),
+            Component::Track => match fix.track {
+                Some([apart_rad, variance]) => (const { row_of(HEADING, CRAB) }, apart_rad, variance),
+                None => return Ok(()),
+            },
+        };
+        self.filter.update(&row, value, NoiseVariance::new(variance)?).map(|_| ())
     }
 
     /// Moves what the states are errors of, and sets them to zero.
     fn feed_back(&mut self, down: &mut Down, gyro_bias: &mut [Sum; 3]) {
         let error = *self.filter.tail();
         let axes = self.axes(down);
-        let turn = [0, 1, 2].map(|axis| {
-            -(error[0] * axes[0][axis] + error[1] * axes[1][axis] + error[HEADING] * axes[2][axis])
-        });
+        let [north, east, vertical] = axes;
+        let tilt = sum(scaled(north, -error[TILT]), scaled(east, -error[TILT + 1]));
+        let turn = sum(tilt, scaled(vertical, -error[HEADING]));
         down.rotate(turn);
         self.north.rotate(turn);
         // Rounding lets the two axes lean by some 1e-7 a tick.

@@ -167,6 +167,47 @@ fn the_general_propagation_is_eqs_4_and_5() {
     }
 }
 
+proptest! {
+    /// Where the transition is unit upper triangular, the short way is the general one.
+    #[test]
+    fn the_upper_propagation_is_the_general_one(
+        ys in prop::collection::vec((0_usize..4, -3.0_f32..3.0), 0..30),
+        right in prop::array::uniform6(-1.5_f32..1.5),
+    ) {
+        let mut filter = dense();
+        for (which, y) in ys {
+            // The last step is left pending.
+            filter.fold();
+            filter.update(&dense_row(which.checked_sub(1)), y, noise(1.0)).unwrap();
+        }
+        let [a, b, c, d, e, f] = right;
+        let transition = [[1.0, a, b, c], [0.0, 1.0, d, e], [0.0, 0.0, 1.0, f], [0.0, 0.0, 0.0, 1.0]];
+        let mut general = filter.clone();
+        general.propagate(&transition, &[0.0; 4], &[[]; 4], &[]).unwrap();
+        let mut short = filter.clone();
+        short.propagate_upper(&transition).unwrap();
+        general.fold();
+        short.fold();
+        for i in 0..4 {
+            prop_assert!((general.tail()[i] - short.tail()[i]).abs() < 1e-4);
+            for j in 0..4 {
+                let [one, other] = [&general, &short].map(|filter| filter.covariance(i, j));
+                let scale = (general.variance(i) * general.variance(j)).sqrt();
+                prop_assert!((one - other).abs() < 1e-4 * (scale + 1e-3), "{i}{j} {one} {other}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_refused_propagation_changes_nothing() {
+    let mut transition = [[0.0; 4]; 4];
+    transition[0][3] = f32::NAN;
+    let mut filter = dense();
+    assert_eq!(filter.propagate_upper(&transition), Err(FilterError::NotFinite));
+    assert_eq!(filter, dense());
+}
+
 #[test]
 fn correlated_noise_is_the_same_as_the_vector_update() {
     // One state, two readings whose noises are correlated: P+ = 1 / (1/p + 1' R^-1 1).
