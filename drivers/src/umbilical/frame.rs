@@ -1,12 +1,15 @@
 //! Finds MAVLink 2 frames with an altitude in a stream of bytes.
 //!
 //! Only what can be such a frame is kept: the first byte of a header that is none ends the attempt, and the search goes on
-//! at the byte after the one it began with. So whatever comes before a whole frame, the frame is found; and no byte
+//! after the byte that it began with. So whatever comes before a whole frame, the frame is found; and no byte
 //! costs more than one pass over the longest frame.
 
+use crc::{CRC_16_MCRF4XX, Crc};
 use mavlink::MessageData;
 use mavlink::dialects::common::ALTITUDE_DATA;
 
+/// MAVLink's "X.25" checksum, which the catalogue of CRCs calls MCRF4XX. By table: the `mavlink` crate's own takes half of a poll.
+const CHECKSUM: Crc<u16> = Crc::<u16>::new(&CRC_16_MCRF4XX);
 /// Start of a MAVLink 2 frame.
 const START: u8 = 0xFD;
 /// Start, length, two bytes of flags, sequence, system, component, three bytes of the message's identity.
@@ -25,8 +28,8 @@ pub(super) enum Found {
     Altitude([u8; PAYLOAD]),
     /// A whole frame, but for its checksum. Its bytes are looked at again.
     BadChecksum,
-    /// A byte that begins no frame with an altitude.
-    OtherByte,
+    /// So many bytes that are of no frame with an altitude.
+    OtherBytes(usize),
 }
 
 /// The bytes since the last frame, as far as they may be the next.
@@ -34,41 +37,56 @@ pub(super) enum Found {
 pub(super) struct Frames {
     bytes: [u8; LONGEST],
     len: usize,
+    /// So many of them have been seen to be such as a frame's header; at most `len`.
+    fitting: usize,
     /// The frame at the front has been found wrong.
     rejected: bool,
 }
 
 impl Frames {
     pub(super) const fn new() -> Self {
-        Self { bytes: [0; LONGEST], len: 0, rejected: false }
+        Self { bytes: [0; LONGEST], len: 0, fitting: 0, rejected: false }
     }
 
-    /// Takes one byte; [`Self::next_found`] must have said `None` before.
-    pub(super) fn push(&mut self, byte: u8) {
-        if let Some(slot) = self.bytes.get_mut(self.len) {
-            *slot = byte;
-            self.len += 1;
+    /// Takes as many bytes from the front as can be taken before they are looked at, and says how many: at least one, if there
+    /// is one. [`Self::next_found`] must have said `None` before.
+    pub(super) fn take(&mut self, bytes: &[u8]) -> usize {
+        // Nothing but its length and checksum is asked of what follows a header.
+        let wanted = if self.fitting < HEADER { 1 } else { self.end().saturating_sub(self.len) };
+        let count = wanted.min(bytes.len());
+        match (self.bytes.get_mut(self.len..self.len + count), bytes.get(..count)) {
+            (Some(room), Some(bytes)) => room.copy_from_slice(bytes),
+            _ => return 0,
         }
+        self.len += count;
+        count
     }
 
     /// What the bytes so far were; `None` until more have come.
     pub(super) fn next_found(&mut self) -> Option<Found> {
-        if self.len == 0 {
-            return None;
+        while !self.rejected && self.fitting < self.len.min(HEADER) {
+            match self.bytes.get(self.fitting) {
+                Some(byte) if fits(self.fitting, *byte) => self.fitting += 1,
+                _ => self.rejected = true,
+            }
         }
-        if self.rejected || !self.may_be_frame() {
+        if self.rejected {
             self.rejected = false;
-            self.drop_front(1);
-            return Some(Found::OtherByte);
+            let others =
+                self.bytes.iter().take(self.len).skip(1).take_while(|byte| **byte != START).count() + 1;
+            self.drop_front(others);
+            return Some(Found::OtherBytes(others));
         }
-        let payload_len = self.payload_len();
-        let end = HEADER + payload_len + CHECK;
+        let end = self.end();
         if self.len < HEADER || self.len < end {
             return None;
         }
+        let payload_len = self.payload_len();
         let checked = self.bytes.get(1..HEADER + payload_len).unwrap_or_default();
-        let sum = mavlink::calculate_crc(checked, ALTITUDE_DATA::EXTRA_CRC).to_le_bytes();
-        if self.bytes.get(end - CHECK..end) != Some(&sum[..]) {
+        let mut digest = CHECKSUM.digest();
+        digest.update(checked);
+        digest.update(&[ALTITUDE_DATA::EXTRA_CRC]);
+        if self.bytes.get(end - CHECK..end) != Some(&digest.finalize().to_le_bytes()[..]) {
             self.rejected = true;
             return Some(Found::BadChecksum);
         }
@@ -80,22 +98,13 @@ impl Frames {
         Some(Found::Altitude(payload))
     }
 
-    fn payload_len(&self) -> usize {
-        usize::from(self.bytes[1])
+    /// Where the frame ends whose header these bytes begin with.
+    fn end(&self) -> usize {
+        HEADER + self.payload_len() + CHECK
     }
 
-    /// Whether the bytes so far are those of a frame with an altitude.
-    fn may_be_frame(&self) -> bool {
-        let [start, length, incompatible, _, _, _, _, a, b, c, ..] = self.bytes;
-        let conditions = [
-            (0, start == START),
-            (1, (1..=PAYLOAD).contains(&usize::from(length))),
-            (2, incompatible & !SIGNED == 0),
-            (7, a == IDENTITY[0]),
-            (8, b == IDENTITY[1]),
-            (9, c == IDENTITY[2]),
-        ];
-        conditions.iter().all(|&(place, holds)| place >= self.len || holds)
+    fn payload_len(&self) -> usize {
+        usize::from(self.bytes[1])
     }
 
     fn drop_front(&mut self, count: usize) {
@@ -107,5 +116,20 @@ impl Frames {
             }
         }
         self.len = kept;
+        self.fitting = 0;
+    }
+}
+
+/// Whether a frame with an altitude may have such a byte at that place.
+fn fits(place: usize, byte: u8) -> bool {
+    let [a, b, c, _] = IDENTITY;
+    match place {
+        0 => byte == START,
+        1 => (1..=PAYLOAD).contains(&usize::from(byte)),
+        2 => byte & !SIGNED == 0,
+        7 => byte == a,
+        8 => byte == b,
+        9 => byte == c,
+        _ => true,
     }
 }

@@ -92,8 +92,9 @@ impl<Port: Read + ReadReady> Umbilical<Port> {
         self.counts.bytes = self.counts.bytes.saturating_add(u32::try_from(arrived).unwrap_or(u32::MAX));
         let mut altitude_m = None;
         let mut bad = false;
-        for &byte in bytes.iter().take(arrived) {
-            self.frames.push(byte);
+        let mut rest = bytes.get(..arrived).unwrap_or_default();
+        while let taken @ 1.. = self.frames.take(rest) {
+            rest = rest.get(taken..).unwrap_or_default();
             while let Some(found) = self.frames.next_found() {
                 match found {
                     Found::Altitude(payload) => {
@@ -110,7 +111,10 @@ impl<Port: Read + ReadReady> Umbilical<Port> {
                         count(&mut self.counts.bad_frames);
                         bad = true;
                     }
-                    Found::OtherByte => count(&mut self.counts.other_bytes),
+                    Found::OtherBytes(others) => {
+                        let others = u32::try_from(others).unwrap_or(u32::MAX);
+                        self.counts.other_bytes = self.counts.other_bytes.saturating_add(others);
+                    }
                 }
             }
         }
