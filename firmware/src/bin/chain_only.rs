@@ -20,7 +20,10 @@ use drivers::umbilical::Umbilical;
 use drivers::{Barometer, Replay, ReplayUmbilical, Sensors as _, Suite, VehicleState};
 use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
 use embedded_io::{Read, ReadReady};
+use flight_computer::{FlightComputer, Onboard};
 use kf_core::input::{GpsFix, LaunchDoubt};
+use kf_core::launch::LaunchConfig;
+use kf_core::strapdown;
 // The vector table needs every interrupt of the chip.
 use stm32f4xx_hal as _;
 
@@ -70,7 +73,7 @@ fn fly(barometer: impl Barometer) {
         gyro_range: black_box(GyroRange::Dps2000),
         mounting: black_box(Mounting::ALIGNED),
     };
-    let mut suite = Suite::new(
+    let suite = Suite::new(
         Replay::<GpsFix>::new(),
         barometer,
         Icm42688p::new(Unknown, imu_config),
@@ -79,13 +82,14 @@ fn fly(barometer: impl Barometer) {
         Replay::<VehicleState>::new(),
         ReplayUmbilical::new(),
     );
-    // Not `FlightComputer`: the launch's decision and the strapdown channel, which it holds, are not free of panics.
+    let Ok(onboard) = Onboard::new(LaunchConfig::DEFAULT, strapdown::Config::MEMS) else { return };
+    let mut computer = FlightComputer::on_board(suite, mission, onboard);
     while black_box(true) {
-        suite.launch.set(black_box(false), black_box(LaunchDoubt::None));
-        suite.receiver.load(black_box(None));
-        black_box(mission.tick(&suite.poll(black_box(0))));
-        black_box(suite.faults());
-        black_box(mission.latch());
+        computer.sensors.launch.set(black_box(false), black_box(LaunchDoubt::None));
+        computer.sensors.receiver.load(black_box(None));
+        black_box(computer.tick(black_box(0)));
+        black_box(computer.sensors.faults());
+        black_box(computer.mission.latch());
     }
 }
 
