@@ -47,6 +47,7 @@ mod signals;
 mod smoothed_climb;
 pub(crate) mod text;
 mod unknown;
+mod unknown_columns;
 mod whitener;
 mod wind;
 mod work;

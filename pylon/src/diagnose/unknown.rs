@@ -5,7 +5,7 @@ use super::diagnosis::Follows;
 use super::epochs::Epochs;
 use super::information::{Information, own_coefficients};
 use super::problem::{NoiseFit, Problem};
-use super::series::BySensor;
+use super::unknown_columns::{Extra, LAGS_S, PLAYS_M, Shape, Test, extra_columns, spread};
 use super::whitener::whiten;
 
 /// What a signal must gain in twice the log likelihood beyond the best of as many by chance: more than an
@@ -18,8 +18,6 @@ const SHAPE: f64 = 0.05;
 const BETTER: f64 = 0.02;
 /// A signal's shape that shares this much with a candidate of the catalogue is that candidate's.
 const IN_CATALOGUE: f64 = 0.9;
-/// Lags of the low passes that are tried, seconds.
-const LAGS_S: [f64; 3] = [0.0, 2.0, 8.0];
 /// Columns that are tested in one pass.
 const CHUNK: usize = 12;
 /// White noise that many times larger in free flight than under the mother ship is no noise.
@@ -32,13 +30,6 @@ const FACTOR_EVIDENCE: f64 = 14.0;
 /// Jumps are looked for where the innovation is largest: at so many blocks of a flight.
 const JUMPS: usize = 12;
 
-/// What is tested: a function of a signal with a lag, or a jump that stays.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Test {
-    Signal { signal: usize, shape: Shape, lag_s: f64 },
-    Jump { flight: usize, block: usize },
-}
-
 /// What the tests found on one sensor.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Unexplained {
@@ -46,28 +37,6 @@ pub struct Unexplained {
     pub follows: Vec<Follows>,
     /// Whether one of these alone explains more than all effects chosen on the sensor together.
     pub is_better: bool,
-}
-
-/// A function of a signal.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Shape {
-    Value,
-    Magnitude,
-    Square,
-    Rate,
-}
-
-impl Shape {
-    const ALL: [Self; 4] = [Self::Value, Self::Magnitude, Self::Square, Self::Rate];
-
-    fn say(self, signal: &str) -> String {
-        match self {
-            Self::Value => signal.to_owned(),
-            Self::Magnitude => format!("|{signal} - its mean|"),
-            Self::Square => format!("({signal} - its mean)^2"),
-            Self::Rate => format!("rate of {signal}"),
-        }
-    }
 }
 
 /// Tests every signal and every time of a jump on one sensor's residual. `own` are the candidates on that
@@ -139,6 +108,7 @@ fn tests(
             }
         }
     }
+    tests.extend(PLAYS_M.map(|half_width_m| Test::Play { half_width_m }));
     for (flight, (series, epochs)) in problem.flights.iter().zip(epochs).enumerate() {
         let first = epochs.series.free.iter().position(|free| *free).unwrap_or(0);
         let mut largest: Vec<(f64, usize)> = Vec::new();
@@ -179,30 +149,6 @@ fn residual_innovations(
     innovations
 }
 
-impl Test {
-    /// Whether it has a second column: a jump within a block is the block's own share, and the rest.
-    const fn width(self) -> usize {
-        match self {
-            Self::Signal { .. } => 1,
-            Self::Jump { .. } => 2,
-        }
-    }
-
-    fn say(self, epochs: &[Epochs]) -> (String, f64) {
-        match self {
-            Self::Signal { signal, shape, lag_s } => {
-                let name = epochs.first().and_then(|first| first.signal_names.get(signal));
-                (shape.say(name.map_or("?", String::as_str)), lag_s)
-            }
-            Self::Jump { flight, block } => {
-                let time_s =
-                    epochs.get(flight).and_then(|e| e.series.time_s.get(block)).copied().unwrap_or(0.0);
-                (format!("a jump at {time_s:.0} s that stays"), 0.0)
-            }
-        }
-    }
-}
-
 /// Gain in twice the log posterior of letting a sensor's noise be larger in free flight, if it is so much
 /// larger that something unexplained must act. `explained_white_m2` is the white noise that the regressors of the
 /// effects found bring with them.
@@ -223,63 +169,6 @@ pub fn free_flight_excess(
     };
     let gain = fit.twice_log_posterior - problem.fit_noise(&held, chosen, &fit.values).twice_log_posterior;
     (gain > FACTOR_EVIDENCE).then_some(gain)
-}
-
-/// Extra columns, by flight: one a test.
-type Extra = Vec<Vec<Vec<BySensor>>>;
-
-fn extra_columns(epochs: &[Epochs], tests: &[Test], sensor: usize) -> Extra {
-    let of_flight = |(flight, epochs): (usize, &Epochs)| {
-        let values = |test: &Test| match *test {
-            Test::Signal { signal, shape, lag_s } => vec![signal_values(epochs, signal, shape, lag_s)],
-            Test::Jump { flight: jumps, block } => {
-                let from = |first: usize| {
-                    (0..epochs.series.len())
-                        .map(|b| f64::from(u8::from(flight == jumps && b >= first)))
-                        .collect()
-                };
-                vec![from(block + 1), from(block)]
-            }
-        };
-        let on_sensor = |value: f64| std::array::from_fn(|i| if i == sensor { value } else { 0.0 });
-        let columns = tests.iter().flat_map(values);
-        columns.map(|column: Vec<f64>| column.into_iter().map(on_sensor).collect()).collect()
-    };
-    epochs.iter().enumerate().map(of_flight).collect()
-}
-
-/// A function of a signal about its mean; zero where a flight lacks the signal.
-fn signal_values(epochs: &Epochs, signal: usize, shape: Shape, lag_s: f64) -> Vec<f64> {
-    let times = &epochs.series.time_s;
-    let values: Vec<f64> = epochs.signals.iter().map(|block| block[signal]).collect();
-    let known: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
-    if known.len() * 10 < values.len() * 9 {
-        return vec![0.0; values.len()];
-    }
-    let mean = known.iter().sum::<f64>() / known.len().max(1) as f64;
-    let centred: Vec<f64> =
-        values.iter().map(|value| if value.is_finite() { value - mean } else { 0.0 }).collect();
-    let slow = low_pass(times, &centred, lag_s);
-    let shaped = centred.iter().zip(&slow).map(|(now, slow)| match shape {
-        Shape::Value => *slow,
-        Shape::Magnitude => slow.abs(),
-        Shape::Square => slow * slow,
-        Shape::Rate => (now - slow) / lag_s,
-    });
-    shaped.collect()
-}
-
-/// First-order low pass.
-fn low_pass(times: &[f64], values: &[f64], time_s: f64) -> Vec<f64> {
-    let mut state = values.first().copied().unwrap_or(0.0);
-    let mut last_s = times.first().copied().unwrap_or(0.0);
-    let filtered = times.iter().zip(values).map(|(now_s, value)| {
-        let keep = if time_s > 0.0 { (-(now_s - last_s) / time_s).exp() } else { 0.0 };
-        last_s = *now_s;
-        state = keep * state + (1.0 - keep) * value;
-        state
-    });
-    filtered.collect()
 }
 
 fn information(problem: &Problem<'_>, fit: &NoiseFit, picks: &[usize], extra: &Extra) -> Information {
@@ -310,20 +199,4 @@ fn is_in_catalogue(
     let test = picks.len();
     (chosen.len()..picks.len())
         .any(|rival| information.shared(test, rival, &others).is_some_and(|shared| shared > IN_CATALOGUE))
-}
-
-/// Standard deviation of an extra column over all blocks of all flights.
-fn spread(columns: &Extra, k: usize) -> f64 {
-    let values: Vec<f64> = columns
-        .iter()
-        .flat_map(|flight| flight[k].iter().map(|by| by.iter().copied().fold(0.0, pick)))
-        .collect();
-    let n = values.len().max(1) as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    (values.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / n).sqrt()
-}
-
-/// The value of the sensor that has one.
-fn pick(a: f64, b: f64) -> f64 {
-    if a == 0.0 { b } else { a }
 }
