@@ -1,13 +1,14 @@
 //! The flight computer's image: the estimator inside a 200 Hz timer interrupt.
 //!
-//! Priorities: `tick` (TIM2) preempts everything and never waits. `transmit` hands the telemetry's line its next frame.
-//! With what time is left `report` writes what the tick said, and `feed` brings the flight record (only the emulated board
-//! has one). These two run on interrupts that no device of the board uses, pended by software: to pend one that runs runs
+//! Priorities: `tick` (TIM2) preempts everything and never waits. Below it `tell` makes the telemetry's messages of what a
+//! tick said, and `transmit` hands the line its next frame. With what time is left `report` writes what the tick said, and `feed` brings the flight record (only the emulated board
+//! has one). All but the first and `transmit` run on interrupts that no device of the board uses, pended by software: to pend one that runs runs
 //! it again.
 #![no_std]
 #![no_main]
 
 mod board;
+mod copies;
 mod downlink;
 mod failure;
 mod flown_model;
@@ -30,9 +31,10 @@ use heapless::spsc::{Consumer, Producer, Queue};
 use kf_core::launch::LaunchConfig;
 use kf_core::strapdown;
 use survival::{Start, Supervised, Supervisor, TickMark, TickMarks};
+use telemetry::ComputerStatus;
 
 use board::{Board, CostClock, Feeder, Line, Next, Sensors, Sink, Source, Storage, Watchdog};
-use downlink::{Downlink, Frames, FramesOut};
+use downlink::{Downlink, Frames, FramesOut, Mailbox};
 use flown_model::FlownMission;
 use keeper::Keeper;
 use meter::{Costs, TickMeter};
@@ -52,10 +54,25 @@ pub struct TickCounts {
     underruns: u32,
     stalls: u32,
     lost_results: u32,
+    /// Ticks that the telemetry was not told of.
+    untold: u32,
+    /// The dearest tick so far, in the units of the board's clock.
+    longest: u32,
     sensor_faults: u32,
     start_cost: Option<u32>,
     costs: Costs,
     ended: bool,
+}
+
+impl TickCounts {
+    /// What the telemetry tells of the flight computer.
+    const fn status(&self) -> ComputerStatus {
+        ComputerStatus {
+            sensor_faults: self.sensor_faults,
+            lost_results: self.lost_results.saturating_add(self.untold),
+            load_permille: CostClock::permille_of_a_tick(self.longest),
+        }
+    }
 }
 
 #[rtic::app(device = stm32f4xx_hal::pac)]
@@ -65,6 +82,7 @@ mod app {
     use super::*;
 
     const TRANSMIT: Interrupt = Interrupt::DMA2_STREAM7;
+    const TELL: Interrupt = Interrupt::EXTI2;
     const REPORT: Interrupt = Interrupt::EXTI0;
     const FEED: Interrupt = Interrupt::EXTI1;
 
@@ -72,6 +90,7 @@ mod app {
     struct Shared {
         computer: FlightComputer<Mutated<Sensors>, &'static mut FlownMission>,
         counts: TickCounts,
+        mailbox: Mailbox,
         #[lock_free]
         feeder: Feeder,
     }
@@ -149,6 +168,7 @@ mod app {
             Shared {
                 computer,
                 counts: TickCounts { start_cost: CostClock::since_reset(), ..TickCounts::default() },
+                mailbox: Mailbox::default(),
                 feeder,
             },
             Local {
@@ -179,14 +199,15 @@ mod app {
     #[task(
         binds = TIM2,
         priority = 3,
-        local = [timer, source, results_in, downlink, marks, watchdog],
-        shared = [computer, counts],
+        local = [timer, source, results_in, marks, watchdog],
+        shared = [computer, counts, mailbox],
     )]
     fn tick(cx: tick::Context) {
         let begun = CostClock::time();
-        let tick::LocalResources { timer, source, results_in, downlink, marks, watchdog, .. } = cx.local;
+        let tick::LocalResources { timer, source, results_in, marks, watchdog, .. } = cx.local;
         let mut computer = cx.shared.computer;
         let mut counts = cx.shared.counts;
+        let mut mailbox = cx.shared.mailbox;
         timer.acknowledge();
         SUPERVISOR.is_alive(Supervised::Tick);
         if stack::is_whole() {
@@ -195,16 +216,17 @@ mod app {
         if SUPERVISOR.may_feed() {
             watchdog.feed();
         }
-        let lost_results = counts.lock(|counts| counts.lost_results);
+        let computer_status = counts.lock(|counts| counts.status());
         let stepped =
             computer.lock(|computer| match source.next(&mut computer.sensors.0, results_in.ready()) {
                 Next::Tick(now_us) => {
                     let mut meter = TickMeter::start();
                     let step = computer.tick_measured(now_us, &mut |part| meter.lap(part));
                     let sensor_faults = computer.sensors.faults().count;
-                    downlink.tell(&step, &*computer.mission, sensor_faults, lost_results);
+                    let status = ComputerStatus { sensor_faults, ..computer_status };
+                    let was_taken =
+                        mailbox.lock(|mailbox| mailbox.put(&step, computer.mission.counters(), status));
                     meter.lap(Part::Telemetry);
-                    downlink.note_cost(meter.total());
                     if !step.output.out_of_order {
                         marks.keep(&TickMark {
                             time_us: now_us,
@@ -214,13 +236,15 @@ mod app {
                         });
                     }
                     strike::strike(now_us);
-                    Ok((meter, step, sensor_faults))
+                    Ok((meter, step, sensor_faults, was_taken))
                 }
                 otherwise => Err(otherwise),
             });
         match stepped {
-            Ok((meter, Step { input, output }, sensor_faults)) => {
+            Ok((meter, Step { input, output }, sensor_faults, was_taken)) => {
                 counts.lock(|counts| {
+                    counts.untold = counts.untold.saturating_add(u32::from(!was_taken));
+                    counts.longest = counts.longest.max(meter.total());
                     counts.ticks = counts.ticks.saturating_add(1);
                     counts.costs.take(&meter);
                     counts.sensor_faults = sensor_faults;
@@ -236,12 +260,33 @@ mod app {
             Err(Next::End | Next::Tick(_)) => counts.lock(|counts| counts.ended = true),
         }
         // All of them, whatever there is to do: each shows that it is alive.
+        rtic::pend(TELL);
         rtic::pend(TRANSMIT);
         rtic::pend(REPORT);
         rtic::pend(FEED);
     }
 
-    /// Gives the telemetry's line its next frame: when the last is through, and after every tick. The real board's
+    /// Makes the telemetry's messages of what a tick said.
+    #[task(binds = EXTI2, priority = 2, local = [downlink], shared = [computer, counts, mailbox])]
+    fn tell(cx: tell::Context) {
+        let downlink = cx.local.downlink;
+        let (mut computer, mut counts, mut mailbox) =
+            (cx.shared.computer, cx.shared.counts, cx.shared.mailbox);
+        let begun = CostClock::now();
+        SUPERVISOR.is_alive(Supervised::Tell);
+        if !mailbox.lock(|mailbox| mailbox.change(&mut downlink.told)) {
+            return;
+        }
+        if downlink.lacks_latch() {
+            downlink.take_latch(computer.lock(|computer| computer.mission.latch().cloned()));
+        }
+        downlink.tell();
+        let took = CostClock::now().wrapping_sub(begun);
+        counts.lock(|counts| counts.costs.take_below(Part::Messages, took));
+        rtic::pend(TRANSMIT);
+    }
+
+    /// Gives the telemetry's line its next frame: when the last is through, and when there are new ones. The real board's
     /// DMA raises this interrupt; the emulated one has a timer pend it.
     #[task(binds = DMA2_STREAM7, priority = 2, local = [line, frames_out])]
     fn transmit(cx: transmit::Context) {

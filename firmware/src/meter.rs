@@ -52,6 +52,13 @@ impl Costs {
         }
     }
 
+    /// Takes work that was done below a tick, which is none of the tick's.
+    pub fn take_below(&mut self, part: Part, took: u32) {
+        if let Some(cost) = self.parts.get_mut(part.index()) {
+            add(cost, took);
+        }
+    }
+
     /// The parts', in the order of [`Part`].
     pub fn parts(&self) -> Vec<PartCost, MAX_PARTS> {
         self.parts.iter().copied().collect()

@@ -2,8 +2,8 @@
 
 use drivers::Device;
 
-/// How many parts a tick has.
-pub const PARTS: usize = 8;
+/// How many parts there are.
+pub const PARTS: usize = 9;
 
 /// A part of a tick, for what measures what each costs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,8 +23,10 @@ pub enum Part {
     Onboard = 5,
     /// The mission: estimator, latch, monitors.
     Mission = 6,
-    /// Making and queueing the telemetry's messages.
+    /// Handing over what the tick said, for the telemetry's messages.
     Telemetry = 7,
+    /// Making and queueing the telemetry's messages: by a task below the tick, so not a part of what a tick takes.
+    Messages = 8,
 }
 
 impl Part {
@@ -38,6 +40,7 @@ impl Part {
         Self::Onboard,
         Self::Mission,
         Self::Telemetry,
+        Self::Messages,
     ];
 
     /// Its place among the parts.
@@ -58,6 +61,7 @@ impl Part {
             Self::Onboard => "onboard",
             Self::Mission => "mission",
             Self::Telemetry => "telemetry",
+            Self::Messages => "messages_below",
         }
     }
 }

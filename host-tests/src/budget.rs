@@ -58,7 +58,7 @@ pub struct FlightBudget {
     /// Instructions of the dearest tick.
     pub instructions_worst: u32,
     /// Instructions of the dearest tick's telemetry.
-    pub telemetry_instructions_worst: u32,
+    pub messages_instructions_worst: u32,
     /// Instructions by which one tick begins later on its grid than another.
     pub start_jitter_instructions: u64,
 }
@@ -170,7 +170,7 @@ impl Budgets {
     #[must_use]
     pub fn check_flight(&self, name: &str, report: &FlyReport) -> [Check; 5] {
         let budget = &self.flight;
-        let telemetry = report.parts.iter().find(|part| part.part == Part::Telemetry);
+        let telemetry = report.parts.iter().find(|part| part.part == Part::Messages);
         [
             Check::at_most(format!("{name}: stack, bytes"), report.stack_used_bytes, budget.stack_bytes),
             Check::at_most(
@@ -184,9 +184,9 @@ impl Budgets {
                 budget.instructions_worst,
             ),
             Check::at_most(
-                format!("{name}: instructions of a tick's telemetry, worst"),
+                format!("{name}: instructions of a tick's messages, below it, worst"),
                 telemetry.map_or(u32::MAX, |part| part.instructions_worst),
-                budget.telemetry_instructions_worst,
+                budget.messages_instructions_worst,
             ),
             Check::at_most(
                 format!("{name}: jitter of the ticks' beginning, instructions"),

@@ -66,7 +66,7 @@ fn what_leaves_the_usart_is_the_hosts_telemetry_and_pymavlink_reads_every_field_
     flight.check_texts(&messages);
     check_rates(&counts, &flight);
 
-    let part = report.parts.iter().find(|part| part.part == Part::Telemetry).unwrap();
+    let part = report.parts.iter().find(|part| part.part == Part::Messages).unwrap();
     println!(
         "telemetry: {:.0} instructions a tick, {} at worst; {} bytes in {} messages",
         part.instructions_mean,

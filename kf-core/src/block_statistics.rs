@@ -131,6 +131,8 @@ pub struct BlockStatistics {
     /// does not go through all blocks of all series.
     closed: Block,
     closed_means: Line,
+    /// The blocks have doubled since their means were summed up: that is left to the next sample, so that no tick bears both.
+    is_stale: bool,
 }
 
 impl BlockStatistics {
@@ -148,12 +150,16 @@ impl BlockStatistics {
             open_ends_us: 0,
             closed: Block { count: 0, mean: 0.0, squares: 0.0 },
             closed_means: Line::EMPTY,
+            is_stale: false,
         }
     }
 
     /// Adds a finite sample; times increase.
     #[inline]
     pub fn add(&mut self, time_us: u64, sample: f32) {
+        if self.is_stale {
+            self.sum_up();
+        }
         if time_us >= self.open_ends_us {
             self.open_block(time_us);
         }
@@ -182,19 +188,32 @@ impl BlockStatistics {
 
     /// Makes one block of every two.
     fn double(&mut self) {
-        self.closed_means = Line::EMPTY;
         for number in 0..BLOCKS / 2 {
             let merged = self.block(2 * number).merged(self.block(2 * number + 1));
             if let Some(block) = self.blocks.get_mut(number) {
                 *block = merged;
             }
-            self.closed_means = self.closed_means.with(number, merged);
         }
         if let Some(upper) = self.blocks.get_mut(BLOCKS / 2..) {
             upper.fill(Block::default());
         }
         self.open = BLOCKS / 2;
         self.block_us = self.block_us.saturating_mul(2);
+        self.is_stale = true;
+    }
+
+    #[cold]
+    fn sum_up(&mut self) {
+        self.closed_means = self.closed_means();
+        self.is_stale = false;
+    }
+
+    #[inline(never)]
+    fn closed_means(&self) -> Line {
+        if !self.is_stale {
+            return self.closed_means;
+        }
+        (0..self.open).fold(Line::EMPTY, |line, number| line.with(number, self.block(number)))
     }
 
     fn block(&self, number: usize) -> Block {
@@ -204,16 +223,19 @@ impl BlockStatistics {
     fn close(&mut self, number: usize) {
         let block = self.block(number);
         self.closed = self.closed.merged(block);
-        self.closed_means = self.closed_means.with(number, block);
+        if !self.is_stale {
+            self.closed_means = self.closed_means.with(number, block);
+        }
     }
 
     /// The means of all blocks.
     fn means(&self) -> Line {
-        self.closed_means.with(self.open, self.block(self.open))
+        self.closed_means().with(self.open, self.block(self.open))
     }
 
     /// Mean and spread; `None` without two samples.
     #[must_use]
+    #[inline(never)]
     pub fn summary(&self) -> Option<Summary> {
         let all = self.closed.merged(self.block(self.open));
         if all.count < 2 {
@@ -238,6 +260,7 @@ impl BlockStatistics {
 
     /// The same of the later half of the blocks.
     #[must_use]
+    #[inline(never)]
     pub fn later_trend(&self) -> Option<Trend> {
         let from = usize::midpoint(self.open, 1);
         let line = (from..=self.open).fold(Line::EMPTY, |line, number| line.with(number, self.block(number)));
@@ -245,6 +268,7 @@ impl BlockStatistics {
     }
 
     /// Of the blocks from `from` on, whose means are `line`.
+    #[inline(never)]
     fn trend_from(&self, from: usize, line: Line) -> Option<Trend> {
         if (line.count as usize) < FEWEST_FOR_TREND {
             return None;

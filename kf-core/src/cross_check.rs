@@ -30,6 +30,7 @@ impl CrossCheck {
 
     /// The variances of two independent sensors add; what their residuals share, the reference's own
     /// error, is in both bounds and not in the difference, which errs towards silence.
+    #[inline(never)]
     pub(crate) fn begin(&mut self, latch: &LatchRecord) {
         let bound_m2 =
             |sensor: Sensor| latch.sensors.get(sensor.index()).map_or(0.0, |latched| latched.bound_m2);

@@ -41,6 +41,7 @@ impl Correction {
     }
 
     /// At launch.
+    #[inline(never)]
     fn begin(&mut self, kind: &SecondCorrection, latched: &SensorLatch, time_us: u64) {
         match (self, kind) {
             (Self::MovingAverage { average, value_m }, _) => {
@@ -204,6 +205,7 @@ impl FreeFlight {
     }
 
     /// Launch, or a suspicion of it.
+    #[inline(never)]
     pub(crate) fn begin<const E: usize>(&mut self, config: &MissionConfig<E>, latch: &LatchRecord) {
         for (watch, sensor) in self.watches.iter_mut().zip(WATCHED) {
             let latched = latch.sensors.get(sensor.index());

@@ -65,6 +65,7 @@ impl MissionSnapshot {
     ///
     /// # Errors
     /// [`SnapshotError::BufferTooShort`].
+    #[inline(never)]
     pub fn to_bytes(&self, buffer: &mut [u8]) -> Result<usize, SnapshotError> {
         postcard::to_slice(&(SNAPSHOT_VERSION, self), buffer)
             .map(|bytes| bytes.len())

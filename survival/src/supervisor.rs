@@ -16,11 +16,14 @@ pub enum Supervised {
     Stack = 3,
     /// The task that sends the telemetry.
     Transmit = 4,
+    /// The task that makes it.
+    Tell = 5,
 }
 
 impl Supervised {
     /// All of them.
-    pub const ALL: [Self; 5] = [Self::Tick, Self::Feed, Self::Report, Self::Stack, Self::Transmit];
+    pub const ALL: [Self; 6] =
+        [Self::Tick, Self::Feed, Self::Report, Self::Stack, Self::Transmit, Self::Tell];
 
     /// The name used in logs.
     #[must_use]
@@ -31,6 +34,7 @@ impl Supervised {
             Self::Report => "report",
             Self::Stack => "stack",
             Self::Transmit => "transmit",
+            Self::Tell => "tell",
         }
     }
 
@@ -39,7 +43,7 @@ impl Supervised {
     }
 }
 
-const ALL: u32 = 0b1_1111;
+const ALL: u32 = 0b11_1111;
 
 /// What has not been seen since the last feed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -135,6 +135,7 @@ impl<'a> Telemetry<'a> {
 
     /// Takes what a tick said and queues what is due. A tick that was out of order brings nothing but its
     /// count.
+    #[inline(never)]
     pub fn tick(&mut self, said: &Said<'_>, computer: &ComputerStatus) {
         let now_us = said.input.time_us;
         if said.output.out_of_order {
@@ -251,6 +252,7 @@ impl<'a> Telemetry<'a> {
 
     /// Sends a slot's message; says whether it is done with, sent or dropped. What is said once and found no
     /// room is not.
+    #[inline(never)]
     fn send_slot(&mut self, slot: Slot, said: &Said<'_>, computer: &ComputerStatus, now_ms: u32) -> bool {
         match slot {
             Slot::Launch => {

@@ -15,7 +15,7 @@
 //! bias of the accelerometer can not be told from a tilt in straight flight, and is taken for one; so is the Coriolis
 //! acceleration (4 mm/s^2 at 28 m/s), which is not in the model.
 //!
-//! One fix a second is used. The update is spread over the fourteen samples after it: no tick bears all of it.
+//! One fix a second is used. The update is spread over the fifteen samples after it: no tick bears all of it.
 
 use super::sum::Sum;
 use super::vector::{Down, Vector, cross, difference, dot, scaled, sum};
@@ -65,6 +65,7 @@ const REFUSALS: u8 = 5;
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stage {
     Idle,
+    Compare(Fix),
     Propagate {
         seconds: f32,
         gained: [f32; 3],
@@ -86,6 +87,19 @@ enum Component {
     North,
     East,
     Track,
+}
+
+/// A fix, and what was computed for its time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Fix {
+    /// Since the last one, seconds.
+    seconds: f32,
+    /// Integral of the specific force since then, m/s.
+    gained: Vector,
+    velocity_mps: [f32; 2],
+    integrated_mps: [f32; 2],
+    /// North and east parts of the body's x.
+    ahead: [f32; 2],
 }
 
 /// How far a fix is from what was computed for its time.
@@ -191,6 +205,10 @@ impl VelocityMatch {
         }
         match self.stage {
             Stage::Idle => {}
+            Stage::Compare(fix) => {
+                let Fix { seconds, gained, .. } = fix;
+                self.stage = Stage::Propagate { seconds, gained, fix: self.compare(&fix) };
+            }
             Stage::Propagate { seconds, gained, fix } => {
                 self.stage = Stage::Diffuse { state: 0, seconds, fix };
                 if self.propagate(down, seconds, gained).is_err() {
@@ -252,24 +270,35 @@ impl VelocityMatch {
         if self.stage != Stage::Idle || seconds < SHORTEST_S {
             return;
         }
-        let [integrated, fixed] = [self.velocity.map(Sum::value), velocity_mps];
-        let apart = [integrated[0] - fixed[0], integrated[1] - fixed[1]];
         let [north, east, _] = self.axes(down);
-        let ahead = unit([north[0], east[0]], 0.5);
-        let track = unit(velocity_mps, LEAST_SPEED_MPS);
-        let mut fix = Apart { velocity_mps: apart, track: None, turned: 0.0 };
+        self.stage = Stage::Compare(Fix {
+            seconds,
+            gained: self.gained,
+            velocity_mps,
+            integrated_mps: self.velocity.map(Sum::value),
+            ahead: [north[0], east[0]],
+        });
+        self.gained = [0.0; 3];
+        self.fix_us = time_us;
+    }
+
+    /// How far the fix is from what was computed for its time.
+    fn compare(&mut self, fix: &Fix) -> Apart {
+        let ([fixed_north, fixed_east], [north, east]) = (fix.velocity_mps, fix.integrated_mps);
+        let mut apart =
+            Apart { velocity_mps: [north - fixed_north, east - fixed_east], track: None, turned: 0.0 };
+        let ahead = unit(fix.ahead, 0.5);
+        let track = unit(fix.velocity_mps, LEAST_SPEED_MPS);
         if let (Some([ahead_north, ahead_east]), Some([track_north, track_east])) = (ahead, track) {
             let sine = ahead_north * track_east - ahead_east * track_north;
             let cosine = ahead_north * track_north + ahead_east * track_east;
-            let speed_squared: f32 = velocity_mps.iter().map(|part| part * part).sum();
-            fix.track = Some([libm::atan2f(sine, cosine) - self.crab_rad, GUST_M2PS2 / speed_squared]);
+            let speed_squared = fixed_north * fixed_north + fixed_east * fixed_east;
+            apart.track = Some([libm::atan2f(sine, cosine) - self.crab_rad, GUST_M2PS2 / speed_squared]);
             let turned = self.track[0] * track_east - self.track[1] * track_north;
-            fix.turned = turned * turned;
+            apart.turned = turned * turned;
             self.track = [track_north, track_east];
         }
-        self.stage = Stage::Propagate { seconds, gained: self.gained, fix };
-        self.gained = [0.0; 3];
-        self.fix_us = time_us;
+        apart
     }
 
     fn propagate(&mut self, down: &Down, seconds: f32, gained: Vector) -> Result<(), FilterError> {

@@ -134,34 +134,33 @@ impl<const N: usize> UdFilter<0, N> {
     /// Of `transition` only what is right of the diagonal is read.
     ///
     /// # Errors
-    /// [`FilterError::NotFinite`]; the filter is then unchanged.
+    /// [`FilterError::NotFinite`]; the filter is then of no use any more, as nothing is copied for its sake.
     pub fn propagate_upper(&mut self, transition: &[[f32; N]; N]) -> Result<(), FilterError> {
-        let mut next = self.clone();
+        // Not finite if any number that was written is not.
         let mut sum = 0.0;
+        // Row after row: those below are still the old ones.
         for i in 0..N {
+            let mut row = self.factor[i];
+            let (mut state, mut step) = (self.tail_state[i], self.tail_step[i]);
             for k in i + 1..N {
                 let a = transition[i][k];
                 if a == 0.0 {
                     continue;
                 }
-                next.tail_state[i] += a * self.tail_state[k];
-                next.tail_step[i] += a * self.tail_step[k];
-                next.factor[i][k] += a;
+                state += a * self.tail_state[k];
+                step += a * self.tail_step[k];
+                row[k] += a;
                 for j in k + 1..N {
-                    next.factor[i][j] += a * self.factor[k][j];
+                    row[j] += a * self.factor[k][j];
                 }
             }
-            // Not finite if any of them is not.
-            sum += next.tail_state[i] + next.tail_step[i];
+            sum += state + step;
             for j in i + 1..N {
-                sum += next.factor[i][j];
+                sum += row[j];
             }
+            (self.tail_state[i], self.tail_step[i], self.factor[i]) = (state, step, row);
         }
-        if !sum.is_finite() {
-            return Err(FilterError::NotFinite);
-        }
-        *self = next;
-        Ok(())
+        if sum.is_finite() { Ok(()) } else { Err(FilterError::NotFinite) }
     }
 }
 

@@ -39,6 +39,8 @@ pub enum Program {
     Flight(Board),
     /// The benchmark against published filters.
     Bench,
+    /// The check of the copies of aligned memory.
+    CopyCheck,
     /// The mission's tick and nothing else.
     CoreOnly,
     /// The chain of a tick: the drivers and the mission.
@@ -50,6 +52,7 @@ impl Program {
         match self {
             Self::Flight(_) => "flight",
             Self::Bench => "bench",
+            Self::CopyCheck => "copy_check",
             Self::CoreOnly => "core_only",
             Self::ChainOnly => "chain_only",
         }
@@ -59,6 +62,7 @@ impl Program {
         match self {
             Self::Flight(board) => board.feature(),
             Self::Bench => "board-qemu,peers",
+            Self::CopyCheck => "board-qemu",
             Self::CoreOnly | Self::ChainOnly => "",
         }
     }
@@ -71,7 +75,7 @@ impl Program {
                 "--config=profile.firmware.opt-level=3",
                 "--config=profile.firmware.package.kf-core.opt-level=3",
             ],
-            Self::Flight(_) | Self::CoreOnly | Self::ChainOnly => &[],
+            Self::Flight(_) | Self::CopyCheck | Self::CoreOnly | Self::ChainOnly => &[],
         }
     }
 }

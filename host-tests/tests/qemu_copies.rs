@@ -1,0 +1,15 @@
+//! The firmware's own copies of aligned memory, every length of them, in QEMU.
+#![allow(clippy::unwrap_used)]
+
+use std::time::Duration;
+
+use model::Model;
+use pylon::fly::{Program, build, emulate};
+
+#[test]
+fn aligned_copies_of_every_length_copy_that_and_nothing_else() {
+    let image = build(Program::CopyCheck, &Model::default(), None).unwrap();
+    let directory = tempfile::tempdir().unwrap();
+    let emulation = emulate(&image, directory.path(), None, Duration::from_secs(120)).unwrap();
+    assert_eq!(emulation.code, Some(0), "{}", emulation.stderr);
+}
