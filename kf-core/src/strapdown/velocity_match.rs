@@ -120,6 +120,14 @@ const fn row_of(first: usize, second: usize) -> Row<STATES> {
     Row { head: None, tail, first }
 }
 
+/// A state's transition by the angles and by the gyro's bias.
+const fn row([a, b, c]: Vector, [x, y, z]: Vector) -> [f32; STATES] {
+    let mut row = [0.0; STATES];
+    [row[TILT], row[TILT + 1], row[HEADING]] = [a, b, c];
+    [row[BIAS], row[BIAS + 1], row[BIAS + 2]] = [x, y, z];
+    row
+}
+
 /// A direction in the level plane from its components; `None` for too short ones.
 fn unit([north, east]: [f32; 2], least: f32) -> Option<[f32; 2]> {
     let squared = north * north + east * east;
@@ -303,23 +311,20 @@ impl VelocityMatch {
 
     fn propagate(&mut self, down: &Down, seconds: f32, gained: Vector) -> Result<(), FilterError> {
         let axes = self.axes(down);
-        let mut transition = [[0.0; STATES]; STATES];
-        for (angle, [x, y, z]) in axes.into_iter().enumerate() {
-            let [to_x, to_y, to_z] = [-seconds * x, -seconds * y, -seconds * z];
-            transition[TILT + angle][BIAS] = to_x;
-            transition[TILT + angle][BIAS + 1] = to_y;
-            transition[TILT + angle][BIAS + 2] = to_z;
-        }
+        let by_bias = axes.map(|axis| scaled(axis, -seconds));
         // Velocity by the tilt in the middle of the interval: half of what the bias makes of it.
         let [north, east, fall] = gained;
-        for (row, parts) in [(VELOCITY, [0.0, -fall, east]), (VELOCITY + 1, [fall, 0.0, -north])] {
-            for (angle, part) in parts.into_iter().enumerate() {
-                transition[row][TILT + angle] = part;
-                for bias in BIAS..BIAS + 3 {
-                    transition[row][bias] += 0.5 * part * transition[TILT + angle][bias];
-                }
-            }
-        }
+        let velocity = |parts: Vector| {
+            let [a, b, c] = by_bias;
+            let bias = sum(sum(scaled(a, parts[0]), scaled(b, parts[1])), scaled(c, parts[2]));
+            row(parts, scaled(bias, 0.5))
+        };
+        let mut transition = [[0.0; STATES]; STATES];
+        transition[VELOCITY] = velocity([0.0, -fall, east]);
+        transition[VELOCITY + 1] = velocity([fall, 0.0, -north]);
+        transition[TILT] = row([0.0; 3], by_bias[0]);
+        transition[TILT + 1] = row([0.0; 3], by_bias[1]);
+        transition[HEADING] = row([0.0; 3], by_bias[2]);
         self.filter.propagate_upper(&transition)
     }
 
