@@ -66,19 +66,29 @@ fn instructions(echo: bool) -> anyhow::Result<target::TargetBench> {
 }
 
 /// Builds the program that measures one thing a process, and says where it is.
+/// The benchmark's name.
+const BENCHMARK: &str = "figures";
+
 fn program(echo: bool) -> anyhow::Result<PathBuf> {
+    let arguments =
+        ["bench", "--package", "host-tests", "--bench", BENCHMARK, "--no-run", "--message-format", "json"];
+    let said = child::run(&mut workspace::cargo(arguments), echo)?;
+    executable(&said.stdout).context("cargo named no benchmark that it built")
+}
+
+/// The benchmark among what cargo says that it built; a package's programs are built beside it.
+fn executable(messages: &str) -> Option<PathBuf> {
     #[derive(Deserialize)]
     struct Message {
+        target: Target,
         executable: Option<PathBuf>,
     }
-    let arguments =
-        ["bench", "--package", "host-tests", "--bench", "figures", "--no-run", "--message-format", "json"];
-    let said = child::run(&mut workspace::cargo(arguments), echo)?;
-    let messages = said.stdout.lines().filter_map(|line| serde_json::from_str::<Message>(line).ok());
-    messages
-        .filter_map(|message| message.executable)
-        .next_back()
-        .context("cargo named no benchmark that it built")
+    #[derive(Deserialize)]
+    struct Target {
+        name: String,
+    }
+    let messages = messages.lines().filter_map(|line| serde_json::from_str::<Message>(line).ok());
+    messages.filter(|message| message.target.name == BENCHMARK).find_map(|message| message.executable)
 }
 
 fn figures_table(figures: &[Figure]) -> String {
@@ -92,4 +102,19 @@ fn figures_table(figures: &[Figure]) -> String {
         ]);
     }
     table.trim_fmt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_benchmark_is_found_among_the_programs_of_its_package() {
+        let messages = r#"{"reason":"compiler-artifact","target":{"name":"figures"},"executable":"/target/figures-1"}
+{"reason":"compiler-artifact","target":{"name":"endurance"},"executable":"/target/endurance"}
+{"reason":"compiler-artifact","target":{"name":"host_tests"},"executable":null}
+{"reason":"build-finished","success":true}"#;
+        assert_eq!(executable(messages), Some(PathBuf::from("/target/figures-1")));
+        assert_eq!(executable(r#"{"reason":"build-finished","success":false}"#), None);
+    }
 }
