@@ -65,10 +65,10 @@ fn instructions(echo: bool) -> anyhow::Result<target::TargetBench> {
     target::run(echo)
 }
 
-/// Builds the program that measures one thing a process, and says where it is.
 /// The benchmark's name.
 const BENCHMARK: &str = "figures";
 
+/// Builds the program that measures one thing a process, and says where it is.
 fn program(echo: bool) -> anyhow::Result<PathBuf> {
     let arguments =
         ["bench", "--package", "host-tests", "--bench", BENCHMARK, "--no-run", "--message-format", "json"];
