@@ -41,38 +41,37 @@ fn panicked(info: &PanicInfo) -> ! {
     SCB::sys_reset()
 }
 
-/// Takes a stack that is known to be good, and goes on in [`faulted`].
-#[unsafe(naked)]
-#[unsafe(no_mangle)]
-unsafe extern "C" fn HardFault() -> ! {
-    naked_asm!(
-        "mrs r0, msp",
-        "movw r1, #:lower16:{stack}",
-        "movt r1, #:upper16:{stack}",
-        "add r1, r1, #{size}",
-        "msr msp, r1",
-        "b {faulted}",
-        stack = sym CRASH_STACK,
-        size = const CRASH_STACK_BYTES,
-        faulted = sym faulted,
-    )
+/// A handler that takes a stack which is known to be good, and goes on with the address of what the core stacked on the
+/// one that it found.
+macro_rules! on_crash_stack {
+    ($(#[$doc:meta])* $handler:ident => $goes_on:ident) => {
+        $(#[$doc])*
+        #[unsafe(naked)]
+        #[unsafe(no_mangle)]
+        unsafe extern "C" fn $handler() -> ! {
+            naked_asm!(
+                "mrs r0, msp",
+                "movw r1, #:lower16:{stack}",
+                "movt r1, #:upper16:{stack}",
+                "add r1, r1, #{size}",
+                "msr msp, r1",
+                "b {goes_on}",
+                stack = sym CRASH_STACK,
+                size = const CRASH_STACK_BYTES,
+                goes_on = sym $goes_on,
+            )
+        }
+    };
 }
 
-/// The watchdog's timer, at a priority that nothing masks but a critical section of all interrupts.
-#[unsafe(naked)]
-#[unsafe(no_mangle)]
-unsafe extern "C" fn TIM4() -> ! {
-    naked_asm!(
-        "mrs r0, msp",
-        "movw r1, #:lower16:{stack}",
-        "movt r1, #:upper16:{stack}",
-        "add r1, r1, #{size}",
-        "msr msp, r1",
-        "b {stuck}",
-        stack = sym CRASH_STACK,
-        size = const CRASH_STACK_BYTES,
-        stuck = sym stuck,
-    )
+on_crash_stack! {
+    /// Every fault of the core.
+    HardFault => faulted
+}
+
+on_crash_stack! {
+    /// The watchdog's timer, at a priority that nothing masks but a critical section of all interrupts.
+    TIM4 => stuck
 }
 
 extern "C" fn faulted(frame: *const u32) -> ! {

@@ -1,9 +1,9 @@
 //! The flight computer's image: the estimator inside a 200 Hz timer interrupt.
 //!
 //! Priorities: `tick` (TIM2) preempts everything and never waits. Below it `tell` makes the telemetry's messages of what a
-//! tick said, and `transmit` hands the line its next frame. With what time is left `report` writes what the tick said, and `feed` brings the flight record (only the emulated board
-//! has one). All but the first and `transmit` run on interrupts that no device of the board uses, pended by software: to pend one that runs runs
-//! it again.
+//! tick said, and `transmit` hands the line its next frame. With what time is left `report` writes what the tick said, and
+//! `feed` brings the flight record (only the emulated board has one). `tell`, `report` and `feed` run on interrupts that no
+//! device of the board uses, pended by software: to pend one that runs runs it again.
 #![no_std]
 #![no_main]
 
@@ -34,7 +34,7 @@ use survival::{Start, Supervised, Supervisor, TickMark, TickMarks};
 use telemetry::ComputerStatus;
 
 use board::{Board, CostClock, Feeder, Line, Next, Sensors, Sink, Source, Storage, Watchdog};
-use downlink::{Downlink, Frames, FramesOut, Mailbox};
+use downlink::{Downlink, Frames, FramesOut, Told, ToldQueue};
 use flown_model::FlownMission;
 use keeper::Keeper;
 use meter::{Costs, TickMeter};
@@ -90,7 +90,6 @@ mod app {
     struct Shared {
         computer: FlightComputer<Mutated<Sensors>, &'static mut FlownMission>,
         counts: TickCounts,
-        mailbox: Mailbox,
         #[lock_free]
         feeder: Feeder,
     }
@@ -102,6 +101,8 @@ mod app {
         results_in: Producer<'static, TickRecord>,
         results_out: Consumer<'static, TickRecord>,
         sink: Sink,
+        told_in: Producer<'static, Told>,
+        told_out: Consumer<'static, Told>,
         downlink: Downlink,
         line: Line,
         frames_out: FramesOut,
@@ -115,6 +116,7 @@ mod app {
         storage: Storage = Storage::new(),
         mission: MaybeUninit<FlownMission> = MaybeUninit::uninit(),
         results: Queue<TickRecord, RESULTS> = Queue::new(),
+        told: ToldQueue = ToldQueue::new(),
         frames: Frames = Frames::new(),
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
@@ -162,13 +164,13 @@ mod app {
             Err(_) => board::exit(ExitStatus::Configuration),
         };
         let (results_in, results_out) = cx.local.results.split();
+        let (told_in, told_out) = cx.local.told.split();
         let (frames_in, frames_out) = cx.local.frames.split();
         rtic::pend(FEED);
         (
             Shared {
                 computer,
                 counts: TickCounts { start_cost: CostClock::since_reset(), ..TickCounts::default() },
-                mailbox: Mailbox::default(),
                 feeder,
             },
             Local {
@@ -177,6 +179,8 @@ mod app {
                 results_in,
                 results_out,
                 sink,
+                told_in,
+                told_out,
                 downlink: Downlink::new(frames_in),
                 line,
                 frames_out,
@@ -199,15 +203,14 @@ mod app {
     #[task(
         binds = TIM2,
         priority = 3,
-        local = [timer, source, results_in, marks, watchdog],
-        shared = [computer, counts, mailbox],
+        local = [timer, source, results_in, told_in, marks, watchdog],
+        shared = [computer, counts],
     )]
     fn tick(cx: tick::Context) {
         let begun = CostClock::time();
-        let tick::LocalResources { timer, source, results_in, marks, watchdog, .. } = cx.local;
+        let tick::LocalResources { timer, source, results_in, told_in, marks, watchdog, .. } = cx.local;
         let mut computer = cx.shared.computer;
         let mut counts = cx.shared.counts;
-        let mut mailbox = cx.shared.mailbox;
         timer.acknowledge();
         SUPERVISOR.is_alive(Supervised::Tick);
         if stack::is_whole() {
@@ -223,9 +226,12 @@ mod app {
                     let mut meter = TickMeter::start();
                     let step = computer.tick_measured(now_us, &mut |part| meter.lap(part));
                     let sensor_faults = computer.sensors.faults().count;
-                    let status = ComputerStatus { sensor_faults, ..computer_status };
-                    let was_taken =
-                        mailbox.lock(|mailbox| mailbox.put(&step, computer.mission.counters(), status));
+                    let told = Told {
+                        step: step.clone(),
+                        counters: *computer.mission.counters(),
+                        computer: ComputerStatus { sensor_faults, ..computer_status },
+                    };
+                    let is_told = told_in.enqueue(told).is_ok();
                     meter.lap(Part::Telemetry);
                     if !step.output.out_of_order {
                         marks.keep(&TickMark {
@@ -235,15 +241,16 @@ mod app {
                             free_flight: computer.mission.latch().is_some(),
                         });
                     }
+                    meter.lap(Part::Mark);
                     strike::strike(now_us);
-                    Ok((meter, step, sensor_faults, was_taken))
+                    Ok((meter, step, sensor_faults, is_told))
                 }
                 otherwise => Err(otherwise),
             });
         match stepped {
-            Ok((meter, Step { input, output }, sensor_faults, was_taken)) => {
+            Ok((meter, Step { input, output }, sensor_faults, is_told)) => {
                 counts.lock(|counts| {
-                    counts.untold = counts.untold.saturating_add(u32::from(!was_taken));
+                    counts.untold = counts.untold.saturating_add(u32::from(!is_told));
                     counts.longest = counts.longest.max(meter.total());
                     counts.ticks = counts.ticks.saturating_add(1);
                     counts.costs.take(&meter);
@@ -266,24 +273,25 @@ mod app {
         rtic::pend(FEED);
     }
 
-    /// Makes the telemetry's messages of what a tick said.
-    #[task(binds = EXTI2, priority = 2, local = [downlink], shared = [computer, counts, mailbox])]
+    /// Makes the telemetry's messages of what the ticks said.
+    #[task(binds = EXTI2, priority = 2, local = [told_out, downlink], shared = [computer, counts])]
     fn tell(cx: tell::Context) {
-        let downlink = cx.local.downlink;
-        let (mut computer, mut counts, mut mailbox) =
-            (cx.shared.computer, cx.shared.counts, cx.shared.mailbox);
-        let begun = CostClock::now();
+        let tell::LocalResources { told_out, downlink, .. } = cx.local;
+        let mut computer = cx.shared.computer;
+        let mut counts = cx.shared.counts;
         SUPERVISOR.is_alive(Supervised::Tell);
-        if !mailbox.lock(|mailbox| mailbox.change(&mut downlink.told)) {
-            return;
+        while let Some(told) = told_out.peek() {
+            let begun = CostClock::now();
+            if downlink.lacks_latch(told) {
+                downlink.take_latch(computer.lock(|computer| computer.mission.latch().cloned()));
+            }
+            downlink.tell(told);
+            // It has been looked at where it lies.
+            drop(told_out.dequeue());
+            let took = CostClock::now().wrapping_sub(begun);
+            counts.lock(|counts| counts.costs.take_below(Part::Messages, took));
+            rtic::pend(TRANSMIT);
         }
-        if downlink.lacks_latch() {
-            downlink.take_latch(computer.lock(|computer| computer.mission.latch().cloned()));
-        }
-        downlink.tell();
-        let took = CostClock::now().wrapping_sub(begun);
-        counts.lock(|counts| counts.costs.take_below(Part::Messages, took));
-        rtic::pend(TRANSMIT);
     }
 
     /// Gives the telemetry's line its next frame: when the last is through, and when there are new ones. The real board's

@@ -3,7 +3,7 @@
 use drivers::Device;
 
 /// How many parts there are.
-pub const PARTS: usize = 9;
+pub const PARTS: usize = 10;
 
 /// A part of a tick, for what measures what each costs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,8 +25,10 @@ pub enum Part {
     Mission = 6,
     /// Handing over what the tick said, for the telemetry's messages.
     Telemetry = 7,
+    /// Keeping the mark that a restart goes on from.
+    Mark = 8,
     /// Making and queueing the telemetry's messages: by a task below the tick, so not a part of what a tick takes.
-    Messages = 8,
+    Messages = 9,
 }
 
 impl Part {
@@ -40,6 +42,7 @@ impl Part {
         Self::Onboard,
         Self::Mission,
         Self::Telemetry,
+        Self::Mark,
         Self::Messages,
     ];
 
@@ -61,6 +64,7 @@ impl Part {
             Self::Onboard => "onboard",
             Self::Mission => "mission",
             Self::Telemetry => "telemetry",
+            Self::Mark => "mark",
             Self::Messages => "messages_below",
         }
     }
