@@ -25,6 +25,8 @@ pub struct Budgets {
     pub image: ImageBudget,
     /// An emulated flight.
     pub flight: FlightBudget,
+    /// What differs with four effects as states.
+    pub four_effects: FourEffectsBudget,
     /// A restart in flight.
     pub restart: RestartBudget,
     /// The image of the mission's tick alone.
@@ -61,6 +63,16 @@ pub struct FlightBudget {
     pub messages_instructions_worst: u32,
     /// Instructions by which one tick begins later on its grid than another.
     pub start_jitter_instructions: u64,
+}
+
+/// What differs with four effects as states.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FourEffectsBudget {
+    /// Instructions of the dearest tick.
+    pub instructions_worst: u32,
+    /// Flash of the flight computer's image, bytes.
+    pub flash_bytes: u64,
 }
 
 /// A restart in flight.
@@ -105,6 +117,12 @@ pub struct Check {
 }
 
 impl Check {
+    /// For those who want to see what was measured: one line.
+    #[must_use]
+    pub fn line(&self) -> String {
+        format!("{}: {} ({})", self.what, self.measured, self.budget)
+    }
+
     fn at_most<T: PartialOrd + Display>(what: impl Into<String>, measured: T, budget: T) -> Self {
         let kept = measured <= budget;
         Self { what: what.into(), measured: measured.to_string(), budget: format!("<= {budget}"), kept }
@@ -170,7 +188,7 @@ impl Budgets {
     #[must_use]
     pub fn check_flight(&self, name: &str, report: &FlyReport) -> [Check; 5] {
         let budget = &self.flight;
-        let telemetry = report.parts.iter().find(|part| part.part == Part::Messages);
+        let messages = report.parts.iter().find(|part| part.part == Part::Messages);
         [
             Check::at_most(format!("{name}: stack, bytes"), report.stack_used_bytes, budget.stack_bytes),
             Check::at_most(
@@ -185,7 +203,7 @@ impl Budgets {
             ),
             Check::at_most(
                 format!("{name}: instructions of a tick's messages, below it, worst"),
-                telemetry.map_or(u32::MAX, |part| part.instructions_worst),
+                messages.map_or(u32::MAX, |part| part.instructions_worst),
                 budget.messages_instructions_worst,
             ),
             Check::at_most(
@@ -193,6 +211,20 @@ impl Budgets {
                 report.start_jitter,
                 budget.start_jitter_instructions,
             ),
+        ]
+    }
+
+    /// Checks an emulated flight with four effects as states, and the flight computer's image for it.
+    #[must_use]
+    pub fn check_four_effects(&self, report: &FlyReport, image: &Image) -> [Check; 2] {
+        let budget = &self.four_effects;
+        [
+            Check::at_most(
+                "four effects: instructions a tick, worst",
+                report.instructions_worst,
+                budget.instructions_worst,
+            ),
+            Check::at_most("four effects, F405: flash, bytes", image.flash_bytes, budget.flash_bytes),
         ]
     }
 

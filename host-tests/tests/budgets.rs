@@ -1,16 +1,23 @@
 //! The firmware keeps its budgets (`firmware/budgets.toml`).
 //!
 //! Needs qemu-system-arm and the Rust target; without them the tests fail and say what to install
-//! (`cargo xtask test` installs it).
+//! (`cargo xtask test` installs it). `cargo test -p host-tests --test budgets -- --show-output` says what was measured.
 #![allow(clippy::unwrap_used, clippy::panic)]
+
+use std::path::Path;
 
 use host_tests::bench;
 use host_tests::budget::{Budgets, Check};
 use kf_core::input::{BaroReading, GpsFix, TickInput};
 use model::Model;
-use pylon::fly::{FlyOptions, fly_inputs};
+use pylon::fly::{Board, FlyOptions, FlyReport, Image, Program, SensorSource, build, fly_inputs};
+use pylon::replay::Replay;
+use pylon::simulate::{Scenario, simulate};
 
 fn assert_kept(checks: &[Check]) {
+    for check in checks {
+        println!("{}", check.line());
+    }
     let broken: Vec<&Check> = checks.iter().filter(|check| !check.kept).collect();
     assert!(broken.is_empty(), "{broken:#?}");
 }
@@ -30,7 +37,7 @@ fn the_tick_keeps_its_instructions() {
 #[test]
 fn a_flight_keeps_its_stack_and_instructions() {
     let budgets = Budgets::read().unwrap();
-    // 15 s captive and 5 s free, with everything new at every tick: the dearest ticks there are.
+    // 15 s captive and 5 s free, with everything new at every tick; the drivers and the strapdown channel have their own below.
     let inputs = (0..4_000_u64).map(|k| TickInput {
         time_us: k * 5_000,
         launch: k >= 3_000,
@@ -53,4 +60,46 @@ fn a_flight_keeps_its_stack_and_instructions() {
         assert!(report.latch.is_some());
         assert_kept(&budgets.check_flight(name, &report));
     }
+}
+
+/// `flights/quickstart.toml` (simulated) through the chips and their drivers, with or without a unit that delivers `imu_slave`.
+fn quickstart(model: &Model, has_slave: bool) -> FlyReport {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../flights/quickstart.toml");
+    let scenario = Scenario::load(&file).unwrap();
+    let (flight, _) = simulate(&scenario, scenario.seed).unwrap();
+    let replay = Replay::new(&flight, model, None).unwrap();
+    let inputs = replay.inputs().map(|input| TickInput {
+        imu_slave_altitude_m: input.imu_slave_altitude_m.filter(|_| has_slave),
+        ..input
+    });
+    let options = FlyOptions { sensors: SensorSource::Chips, ..FlyOptions::default() };
+    let report = fly_inputs(inputs, model, &options).unwrap_or_else(|error| panic!("{error}"));
+    println!("{} instructions a tick, {} at worst", report.instructions_mean, report.instructions_worst);
+    for part in &report.parts {
+        println!("  {}: {}, {}", part.part.name(), part.instructions_mean, part.instructions_worst);
+    }
+    report
+}
+
+/// The whole tick: drivers, launch, strapdown channel as `imu_slave`, estimator, telemetry, mark. With a unit that delivers
+/// `imu_slave`, and with the paper's model, `qemu_chips` flies it and asks the same.
+#[test]
+fn a_flight_on_chips_with_the_strapdown_channel_keeps_its_instructions() {
+    let report = quickstart(&Model::default(), false);
+    assert!(report.latch.as_ref().unwrap().sensors[1].readings > 1_000, "the channel delivers");
+    assert_kept(&Budgets::read().unwrap().check_flight("quickstart, strapdown", &report));
+}
+
+#[test]
+fn four_effects_as_states_take_no_more_than_they_do() {
+    let effects: String = [("dynamic_pressure", 0.05), ("lag", 0.3), ("temperature", 0.2), ("scale", 0.02)]
+        .map(|(name, sigma)| {
+            format!("[[effect]]\nid = \"baro.{name}\"\ncoefficient = 0.0\nsigma = {sigma}\nestimate = true\n")
+        })
+        .concat();
+    let model = Model::parse(&effects).unwrap();
+    let report = quickstart(&model, true);
+    assert_eq!(report.latch.as_ref().unwrap().state.len(), 8);
+    let image = Image::read(&build(Program::Flight(Board::F405), &model, None).unwrap()).unwrap();
+    assert_kept(&Budgets::read().unwrap().check_four_effects(&report, &image));
 }

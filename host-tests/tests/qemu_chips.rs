@@ -11,6 +11,7 @@ mod ticks;
 use std::path::Path;
 
 use flight_computer::Step;
+use host_tests::budget::Budgets;
 use kf_core::input::{BaroReading, ImuSample, TickInput};
 use kf_core::output::{Rejection, Trust};
 use kf_core::quality::{Check, FailedChecks};
@@ -55,6 +56,8 @@ fn check_healthy(name: &str, report: &FlyReport) {
         println!("{name}: {sensor:?}, difference {:+.4} m", sensor.difference_m());
         assert!(sensor.is_within_bound(), "{name}: {sensor:?}, difference {}", sensor.difference_m());
     }
+    let checks = Budgets::read().unwrap().check_flight(name, report);
+    assert!(checks.iter().all(|check| check.kept), "{checks:#?}");
     // The bits were compared of ticks in which the drivers had something to do.
     for part in &report.parts {
         assert!(part.instructions_mean > 10.0, "{name}: {part:?}");
