@@ -2,6 +2,8 @@
 
 /// How many blocks are kept.
 const BLOCKS: usize = 32;
+/// How many are left of them when every two become one.
+const HALF: usize = BLOCKS / 2;
 /// Length of a block at first, microseconds.
 const FIRST_BLOCK_US: u64 = 1_000_000;
 /// Fewest blocks that a trend is computed from: two parameters, and three to judge them by.
@@ -16,6 +18,8 @@ struct Block {
 }
 
 impl Block {
+    const EMPTY: Self = Self { count: 0, mean: 0.0, squares: 0.0 };
+
     /// Welford's update.
     #[inline]
     fn add(&mut self, sample: f32) {
@@ -121,50 +125,61 @@ pub struct Trend {
 /// Block means of a series: at most 32 blocks, which double in length when they run out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlockStatistics {
+    /// Those before the one that is being filled. While there are pairs to be merged, all but the first `merged` are still of
+    /// half the length, two in the place of one.
     blocks: [Block; BLOCKS],
+    /// How many pairs have been merged since the blocks doubled; [`HALF`]: all. Before that no block closes.
+    merged: usize,
     start_us: Option<u64>,
     block_us: u64,
-    /// Number of the block that is being filled, and where it ends.
+    /// The block that is being filled, its number, and where it ends.
+    filling: Block,
     open: usize,
     open_ends_us: u64,
-    /// Of the blocks before that one: their samples together, and their means. Kept, so that the tick that latches
-    /// does not go through all blocks of all series.
+    /// Of the blocks before that one: their samples together, and the means of those that are merged. Kept, so that the
+    /// tick that latches does not go through all blocks of all series.
     closed: Block,
     closed_means: Line,
-    /// The blocks have doubled since their means were summed up: that is left to the next sample, so that no tick bears both.
-    is_stale: bool,
 }
 
 impl BlockStatistics {
-    /// Of nothing yet, with blocks of a second and `place` hundredths: series that begin in the same tick and differ in
-    /// `place` (0 to 9) run out of blocks, which costs, in different ones.
+    /// Of nothing yet.
     ///
-    /// To be called in a constant, so that it is written where it stays: these blocks are most of what a mission
+    /// To be used as the constant it is, so that it is written where it stays: these blocks are most of what a mission
     /// keeps, and copies of them on the way were most of the stack.
-    pub const fn staggered(place: u8) -> Self {
-        Self {
-            blocks: [Block { count: 0, mean: 0.0, squares: 0.0 }; BLOCKS],
-            start_us: None,
-            block_us: FIRST_BLOCK_US + FIRST_BLOCK_US / 100 * place as u64,
-            open: 0,
-            open_ends_us: 0,
-            closed: Block { count: 0, mean: 0.0, squares: 0.0 },
-            closed_means: Line::EMPTY,
-            is_stale: false,
-        }
+    pub const EMPTY: Self = Self {
+        blocks: [Block::EMPTY; BLOCKS],
+        merged: HALF,
+        start_us: None,
+        block_us: FIRST_BLOCK_US,
+        filling: Block::EMPTY,
+        open: 0,
+        open_ends_us: 0,
+        closed: Block::EMPTY,
+        closed_means: Line::EMPTY,
+    };
+
+    /// Makes the first blocks longer by `place` hundredths (0 to 9): series that begin in the same tick and differ in that run
+    /// out of blocks, which costs, in different ones. Before the first sample.
+    pub const fn stagger(&mut self, place: u8) {
+        self.block_us = FIRST_BLOCK_US + FIRST_BLOCK_US / 100 * place as u64;
     }
 
     /// Adds a finite sample; times increase.
     #[inline]
     pub fn add(&mut self, time_us: u64, sample: f32) {
-        if self.is_stale {
-            self.sum_up();
-        }
         if time_us >= self.open_ends_us {
             self.open_block(time_us);
         }
-        if let Some(block) = self.blocks.get_mut(self.open) {
-            block.add(sample);
+        self.filling.add(sample);
+    }
+
+    /// Does a part of what is left to do since the blocks doubled, if anything is. Nothing but time is lost where it is not called: what is
+    /// left when the next block closes is done then, at once.
+    #[inline]
+    pub fn tidy(&mut self) {
+        if self.merged < HALF {
+            self.merge_pair();
         }
     }
 
@@ -177,67 +192,69 @@ impl BlockStatistics {
         }
         // Ends: a step moves the end on by a block, and sixteen double the block. 2^64 us are 49 doublings of a second.
         while time_us >= self.open_ends_us && self.open_ends_us < u64::MAX {
-            self.close(self.open);
-            self.open += 1;
+            self.close();
             if self.open == BLOCKS {
-                self.double();
+                self.open = HALF;
+                self.merged = 0;
+                self.closed_means = Line::EMPTY;
+                self.block_us = self.block_us.saturating_mul(2);
             }
             self.open_ends_us = self.open_ends_us.saturating_add(self.block_us);
         }
     }
 
-    /// Makes one block of every two.
-    fn double(&mut self) {
-        for number in 0..BLOCKS / 2 {
-            let merged = self.block(2 * number).merged(self.block(2 * number + 1));
-            if let Some(block) = self.blocks.get_mut(number) {
-                *block = merged;
-            }
+    /// Closes the block that is being filled.
+    fn close(&mut self) {
+        while self.merged < HALF {
+            self.merge_pair();
         }
-        if let Some(upper) = self.blocks.get_mut(BLOCKS / 2..) {
-            upper.fill(Block::default());
+        let block = core::mem::take(&mut self.filling);
+        self.closed = self.closed.merged(block);
+        self.closed_means = self.closed_means.with(self.open, block);
+        if let Some(place) = self.blocks.get_mut(self.open) {
+            *place = block;
         }
-        self.open = BLOCKS / 2;
-        self.block_us = self.block_us.saturating_mul(2);
-        self.is_stale = true;
+        self.open += 1;
     }
 
-    #[cold]
-    fn sum_up(&mut self) {
-        self.closed_means = self.closed_means();
-        self.is_stale = false;
+    /// Makes one block of the next two.
+    #[inline(never)]
+    fn merge_pair(&mut self) {
+        let block = self.block(self.merged);
+        if let Some(place) = self.blocks.get_mut(self.merged) {
+            *place = block;
+        }
+        self.closed_means = self.closed_means.with(self.merged, block);
+        self.merged += 1;
+    }
+
+    /// The block of that number, whether or not it has been merged.
+    fn block(&self, number: usize) -> Block {
+        let kept = |place: usize| self.blocks.get(place).copied().unwrap_or_default();
+        if number == self.open {
+            self.filling
+        } else if (self.merged..HALF).contains(&number) {
+            kept(2 * number).merged(kept(2 * number + 1))
+        } else {
+            kept(number)
+        }
     }
 
     #[inline(never)]
     fn closed_means(&self) -> Line {
-        if !self.is_stale {
-            return self.closed_means;
-        }
-        (0..self.open).fold(Line::EMPTY, |line, number| line.with(number, self.block(number)))
-    }
-
-    fn block(&self, number: usize) -> Block {
-        self.blocks.get(number).copied().unwrap_or_default()
-    }
-
-    fn close(&mut self, number: usize) {
-        let block = self.block(number);
-        self.closed = self.closed.merged(block);
-        if !self.is_stale {
-            self.closed_means = self.closed_means.with(number, block);
-        }
+        (self.merged..HALF).fold(self.closed_means, |line, number| line.with(number, self.block(number)))
     }
 
     /// The means of all blocks.
     fn means(&self) -> Line {
-        self.closed_means().with(self.open, self.block(self.open))
+        self.closed_means().with(self.open, self.filling)
     }
 
     /// Mean and spread; `None` without two samples.
     #[must_use]
     #[inline(never)]
     pub fn summary(&self) -> Option<Summary> {
-        let all = self.closed.merged(self.block(self.open));
+        let all = self.closed.merged(self.filling);
         if all.count < 2 {
             return None;
         }
@@ -277,7 +294,7 @@ impl BlockStatistics {
         // From the residuals themselves: squares less what the line explains would cancel.
         let mut squares = 0.0;
         let mut along = from as f32 - line.number;
-        for block in self.blocks.get(from..=self.open).unwrap_or(&[]) {
+        for block in (from..=self.open).map(|number| self.block(number)) {
             if block.count > 0 {
                 let residual = block.mean - line.mean - slope * along;
                 squares += residual * residual;
@@ -296,7 +313,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn filled(samples: impl Iterator<Item = f32>, period_us: u64) -> BlockStatistics {
-        let mut statistics = BlockStatistics::staggered(0);
+        let mut statistics = BlockStatistics::EMPTY;
         for (k, x) in samples.enumerate() {
             statistics.add(1_000 + k as u64 * period_us, x);
         }
@@ -349,6 +366,35 @@ mod tests {
             prop_assert!((f64::from(summary.variance).sqrt() - (squares / (n - 1.0)).sqrt()).abs() < 1e-1);
         }
 
+        /// Against the samples sorted into blocks anew, however much is left to do since the blocks doubled.
+        #[test]
+        fn a_block_has_the_samples_of_its_time(
+            samples in prop::collection::vec(-1e3_f32..1e3, 1..500),
+            period_us in 1_000_u64..10_000_000,
+            tidied in 0_usize..3,
+        ) {
+            let mut statistics = BlockStatistics::EMPTY;
+            let mut untidied = BlockStatistics::EMPTY;
+            for (k, sample) in samples.iter().enumerate() {
+                statistics.add(k as u64 * period_us, *sample);
+                untidied.add(k as u64 * period_us, *sample);
+                (0..tidied).for_each(|_| statistics.tidy());
+            }
+            prop_assert_eq!(statistics.summary(), untidied.summary());
+            prop_assert_eq!(statistics.trend(), untidied.trend());
+            prop_assert_eq!(statistics.later_trend(), untidied.later_trend());
+            let mut blocks = vec![(0_u32, 0.0_f64); BLOCKS];
+            for (k, sample) in samples.iter().enumerate() {
+                let block = &mut blocks[(k as u64 * period_us / statistics.block_us) as usize];
+                *block = (block.0 + 1, block.1 + f64::from(*sample));
+            }
+            for (number, (count, sum)) in blocks.into_iter().enumerate().take(statistics.open + 1) {
+                let block = statistics.block(number);
+                prop_assert_eq!(block.count, count, "{} of {}", number, statistics.open);
+                prop_assert!(count == 0 || (f64::from(block.mean) - sum / f64::from(count)).abs() < 1e-2);
+            }
+        }
+
         /// What is kept of the closed blocks, against all blocks in f64: a block forgotten or counted twice when
         /// they double in length would show.
         #[test]
@@ -359,8 +405,8 @@ mod tests {
             let statistics = filled(samples.into_iter(), period_us);
             for (from, trend) in [(0, statistics.trend()), (statistics.open.div_ceil(2), statistics.later_trend())] {
                 let points: Vec<(f64, f64)> = (from..=statistics.open)
-                    .filter(|number| statistics.blocks[*number].count > 0)
-                    .map(|number| (number as f64, f64::from(statistics.blocks[number].mean)))
+                    .filter(|number| statistics.block(*number).count > 0)
+                    .map(|number| (number as f64, f64::from(statistics.block(number).mean)))
                     .collect();
                 let n = points.len() as f64;
                 let mean = points.iter().map(|(_, y)| y).sum::<f64>() / n;

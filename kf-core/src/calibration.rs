@@ -1,24 +1,24 @@
 //! Captive flight: the biases are estimated, and what their quality is judged by is gathered.
 
-use crate::block_statistics::{BlockStatistics, Trend};
+use crate::block_statistics::BlockStatistics;
 use crate::config::{MissionConfig, SigmaSource};
-use crate::effect::EffectSubject;
+use crate::effect::{ActingEffects, EffectSubject};
 use crate::error::FilterError;
 use crate::estimator::{ConfigError, Estimator, MeasurementNoise};
-use crate::gauss_markov::{drift_variance_factor, mean_variance_factor};
+use crate::gauss_markov::mean_variance_factor;
 use crate::latch::{LatchRecord, SensorLatch, collected};
 use crate::quality::{Check, FailedChecks};
 use crate::reference::{AcceptedFix, ReferenceTracker};
 use crate::sensor::{SENSORS, Sensor};
 use crate::time::seconds_between;
 
+pub(crate) use statistical_checks::StatisticalChecks;
+
 /// Error of a climb rate that is not measured (1 sigma, m/s): the altitude may then do what an
 /// aircraft does.
 const UNKNOWN_CLIMB_RATE_MPS: f32 = 10.0;
 /// An innovation beyond this many sigmas is implausible.
 const IMPLAUSIBLE_SIGMAS: f32 = 3.0;
-/// A drift counts when it is beyond this many of its standard errors.
-const SIGNIFICANT_SIGMAS: f32 = 3.0;
 
 /// An innovation in metres, and its normalised square with the innovation's sign.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,6 +86,7 @@ pub(crate) struct CaptiveStep {
 #[derive(Clone, Debug)]
 pub(crate) struct Calibration<const HEAD: usize, const TAIL: usize, const E: usize> {
     estimator: Estimator<HEAD, TAIL, E>,
+    acting: ActingEffects,
     /// The altitude has a prior: from the configuration, or the first fix.
     has_altitude: bool,
     /// A fix has been used.
@@ -99,6 +100,8 @@ pub(crate) struct Calibration<const HEAD: usize, const TAIL: usize, const E: usi
     altitude: BlockStatistics,
     airspeed_squared: BlockStatistics,
     reference_drift: BlockStatistics,
+    /// The series that is tidied next.
+    turn: u8,
     innovations: u32,
     implausible: u32,
     reference_was_lost: bool,
@@ -116,6 +119,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         }
         Ok(Self {
             estimator: Estimator::new(config, reference.prior_altitude_m.unwrap_or(0.0))?,
+            acting: ActingEffects::of(config),
             has_altitude: reference.prior_altitude_m.is_some(),
             has_fix: false,
             reference_noise: SourceNoise::new(reference.sigma_m, reference.correlation_time_s)?,
@@ -123,18 +127,44 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
             start_us: None,
             propagated_us: 0,
             last_reading_us: [None; SENSORS],
-            residuals: [
-                const { BlockStatistics::staggered(0) },
-                const { BlockStatistics::staggered(1) },
-                const { BlockStatistics::staggered(2) },
-            ],
-            altitude: const { BlockStatistics::staggered(3) },
-            airspeed_squared: const { BlockStatistics::staggered(4) },
-            reference_drift: const { BlockStatistics::staggered(5) },
+            residuals: [const { BlockStatistics::EMPTY }; SENSORS],
+            altitude: BlockStatistics::EMPTY,
+            airspeed_squared: BlockStatistics::EMPTY,
+            reference_drift: BlockStatistics::EMPTY,
+            turn: 0,
             innovations: 0,
             implausible: 0,
             reference_was_lost: false,
         })
+    }
+
+    /// One series a tick: no tick bears more of what is left to do for them.
+    #[inline(never)]
+    fn tidy(&mut self) {
+        let sensors = self.residuals.len();
+        let turn = usize::from(self.turn);
+        let series = match turn.checked_sub(sensors) {
+            None => self.residuals.get_mut(turn),
+            Some(0) => Some(&mut self.altitude),
+            Some(1) => Some(&mut self.airspeed_squared),
+            Some(_) => Some(&mut self.reference_drift),
+        };
+        if let Some(series) = series {
+            series.tidy();
+        }
+        self.turn = if turn > sensors + 1 { 0 } else { self.turn + 1 };
+    }
+
+    /// No two of the series are to run out of blocks in the same tick.
+    fn stagger(&mut self) {
+        let others = [&mut self.altitude, &mut self.airspeed_squared, &mut self.reference_drift];
+        for (place, statistics) in (0..).zip(self.residuals.iter_mut().chain(others)) {
+            statistics.stagger(place);
+        }
+    }
+
+    pub(crate) const fn acting(&self) -> &ActingEffects {
+        &self.acting
     }
 
     pub(crate) const fn estimator(&self) -> &Estimator<HEAD, TAIL, E> {
@@ -156,7 +186,9 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         if self.start_us.is_none() {
             self.start_us = Some(time_us);
             self.propagated_us = time_us;
+            self.stagger();
         }
+        self.tidy();
         if !tracker.is_fresh(time_us) {
             self.reference_was_lost |= self.has_altitude && tracker.last_fix().is_some();
             return step;
@@ -192,24 +224,26 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
             step.reference = Some(Err(FilterError::NotFinite));
             return step;
         }
-        if let (Some(fix), &[Some(master), Some(slave), Some(baro)]) = (fix, readings_m) {
+        // With effects the filter's state has no place in the registers anyway: a second copy of every update, unrolled, would
+        // be flash for nothing.
+        if let (0, Some(fix), &[Some(master), Some(slave), Some(baro)]) = (E, fix, readings_m) {
             let readings_m = [master, slave, baro];
-            if let Some(step) = self.take_together(config, time_us, fix, &readings_m, regressors_m) {
+            if let Some(step) = self.take_together(time_us, fix, &readings_m, regressors_m) {
                 return step;
             }
         }
         if let Some(fix) = fix {
             let noise = self.reference_noise.equivalent(fix.interval_s);
-            let own_m = own_regressors(config, EffectSubject::Gps, regressors_m);
+            let own_m = self.acting.own_regressors(EffectSubject::Gps, regressors_m);
             let result = self.estimator.update_reference(fix.altitude_m, &own_m, noise);
             let surprise = result.map(|innovation| self.reference_noise.surprise(innovation, noise));
             self.judge(surprise);
             step.reference = Some(surprise);
         }
         step.sensors = [
-            self.take_reading::<0>(config, time_us, readings_m, regressors_m),
-            self.take_reading::<1>(config, time_us, readings_m, regressors_m),
-            self.take_reading::<2>(config, time_us, readings_m, regressors_m),
+            self.take_reading::<0>(time_us, readings_m, regressors_m),
+            self.take_reading::<1>(time_us, readings_m, regressors_m),
+            self.take_reading::<2>(time_us, readings_m, regressors_m),
         ];
         self.estimator.fold();
         step
@@ -220,7 +254,6 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
     #[inline(always)]
     fn take_together(
         &mut self,
-        config: &MissionConfig<E>,
         time_us: u64,
         fix: AcceptedFix,
         readings_m: &[f32; SENSORS],
@@ -228,9 +261,9 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
     ) -> Option<CaptiveStep> {
         let reference_noise = self.reference_noise.equivalent(fix.interval_s);
         let noise = core::array::from_fn(|i| self.noise_now(i, time_us));
-        let reference_m = own_regressors(config, EffectSubject::Gps, regressors_m);
+        let reference_m = self.acting.own_regressors(EffectSubject::Gps, regressors_m);
         let own_m =
-            Sensor::ALL.map(|sensor| own_regressors(config, EffectSubject::Sensor(sensor), regressors_m));
+            Sensor::ALL.map(|sensor| self.acting.own_regressors(EffectSubject::Sensor(sensor), regressors_m));
         let (reference, sensors) = self
             .estimator
             .update_together(fix.altitude_m, &reference_m, reference_noise, readings_m, &own_m, &noise)
@@ -289,14 +322,13 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
     #[inline(always)]
     fn take_reading<const SENSOR: usize>(
         &mut self,
-        config: &MissionConfig<E>,
         time_us: u64,
         readings_m: &[Option<f32>; SENSORS],
         regressors_m: &[f32; E],
     ) -> Option<Result<Surprise, FilterError>> {
         let reading_m = readings_m[SENSOR]?;
         let noise = self.noise_now(SENSOR, time_us);
-        let own_m = own_regressors(config, EffectSubject::Sensor(Sensor::ALL[SENSOR]), regressors_m);
+        let own_m = self.acting.own_regressors(EffectSubject::Sensor(Sensor::ALL[SENSOR]), regressors_m);
         let result = self.estimator.update_sensor::<SENSOR>(reading_m, &own_m, noise);
         let surprise = result.map(|innovation| self.sensor_noise[SENSOR].surprise(innovation, noise));
         if surprise.is_ok() {
@@ -329,7 +361,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         self.airspeed_squared.add(time_us, airspeed_squared_m2ps2);
     }
 
-    /// Copies the calibration at launch.
+    /// Copies the calibration at launch. Its failed checks are without those of [`StatisticalChecks`].
     pub(crate) fn latch(
         &self,
         config: &MissionConfig<E>,
@@ -369,108 +401,18 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         failed.note(Check::SensorsAlive, sensors_alive);
         let is_fresh = tracker.is_fresh(time_us) && !self.reference_was_lost;
         failed.note(Check::ReferenceFresh, is_fresh);
-        self.check_statistics(config, duration_s, tracker, &mut failed);
 
-        let states = 1 + SENSORS + E;
         let biases = Sensor::ALL.map(|sensor| self.estimator.bias_m(sensor));
         let coefficients = self.estimator.coefficients();
         let values = core::iter::once(self.estimator.altitude_m()).chain(biases).chain(coefficients);
         let state = collected(values);
-        let triangle = (0..states).flat_map(|row| (row..states).map(move |column| (row, column)));
-        let covariance = collected(triangle.map(|(row, column)| self.estimator.covariance(row, column)));
+        let covariance = self.estimator.covariance_triangle();
         LatchRecord { time_us, duration_s, failed_checks: failed.bits(), sensors, state, covariance }
     }
-
-    fn check_statistics(
-        &self,
-        config: &MissionConfig<E>,
-        duration_s: f32,
-        tracker: &ReferenceTracker,
-        failed: &mut FailedChecks,
-    ) {
-        let limits = &config.quality;
-        let quiet = |statistics: &BlockStatistics, limit: f32| {
-            statistics.summary().is_none_or(|summary| summary.block_variance <= square(limit))
-        };
-        failed.note(Check::TrimmedAltitude, quiet(&self.altitude, limits.trimmed_altitude_m));
-        // Of V^2: its deviation is 2 V times the airspeed's.
-        let airspeed_is_quiet = self.airspeed_squared.summary().is_none_or(|summary| {
-            summary.block_variance <= 4.0 * summary.mean * square(limits.trimmed_airspeed_mps)
-        });
-        failed.note(Check::TrimmedAirspeed, airspeed_is_quiet);
-        failed.note(
-            Check::InnovationsPlausible,
-            self.implausible as f32 <= limits.implausible_share * self.innovations as f32,
-        );
-
-        let trends: [Option<Trend>; SENSORS] =
-            core::array::from_fn(|i| self.residuals.get(i).and_then(BlockStatistics::trend));
-        // A sensor is not blamed for a drift that the reference's own wander makes of itself.
-        let wander_m2 = square(config.reference.sigma_m)
-            * drift_variance_factor(duration_s, config.reference.correlation_time_s);
-        let mut stationary = true;
-        for (trend, residuals) in trends.iter().zip(&self.residuals) {
-            if let (Some(trend), Some(summary)) = (trend, residuals.summary()) {
-                let against_wander = Trend { drift_variance: trend.drift_variance + wander_m2, ..*trend };
-                stationary &= !is_significant(&against_wander)
-                    || square(trend.drift) <= square(limits.bias_drift_sigmas) * summary.variance;
-            }
-        }
-        failed.note(Check::BiasesStationary, stationary);
-
-        let drifts_alone = self
-            .reference_drift
-            .later_trend()
-            .is_some_and(|trend| is_significant(&trend) && trend.drift.abs() > limits.reference_drift_m);
-        let reported = tracker.last_fix().is_none_or(|fix| {
-            fix.vertical_accuracy_m.is_none_or(|sigma_m| sigma_m <= limits.vertical_accuracy_m)
-                && fix.satellites.is_none_or(|count| count >= limits.minimum_satellites)
-        });
-        let converged = reported && !drifts_alone && !drift_is_common(&trends, limits.reference_drift_m);
-        failed.note(Check::ReferenceConverged, converged);
-    }
-}
-
-/// The regressors of the effects that act on one sensor, or on the reference; zero for the others.
-#[inline(always)]
-pub(crate) fn own_regressors<const E: usize>(
-    config: &MissionConfig<E>,
-    subject: EffectSubject,
-    regressors_m: &[f32; E],
-) -> [f32; E] {
-    let mut own_m = *regressors_m;
-    for (regressor_m, effect) in own_m.iter_mut().zip(&config.estimated_effects) {
-        if effect.id().subject() != subject {
-            *regressor_m = 0.0;
-        }
-    }
-    own_m
 }
 
 const fn square(x: f32) -> f32 {
     x * x
 }
 
-fn is_significant(trend: &Trend) -> bool {
-    square(trend.drift) > square(SIGNIFICANT_SIGMAS) * trend.drift_variance
-}
-
-/// Whether at least two sensors drift against the reference, all by as much: then it is the
-/// reference's drift before it is theirs by coincidence.
-fn drift_is_common(trends: &[Option<Trend>; SENSORS], limit_m: f32) -> bool {
-    let mut known = trends.iter().flatten();
-    let Some(first) = known.next() else { return false };
-    let mut others = 0;
-    for trend in known {
-        others += 1;
-        let apart = trend.drift - first.drift;
-        let variance = trend.drift_variance + first.drift_variance;
-        if !is_significant(trend)
-            || trend.drift.abs() <= limit_m
-            || square(apart) > square(SIGNIFICANT_SIGMAS) * variance
-        {
-            return false;
-        }
-    }
-    others > 0 && is_significant(first) && first.drift.abs() > limit_m
-}
+mod statistical_checks;

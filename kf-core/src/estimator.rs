@@ -7,6 +7,7 @@
 
 use crate::config::MissionConfig;
 use crate::error::FilterError;
+use crate::latch::{MAX_COVARIANCE, collected, place_in_triangle};
 use crate::sensor::{SENSORS, Sensor};
 use crate::ud::{Innovation, NoiseVariance, Row, UdFilter};
 
@@ -301,6 +302,31 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimator<HEAD, TAIL,
         let (row, row_unit) = self.stored(row);
         let (column, column_unit) = self.stored(column);
         self.filter.covariance(row, column) * row_unit * column_unit
+    }
+
+    /// The upper triangle of [`Self::covariance`], row by row.
+    #[inline(never)]
+    pub(crate) fn covariance_triangle(&self) -> heapless::Vec<f32, MAX_COVARIANCE> {
+        let states = 1 + SENSORS + E;
+        let mut triangle = collected(core::iter::repeat_n(0.0, states * (states + 1) / 2));
+        self.filter.for_each_covariance(|one, other, entry| {
+            let ((one, unit), (other, other_unit)) = (self.outside(one), self.outside(other));
+            let (row, column) = (one.min(other), one.max(other));
+            set(&mut triangle, place_in_triangle(states, row, column), entry * unit * other_unit);
+        });
+        triangle
+    }
+
+    /// Position in the paper's order and unit of a state that is stored there.
+    #[inline(always)]
+    fn outside(&self, stored: usize) -> (usize, f32) {
+        if stored < SENSORS {
+            (1 + stored, UNIT_M)
+        } else if stored < SENSORS + E {
+            (1 + stored, get(&self.coefficient_unit, stored - SENSORS))
+        } else {
+            (0, UNIT_M)
+        }
     }
 
     /// Stored position and unit of a state given in the paper's order.

@@ -98,9 +98,8 @@ impl LatchRecord {
     #[inline]
     pub fn variance(&self, state: usize) -> f32 {
         let states = self.state.len();
-        // Rows of an upper triangle, each one shorter than the last.
-        let before = state * (2 * states + 1).saturating_sub(state) / 2;
-        if state < states { self.covariance.get(before).copied().unwrap_or(0.0) } else { 0.0 }
+        let place = place_in_triangle(states, state, state);
+        if state < states { self.covariance.get(place).copied().unwrap_or(0.0) } else { 0.0 }
     }
 
     /// Writes the record as version, postcard, CRC-32 and returns the part of `buffer` it takes.
@@ -129,6 +128,13 @@ impl LatchRecord {
         }
         Ok(record)
     }
+}
+
+/// Where an entry of the upper triangle is, kept row by row; the row is not beyond the column.
+#[inline(always)]
+pub(crate) const fn place_in_triangle(states: usize, row: usize, column: usize) -> usize {
+    // Rows before, each one shorter than the last, up to the entry on the diagonal.
+    row * (2 * states + 1).saturating_sub(row) / 2 + column.saturating_sub(row)
 }
 
 /// The items as a vector. It ends where the vector is full, which no caller reaches: a shape with more

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::atmosphere::pressure_altitude_m;
-use crate::calibration::{Calibration, CaptiveStep, Surprise};
+use crate::calibration::{Calibration, CaptiveStep, StatisticalChecks, Surprise};
 use crate::config::{MAX_ESTIMATED_EFFECTS, MissionConfig};
 use crate::cross_check::CrossCheck;
 use crate::effect::{EffectSubject, SignalTracker};
@@ -97,6 +97,8 @@ pub struct Mission<const HEAD: usize, const TAIL: usize, const E: usize> {
     /// From the first edge on, as `free_flight` and `cross_check` are begun: a suspected launch is flown as one, in secret, so that nothing
     /// depends on how long it takes to confirm it.
     latch: Option<LatchRecord>,
+    /// What the latch's failed checks do not have yet.
+    unchecked: Option<StatisticalChecks>,
     free_flight: FreeFlight,
     cross_check: CrossCheck,
     /// Made by [`Self::resume`], and no tick since.
@@ -131,6 +133,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             last_accepted_us: [None; SENSORS],
             calibration: Calibration::new(config)?,
             latch: None,
+            unchecked: None,
             free_flight: FreeFlight::new(config),
             cross_check: CrossCheck::new(microseconds(config.monitor.window_s)),
             is_resumed: false,
@@ -249,7 +252,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             out.signed_nis = surprise.map(|surprise| surprise.signed_nis);
             if let (Some(reading_m), None) = (readings_m[i], refused) {
                 let subject = EffectSubject::Sensor(sensor);
-                let effects_m = effect_sum(&self.config, subject, &coefficients, &regressors_m);
+                let effects_m = effect_sum(self.calibration.acting(), subject, &coefficients, &regressors_m);
                 match reference_m {
                     Some(reference_m) => {
                         self.watch(sensor, time_us, reading_m - effects_m - reference_m, out);
@@ -281,6 +284,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         if !launch && input.launch_doubt != LaunchDoubt::Suspected {
             if self.is_held() {
                 self.latch = None;
+                self.unchecked = None;
                 self.signals.resume_captive();
                 self.counters.launch_suspicions = self.counters.launch_suspicions.saturating_add(1);
             }
@@ -288,10 +292,15 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         }
         if self.latch.is_none() {
             self.hold(time_us);
+        } else {
+            self.check_held();
         }
         if launch {
             self.is_launched = true;
             self.phase = Phase::FreeFlight;
+            while self.unchecked.is_some() {
+                self.check_held();
+            }
             if let Some(latch) = &mut self.latch {
                 let mut failed = FailedChecks::from_bits(latch.failed_checks);
                 failed.note(Check::LaunchConfirmed, input.launch_doubt != LaunchDoubt::Unconfirmed);
@@ -330,8 +339,20 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         );
         self.free_flight.begin(&self.config, &latch);
         self.cross_check.begin(&latch);
+        self.unchecked = Some(StatisticalChecks::begin(&self.config, latch.duration_s, &self.tracker));
         self.latch = Some(latch);
         self.signals.begin_free_flight(time_us);
+    }
+
+    /// Makes a part of the checks that a held calibration still lacks. Ends: every part is made once.
+    fn check_held(&mut self) {
+        let (Some(unchecked), Some(latch)) = (&mut self.unchecked, &mut self.latch) else { return };
+        let mut failed = FailedChecks::from_bits(latch.failed_checks);
+        let is_done = unchecked.go_on(&self.config, &self.calibration, &mut failed);
+        latch.failed_checks = failed.bits();
+        if is_done {
+            self.unchecked = None;
+        }
     }
 
     /// The readings that are measurements, free of constant effects, and why the others are not.

@@ -5,6 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
+mod acting;
 mod barometer;
 mod catalogue;
 mod free_flight_integrals;
@@ -16,6 +17,7 @@ mod reference_motion;
 mod regressor;
 mod tracker;
 
+pub(crate) use acting::ActingEffects;
 pub use barometer::dynamic_pressure_head_m;
 pub use catalogue::{EffectId, EffectSubject};
 pub use free_flight_integrals::AccelerationSource;

@@ -69,6 +69,11 @@ fn together_is_one_by_one<const HEAD: usize, const TAIL: usize, const E: usize>(
         one_by_one.fold();
         assert_eq!(all, each);
         assert_eq!(together, one_by_one);
+        let states = HEAD + TAIL;
+        let entries = (0..states).flat_map(|row| (row..states).map(move |column| (row, column)));
+        let entries: Vec<u32> = entries.map(|(i, j)| together.covariance(i, j).to_bits()).collect();
+        let triangle: Vec<u32> = together.covariance_triangle().iter().map(|entry| entry.to_bits()).collect();
+        assert_eq!(triangle, entries);
     }
 }
 

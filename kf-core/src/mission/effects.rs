@@ -1,9 +1,8 @@
 //! What the model's effects add to a tick's readings, and how far they could be trusted.
 
 use super::Mission;
-use crate::calibration::own_regressors;
-use crate::config::{MAX_ESTIMATED_EFFECTS, MissionConfig};
-use crate::effect::EffectSubject;
+use crate::config::MAX_ESTIMATED_EFFECTS;
+use crate::effect::{ActingEffects, EffectSubject};
 use crate::reference::AcceptedFix;
 
 /// The estimated effects' regressors at one tick, and what came of the effects.
@@ -56,14 +55,14 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
     /// every effect on it.
     #[inline(always)]
     pub(super) fn correction_m(&self, subject: EffectSubject, effects: &mut EffectUse<E>) -> f32 {
-        let has_effects = E > 0 || !self.config.constant_effects.is_empty();
-        if has_effects { self.sum_of_constants_m(subject, effects) } else { 0.0 }
+        if self.calibration.acting().any(subject) { self.sum_of_constants_m(subject, effects) } else { 0.0 }
     }
 
     fn sum_of_constants_m(&self, subject: EffectSubject, effects: &mut EffectUse<E>) -> f32 {
         let mut sum_m = 0.0;
+        let acting = self.calibration.acting();
         for (k, effect) in self.config.constant_effects.iter().enumerate() {
-            if effect.id().subject() == subject {
+            if acting.constant(subject, k) {
                 let regressor_m = self.signals.regressor_m(effect.regressor);
                 effects.note(MAX_ESTIMATED_EFFECTS + k, regressor_m, |phi| effect.extrapolates(phi));
                 sum_m += effect.coefficient * regressor_m.unwrap_or(0.0);
@@ -71,7 +70,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         }
         let regressors_m = effects.regressors_m;
         for (j, (effect, regressor_m)) in self.config.estimated_effects.iter().zip(regressors_m).enumerate() {
-            if effect.id().subject() == subject {
+            if acting.estimated(subject, j) {
                 effects.note(j, regressor_m, |phi| effect.extrapolates(phi));
             }
         }
@@ -85,7 +84,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         if E == 0 && correction_m == 0.0 {
             return accepted;
         }
-        self.fix_regressors_m = own_regressors(&self.config, EffectSubject::Gps, &effects.regressors_m());
+        self.fix_regressors_m =
+            self.calibration.acting().own_regressors(EffectSubject::Gps, &effects.regressors_m());
         self.tracker.correct(accepted, correction_m)
     }
 
@@ -107,12 +107,13 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
 }
 
 /// Sum of the estimated effects on one subject, metres.
+#[inline]
 pub(super) fn effect_sum<const E: usize>(
-    config: &MissionConfig<E>,
+    acting: &ActingEffects,
     subject: EffectSubject,
     coefficients: &[f32; E],
     regressors_m: &[f32; E],
 ) -> f32 {
-    let terms = config.estimated_effects.iter().zip(coefficients).zip(regressors_m);
-    terms.filter(|((effect, _), _)| effect.id().subject() == subject).map(|((_, c), phi)| c * phi).sum()
+    let terms = coefficients.iter().zip(regressors_m).enumerate();
+    terms.filter(|(effect, _)| acting.estimated(subject, *effect)).map(|(_, (c, phi))| c * phi).sum()
 }

@@ -250,7 +250,7 @@ impl VerticalChannel {
             Some(matching) if !matching.is_void(time_us) => matching.reference(time_us, velocity_mps, down),
             // The match is linear: a level to some hundredths of a radian must be there.
             _ if self.levelling.elapsed_s() < COARSE_LEVEL_S => {}
-            matching => *matching = VelocityMatch::new(time_us, velocity_mps, down),
+            matching => VelocityMatch::begin(matching, time_us, velocity_mps, down),
         }
         Ok(())
     }

@@ -50,8 +50,8 @@ impl Down {
     }
 
     /// A direction of length 1.
-    pub(super) fn from_unit(direction: Vector) -> Self {
-        Self(direction.map(Sum::new))
+    pub(super) const fn from_unit([x, y, z]: Vector) -> Self {
+        Self([Sum::new(x), Sum::new(y), Sum::new(z)])
     }
 
     /// Moves the direction by a small vector across it.

@@ -138,6 +138,21 @@ fn unit([north, east]: [f32; 2], least: f32) -> Option<[f32; 2]> {
     Some([north * scale, east * scale])
 }
 
+/// The track of a velocity, and north in body axes, the nose pointing along the track; `None` where there is no saying.
+fn directions(velocity_mps: [f32; 2], down: &Down) -> Option<([f32; 2], Vector)> {
+    let track = unit(velocity_mps, LEAST_SPEED_MPS)?;
+    let down = down.get();
+    let level = 1.0 - down[0] * down[0];
+    if level < 0.25 {
+        return None;
+    }
+    // The body's x made level, and what is to its right.
+    let ahead = scaled(difference([1.0, 0.0, 0.0], scaled(down, down[0])), reciprocal_root(level));
+    let right = cross(down, ahead);
+    let [cosine, sine] = track;
+    Some((track, difference(scaled(ahead, cosine), scaled(right, sine))))
+}
+
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct VelocityMatch {
     filter: UdFilter<0, STATES>,
@@ -156,33 +171,40 @@ pub(super) struct VelocityMatch {
 }
 
 impl VelocityMatch {
-    /// From a fix's north and east velocity, m/s; `None` where the track says no heading, or the nose points up or down.
-    pub(super) fn new(time_us: u64, [north_mps, east_mps]: [f32; 2], down: &Down) -> Option<Self> {
-        let track = unit([north_mps, east_mps], LEAST_SPEED_MPS)?;
-        let down = down.get();
-        let level = 1.0 - down[0] * down[0];
-        if level < 0.25 {
-            return None;
-        }
-        // The body's x made level, and what is to its right.
-        let ahead = scaled(difference([1.0, 0.0, 0.0], scaled(down, down[0])), reciprocal_root(level));
-        let right = cross(down, ahead);
-        let [cosine, sine] = track;
-        let north = difference(scaled(ahead, cosine), scaled(right, sine));
-        let [tilt, heading, bias, velocity] = START;
-        let variance = [velocity, velocity, tilt, tilt, heading, bias, bias, bias, heading];
-        Some(Self {
-            filter: UdFilter::new([], [], [0.0; STATES], variance).ok()?,
-            north: Down::from_unit(north),
-            velocity: [Sum::new(north_mps), Sum::new(east_mps)],
-            crab_rad: 0.0,
-            track,
-            last_force: None,
-            gained: [0.0; 3],
-            fix_us: time_us,
-            refusals: 0,
-            stage: Stage::Idle,
-        })
+    /// Of no fix yet.
+    const BLANK: Self = Self {
+        filter: {
+            let [tilt, heading, bias, velocity] = START;
+            UdFilter::at_zero([], [velocity, velocity, tilt, tilt, heading, bias, bias, bias, heading])
+        },
+        north: Down::from_unit([0.0; 3]),
+        velocity: [Sum::new(0.0); 2],
+        crab_rad: 0.0,
+        track: [0.0; 2],
+        last_force: None,
+        gained: [0.0; 3],
+        fix_us: 0,
+        refusals: 0,
+        stage: Stage::Idle,
+    };
+
+    /// Begins anew in `matching` from a fix's north and east velocity, m/s; `None` where the track says no heading, or the nose
+    /// points up or down. In place, and most of it from a constant: it is large, and begins in a tick that has a fix to bear.
+    pub(super) fn begin(
+        matching: &mut Option<Self>,
+        time_us: u64,
+        [north_mps, east_mps]: [f32; 2],
+        down: &Down,
+    ) {
+        let Some((track, north)) = directions([north_mps, east_mps], down) else {
+            *matching = None;
+            return;
+        };
+        let begun = matching.insert(Self::BLANK);
+        begun.north = Down::from_unit(north);
+        begun.velocity = [Sum::new(north_mps), Sum::new(east_mps)];
+        begun.track = track;
+        begun.fix_us = time_us;
     }
 
     /// Whether fixes have stayed away for so long that the match is void.

@@ -35,6 +35,33 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         on_diagonal + both
     }
 
+    /// Every entry of the upper triangle of P, to the bit as [`Self::covariance`] gives it, as row, column and entry: all of them
+    /// for little more than the last few would take one by one.
+    #[inline(always)]
+    pub(crate) fn for_each_covariance(&self, mut take: impl FnMut(usize, usize, f32)) {
+        for (i, upper) in self.cross.iter().enumerate() {
+            let weighted: [f32; TAIL] = core::array::from_fn(|k| upper[k] * self.tail_d[k]);
+            take(i, i, self.variance(i));
+            for (j, lower) in self.cross.iter().enumerate().skip(i + 1) {
+                take(i, j, 0.0 + products(&weighted, lower));
+            }
+            for j in 0..TAIL {
+                take(i, HEAD + j, weighted[j] + products(&weighted[j + 1..], &self.factor[j][j + 1..]));
+            }
+        }
+        for (i, upper) in self.factor.iter().enumerate() {
+            let weighted: [f32; TAIL] = core::array::from_fn(|k| upper[k] * self.tail_d[k]);
+            take(HEAD + i, HEAD + i, self.variance(HEAD + i));
+            for j in i + 1..TAIL {
+                take(
+                    HEAD + i,
+                    HEAD + j,
+                    weighted[j] + products(&weighted[j + 1..], &self.factor[j][j + 1..]),
+                );
+            }
+        }
+    }
+
     /// Variance of one state; head states first. Zero outside of the state vector.
     #[must_use]
     pub fn variance(&self, index: usize) -> f32 {
@@ -57,4 +84,10 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
 /// `sum_k row_k^2 d_k`.
 fn weighted_squares(row: &[f32], d: &[f32]) -> f32 {
     row.iter().zip(d).map(|(u, d)| u * u * d).sum()
+}
+
+/// `sum_k a_k b_k`.
+#[inline(always)]
+fn products(a: &[f32], b: &[f32]) -> f32 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -125,6 +125,21 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         })
     }
 
+    /// [`Self::new`] with all states at zero, for constants: the variances are written down where it is called, finite and not
+    /// negative.
+    pub(crate) const fn at_zero(head_variance: [f32; HEAD], tail_variance: [f32; TAIL]) -> Self {
+        Self {
+            head_state: [0.0; HEAD],
+            tail_state: [0.0; TAIL],
+            head_step: [0.0; HEAD],
+            tail_step: [0.0; TAIL],
+            head_d: head_variance,
+            tail_d: tail_variance,
+            cross: [[0.0; TAIL]; HEAD],
+            factor: [[0.0; TAIL]; TAIL],
+        }
+    }
+
     /// Takes one scalar measurement (eqs 6 to 8, one row of H at a time; Bierman's update).
     ///
     /// `row` gives `y = x_head + tail . x_tail + v`, `noise` the variance of v. The state's new

@@ -72,6 +72,47 @@ fn what_is_latched_does_not_depend_on_when_it_is_confirmed() {
     }
 }
 
+/// The statistics are judged in the ticks after the first edge, for as many as there are: what failed does not depend on
+/// how many, nor on what the receiver reports meanwhile.
+#[test]
+fn what_failed_does_not_depend_on_when_it_is_confirmed() {
+    let failing = |k: u64, input: &mut TickInput| {
+        let drift_m = k as f32 * 0.002;
+        for altitude_m in
+            [&mut input.imu_slave_altitude_m, &mut input.imu_master_altitude_m].into_iter().flatten()
+        {
+            *altitude_m += drift_m;
+        }
+        if let Some(BaroReading::AltitudeM(altitude_m)) = &mut input.baro {
+            *altitude_m += 2.0 * drift_m;
+        }
+        input.signals.true_airspeed_mps = input.signals.true_airspeed_mps.map(|v| v + drift_m);
+    };
+    let poor_from = |first: u64| {
+        move |k: u64, input: &mut TickInput| {
+            if let Some(fix) = input.gps.as_mut().filter(|_| k >= first) {
+                fix.vertical_accuracy_m = Some(50.0);
+            }
+        }
+    };
+    let outcome = |ticks, first| {
+        let (mission, _) = confirmed_after::<0, 4>(&config(true), ticks, |k, input| {
+            failing(k, input);
+            poor_from(first)(k, input);
+        });
+        failed(&mission)
+    };
+    for ticks in [0, 1, 2, 3, 4, 5, 6, 50] {
+        assert_eq!(
+            outcome(ticks, EDGE + 1),
+            ["trimmed_airspeed", "biases_stationary", "innovations_plausible"],
+            "{ticks}"
+        );
+        let poor = ["trimmed_airspeed", "reference_converged", "biases_stationary", "innovations_plausible"];
+        assert_eq!(outcome(ticks, EDGE - 100), poor, "{ticks}");
+    }
+}
+
 /// A suspicion that comes to nothing costs its own readings and no more: estimate, spread and checks are those of
 /// the other readings.
 #[test]

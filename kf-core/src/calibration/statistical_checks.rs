@@ -1,0 +1,141 @@
+//! What a held calibration's statistics say of its quality, one part at a time: all of them in one tick would cost a third of it.
+
+use super::{Calibration, square};
+use crate::block_statistics::{BlockStatistics, Trend};
+use crate::config::MissionConfig;
+use crate::gauss_markov::drift_variance_factor;
+use crate::quality::{Check, FailedChecks};
+use crate::reference::ReferenceTracker;
+use crate::sensor::{SENSORS, Sensor};
+
+/// A drift counts when it is beyond this many of its standard errors.
+const SIGNIFICANT_SIGMAS: f32 = 3.0;
+
+/// The checks that are still to be made. The calibration they are of takes no more data meanwhile.
+#[derive(Clone, Debug)]
+pub(crate) struct StatisticalChecks {
+    /// Sensors whose trends are known.
+    trends: heapless::Vec<Option<Trend>, SENSORS>,
+    /// For how long was calibrated, seconds.
+    duration_s: f32,
+    /// What the receiver itself reported when the calibration was held was good enough.
+    reported: bool,
+    stationary: bool,
+    is_done: bool,
+}
+
+impl StatisticalChecks {
+    /// Of a calibration that is held now, after `duration_s`; nothing is checked yet.
+    pub(crate) fn begin<const E: usize>(
+        config: &MissionConfig<E>,
+        duration_s: f32,
+        tracker: &ReferenceTracker,
+    ) -> Self {
+        let limits = &config.quality;
+        let reported = tracker.last_fix().is_none_or(|fix| {
+            fix.vertical_accuracy_m.is_none_or(|sigma_m| sigma_m <= limits.vertical_accuracy_m)
+                && fix.satellites.is_none_or(|count| count >= limits.minimum_satellites)
+        });
+        Self { trends: heapless::Vec::new(), duration_s, reported, stationary: true, is_done: false }
+    }
+
+    /// Makes one more part of them and notes what failed; true when that was the last.
+    #[inline(never)]
+    pub(crate) fn go_on<const HEAD: usize, const TAIL: usize, const E: usize>(
+        &mut self,
+        config: &MissionConfig<E>,
+        calibration: &Calibration<HEAD, TAIL, E>,
+        failed: &mut FailedChecks,
+    ) -> bool {
+        let next = Sensor::ALL.get(self.trends.len());
+        match next.and_then(|sensor| calibration.residuals.get(sensor.index())) {
+            Some(residuals) => self.check_trend(config, residuals, failed),
+            None if !self.is_done => {
+                self.check_reference(config, &calibration.reference_drift, failed);
+                calibration.check_trim(config, failed);
+                self.is_done = true;
+            }
+            None => {}
+        }
+        self.is_done
+    }
+
+    /// Of the next sensor.
+    fn check_trend<const E: usize>(
+        &mut self,
+        config: &MissionConfig<E>,
+        residuals: &BlockStatistics,
+        failed: &mut FailedChecks,
+    ) {
+        let trend = residuals.trend();
+        if let (Some(trend), Some(summary)) = (trend, residuals.summary()) {
+            // A sensor is not blamed for a drift that the reference's own wander makes of itself.
+            let wander_m2 = square(config.reference.sigma_m)
+                * drift_variance_factor(self.duration_s, config.reference.correlation_time_s);
+            let against_wander = Trend { drift_variance: trend.drift_variance + wander_m2, ..trend };
+            self.stationary &= !is_significant(&against_wander)
+                || square(trend.drift) <= square(config.quality.bias_drift_sigmas) * summary.variance;
+        }
+        // Cannot be full: there are no more sensors than places.
+        let _ = self.trends.push(trend);
+        failed.note(Check::BiasesStationary, self.stationary);
+    }
+
+    fn check_reference<const E: usize>(
+        &self,
+        config: &MissionConfig<E>,
+        reference_drift: &BlockStatistics,
+        failed: &mut FailedChecks,
+    ) {
+        let limit_m = config.quality.reference_drift_m;
+        let drifts_alone = reference_drift
+            .later_trend()
+            .is_some_and(|trend| is_significant(&trend) && trend.drift.abs() > limit_m);
+        let converged = self.reported && !drifts_alone && !drift_is_common(&self.trends, limit_m);
+        failed.note(Check::ReferenceConverged, converged);
+    }
+}
+
+impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAIL, E> {
+    fn check_trim(&self, config: &MissionConfig<E>, failed: &mut FailedChecks) {
+        let limits = &config.quality;
+        let altitude_is_quiet = self
+            .altitude
+            .summary()
+            .is_none_or(|summary| summary.block_variance <= square(limits.trimmed_altitude_m));
+        failed.note(Check::TrimmedAltitude, altitude_is_quiet);
+        // Of V^2: its deviation is 2 V times the airspeed's.
+        let airspeed_is_quiet = self.airspeed_squared.summary().is_none_or(|summary| {
+            summary.block_variance <= 4.0 * summary.mean * square(limits.trimmed_airspeed_mps)
+        });
+        failed.note(Check::TrimmedAirspeed, airspeed_is_quiet);
+        failed.note(
+            Check::InnovationsPlausible,
+            self.implausible as f32 <= limits.implausible_share * self.innovations as f32,
+        );
+    }
+}
+
+fn is_significant(trend: &Trend) -> bool {
+    square(trend.drift) > square(SIGNIFICANT_SIGMAS) * trend.drift_variance
+}
+
+/// Whether at least two sensors drift against the reference, all by as much: then it is the
+/// reference's drift before it is theirs by coincidence.
+fn drift_is_common(trends: &[Option<Trend>], limit_m: f32) -> bool {
+    let mut known = trends.iter().flatten();
+    let Some(first) = known.next() else { return false };
+    let mut others = 0;
+    for trend in known {
+        others += 1;
+        let apart = trend.drift - first.drift;
+        let variance = trend.drift_variance + first.drift_variance;
+        if !is_significant(trend)
+            || trend.drift.abs() <= limit_m
+            || square(apart) > square(SIGNIFICANT_SIGMAS) * variance
+        {
+            return false;
+        }
+    }
+    others > 0 && is_significant(first) && first.drift.abs() > limit_m
+}
