@@ -1,4 +1,4 @@
-//! The firmware's own copies of aligned memory, every length of them, in QEMU.
+//! The firmware's own copies and fills of memory, every length of them, in QEMU.
 #![allow(clippy::unwrap_used)]
 
 use std::time::Duration;
@@ -7,7 +7,7 @@ use model::Model;
 use pylon::fly::{Program, build, emulate};
 
 #[test]
-fn aligned_copies_of_every_length_copy_that_and_nothing_else() {
+fn copies_and_fills_of_every_length_do_that_and_nothing_else() {
     let image = build(Program::CopyCheck, &Model::default(), None).unwrap();
     let directory = tempfile::tempdir().unwrap();
     let emulation = emulate(&image, directory.path(), None, Duration::from_secs(120)).unwrap();

@@ -51,9 +51,9 @@ impl Frames {
     /// Takes as many bytes from the front as can be taken before they are looked at, and says how many: at least one, if there
     /// is one. [`Self::next_found`] must have said `None` before.
     pub(super) fn take(&mut self, bytes: &[u8]) -> usize {
-        // Nothing but its length and checksum is asked of what follows a header.
-        let wanted = if self.fitting < HEADER { 1 } else { self.end().saturating_sub(self.len) };
-        let count = wanted.min(bytes.len());
+        // Where a frame ends is known once its header is whole.
+        let wanted = if self.fitting < HEADER { HEADER } else { self.end() };
+        let count = wanted.saturating_sub(self.len).min(bytes.len());
         match (self.bytes.get_mut(self.len..self.len + count), bytes.get(..count)) {
             (Some(room), Some(bytes)) => room.copy_from_slice(bytes),
             _ => return 0,
@@ -91,8 +91,10 @@ impl Frames {
             return Some(Found::BadChecksum);
         }
         let mut payload = [0; PAYLOAD];
-        for (slot, byte) in payload.iter_mut().zip(self.bytes.iter().skip(HEADER).take(payload_len)) {
-            *slot = *byte;
+        if let (Some(slots), Some(sent)) =
+            (payload.get_mut(..payload_len), self.bytes.get(HEADER..HEADER + payload_len))
+        {
+            slots.copy_from_slice(sent);
         }
         self.drop_front(end);
         Some(Found::Altitude(payload))

@@ -90,7 +90,7 @@ impl<Port: Read + ReadReady> Umbilical<Port> {
         let mut bytes = [0; MAX_POLL_BYTES];
         let arrived = crate::port::receive(&mut self.port, &mut bytes)?;
         self.counts.bytes = self.counts.bytes.saturating_add(u32::try_from(arrived).unwrap_or(u32::MAX));
-        let mut altitude_m = None;
+        let mut newest = None;
         let mut bad = false;
         let mut rest = bytes.get(..arrived).unwrap_or_default();
         while let taken @ 1.. = self.frames.take(rest) {
@@ -98,12 +98,8 @@ impl<Port: Read + ReadReady> Umbilical<Port> {
             while let Some(found) = self.frames.next_found() {
                 match found {
                     Found::Altitude(payload) => {
-                        // The payload has been brought to its full length, so this decodes.
-                        let Ok(message) = ALTITUDE_DATA::deser(MavlinkVersion::V2, &payload) else {
-                            continue;
-                        };
                         count(&mut self.counts.frames);
-                        if altitude_m.replace(message.altitude_amsl).is_some() {
+                        if newest.replace(payload).is_some() {
                             count(&mut self.counts.superseded);
                         }
                     }
@@ -118,6 +114,10 @@ impl<Port: Read + ReadReady> Umbilical<Port> {
                 }
             }
         }
+        // The payload has been brought to its full length, so this decodes.
+        let altitude_m = newest
+            .and_then(|payload| ALTITUDE_DATA::deser(MavlinkVersion::V2, &payload).ok())
+            .map(|message| message.altitude_amsl);
         if altitude_m.is_some() {
             self.heard_us = Some(now_us);
             return Ok(altitude_m);
