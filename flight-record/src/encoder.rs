@@ -2,7 +2,7 @@
 
 use crate::CRC;
 use crate::frame::{HEAD, MAX_FRAME, MAX_STUFFED, TAIL};
-use crate::payload::Payload;
+use crate::payload::{Kind, Payload};
 
 /// The payload does not fit into a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,11 +31,21 @@ impl Encoder {
         buffer: &'a mut [u8; MAX_STUFFED],
     ) -> Result<&'a [u8], EncodeError> {
         let mut frame = [0; MAX_FRAME];
-        let (head, rest) = frame.split_at_mut_checked(HEAD).ok_or(EncodeError)?;
-        let room = rest.len().checked_sub(TAIL).and_then(|room| rest.get_mut(..room)).ok_or(EncodeError)?;
-        let payload_len = postcard::to_slice(payload, room).map_err(|_| EncodeError)?.len();
-        if let [kind, sequence @ ..] = head {
-            *kind = P::KIND as u8;
+        let payload_len = payload.write(frame.get_mut(HEAD..MAX_FRAME - TAIL).ok_or(EncodeError)?)?;
+        self.close(P::KIND, &mut frame, payload_len, buffer)
+    }
+
+    /// What is the same for all kinds of payload, so that it is in an image once.
+    #[inline(never)]
+    fn close<'a>(
+        &mut self,
+        kind: Kind,
+        frame: &mut [u8; MAX_FRAME],
+        payload_len: usize,
+        buffer: &'a mut [u8; MAX_STUFFED],
+    ) -> Result<&'a [u8], EncodeError> {
+        if let [first, sequence @ ..] = frame.get_mut(..HEAD).ok_or(EncodeError)? {
+            *first = kind as u8;
             sequence.copy_from_slice(&self.sequence.to_le_bytes());
         }
         let checked = frame.get(..HEAD + payload_len).ok_or(EncodeError)?;

@@ -7,6 +7,8 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use survival::RestartReport;
 
+use crate::encoder::EncodeError;
+
 /// First bytes of a header's payload.
 pub const MAGIC: [u8; 4] = *b"PYFR";
 /// Version of this format; a reader refuses any other.
@@ -58,6 +60,46 @@ impl Kind {
 pub trait Payload: Serialize + DeserializeOwned {
     /// The kind of its frames.
     const KIND: Kind;
+
+    /// Writes it in postcard's format and says how many bytes that took.
+    ///
+    /// # Errors
+    /// There is too little room.
+    fn write(&self, room: &mut [u8]) -> Result<usize, EncodeError> {
+        written(self, room)
+    }
+}
+
+#[inline(always)]
+fn written<P: Payload>(payload: &P, room: &mut [u8]) -> Result<usize, EncodeError> {
+    postcard::to_slice(payload, room).map(|bytes| bytes.len()).map_err(|_| EncodeError)
+}
+
+/// A payload whose writing is compiled here, once, and not wherever a frame is encoded: the firmware has this crate compiled
+/// for size.
+macro_rules! payload {
+    ($($(#[$doc:meta])* $payload:ty: $kind:ident;)*) => {
+        $($(#[$doc])* impl Payload for $payload {
+            const KIND: Kind = Kind::$kind;
+
+            #[inline(never)]
+            fn write(&self, room: &mut [u8]) -> Result<usize, EncodeError> {
+                written(self, room)
+            }
+        })*
+    };
+}
+
+payload! {
+    Header: Header;
+    TickInput: Input;
+    TickRecord: Tick;
+    /// The calibration, right after the tick that latched it.
+    LatchRecord: Latch;
+    /// A restart, right after the header that starts its part of the stream.
+    RestartReport: Restart;
+    End: End;
+    Summary: Summary;
 }
 
 /// Which way a stream goes.
@@ -111,14 +153,6 @@ impl Header {
     }
 }
 
-impl Payload for Header {
-    const KIND: Kind = Kind::Header;
-}
-
-impl Payload for TickInput {
-    const KIND: Kind = Kind::Input;
-}
-
 /// What one tick saw, what it said, and what it cost.
 #[derive(Clone, Debug, PartialEq, Serialize, serde::Deserialize)]
 pub struct TickRecord {
@@ -133,29 +167,11 @@ pub struct TickRecord {
     pub output: TickOutput,
 }
 
-impl Payload for TickRecord {
-    const KIND: Kind = Kind::Tick;
-}
-
-/// The calibration, right after the tick that latched it.
-impl Payload for LatchRecord {
-    const KIND: Kind = Kind::Latch;
-}
-
-/// A restart, right after the header that starts its part of the stream.
-impl Payload for RestartReport {
-    const KIND: Kind = Kind::Restart;
-}
-
 /// The last frame of a stream of inputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, serde::Deserialize)]
 pub struct End {
     /// How many inputs the stream held.
     pub inputs: u32,
-}
-
-impl Payload for End {
-    const KIND: Kind = Kind::End;
 }
 
 /// What one part of the ticks took, in the summary's [`Summary::cost_unit`].
@@ -208,8 +224,4 @@ pub struct Summary {
     pub stack_used_bytes: u32,
     /// Stack there is, bytes.
     pub stack_size_bytes: u32,
-}
-
-impl Payload for Summary {
-    const KIND: Kind = Kind::Summary;
 }

@@ -1,6 +1,9 @@
 //! The moving average of eq. 17.
 
-use serde::{Deserialize, Serialize};
+use core::fmt::{self, Formatter};
+
+use serde::de::{Error as _, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// How many parts the window is divided into.
 const PARTS: u64 = 32;
@@ -30,6 +33,29 @@ mod whole_number {
     }
 }
 
+/// The closed bins. As a loop: serde's own for an array is the element's code as often as there are elements.
+fn bins<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[Bin; CLOSED], D::Error> {
+    struct Bins;
+
+    impl<'de> Visitor<'de> for Bins {
+        type Value = [Bin; CLOSED];
+
+        fn expecting(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
+            write!(formatter, "{CLOSED} bins")
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut sequence: A) -> Result<Self::Value, A::Error> {
+            let mut bins = [Bin::default(); CLOSED];
+            for (place, bin) in bins.iter_mut().enumerate() {
+                *bin = sequence.next_element()?.ok_or_else(|| A::Error::invalid_length(place, &self))?;
+            }
+            Ok(bins)
+        }
+    }
+
+    deserializer.deserialize_tuple(CLOSED, Bins)
+}
+
 impl Bin {
     fn add(&mut self, other: Self) {
         self.sum += other.sum;
@@ -56,6 +82,7 @@ pub struct MovingAverage {
     open_ends_us: u64,
     /// Total of the bins closed since the ring last went round.
     fresh: Bin,
+    #[serde(deserialize_with = "bins")]
     ring: [Bin; CLOSED],
     /// Where the next bin to close goes; below `CLOSED`.
     next: usize,

@@ -375,6 +375,7 @@ impl LaunchDetector {
             .is_some_and(|last_us| last_us > sign_us.saturating_add(microseconds(self.config.window_s)))
     }
 
+    #[inline(never)]
     fn judge_open(&mut self, now_us: u64, edge_us: u64, is_settled: bool) -> Verdict {
         if !is_settled {
             return Verdict::Suspected;
@@ -401,6 +402,7 @@ impl LaunchDetector {
     }
 
     /// While the wire shows no launch: it is closed, or (`says_nothing`) broken or unreadable.
+    #[inline(never)]
     fn judge_without(&mut self, now_us: u64, says_nothing: bool) -> Verdict {
         if let Some(sign) = self.sign {
             self.sign = self.followed(sign, now_us, says_nothing);
