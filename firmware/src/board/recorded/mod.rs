@@ -142,6 +142,9 @@ pub fn start(
     let (inputs_in, inputs_out) = inputs.split();
     machine::stop_with_the_core(&device.DBGMCU);
     let mut rcc = device.RCC.freeze(Config::hsi());
+    if !machine::has_clocks(&rcc.clocks) {
+        return Err(ExitStatus::Configuration);
+    }
     let port_a = device.GPIOA.split(&mut rcc);
     let line = Line::start(device.USART1, port_a.pa9, device.TIM3, has_restarted, &mut core.NVIC, &mut rcc)
         .ok_or(ExitStatus::NoOutput)?;

@@ -4,7 +4,7 @@
 use flight_record::CostUnit;
 use stm32f4xx_hal::gpio::PA9;
 use stm32f4xx_hal::pac::{DBGMCU, USART1};
-use stm32f4xx_hal::rcc::Rcc;
+use stm32f4xx_hal::rcc::{Clocks, Rcc};
 
 /// The board's name.
 pub const NAME: &str = "hil";
@@ -21,6 +21,11 @@ pub const LOOK: u32 = 15_999;
 pub const CHUNK: usize = 2_048;
 /// Bytes of results that are gathered for one write, for the same reason.
 pub const BATCH: usize = 4_096;
+
+/// Whether the clocks are those of the constants here.
+pub fn has_clocks(clocks: &Clocks) -> bool {
+    clocks.timclk1().raw() == TIMER_HZ && clocks.hclk().raw() == CORE_HZ
+}
 
 /// A call of the host halts the core. The timers must stand still with it, or each call would cost ticks, and the tick that it
 /// interrupts would cost what the host takes.
