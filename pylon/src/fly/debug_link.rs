@@ -287,7 +287,7 @@ fn failure(stderr: &str) -> FlyError {
 fn telling_line(stderr: &str) -> &str {
     let lines = || stderr.lines().map(str::trim).filter(|line| !line.is_empty());
     let telling = |line: &&str| line.starts_with("Error") || line.contains("Failed **") || *line == HALTED;
-    lines().find(telling).or_else(|| lines().last()).unwrap_or("it said nothing")
+    lines().find(telling).or_else(|| lines().next_back()).unwrap_or("it said nothing")
 }
 
 #[cfg(test)]
