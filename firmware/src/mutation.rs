@@ -82,7 +82,7 @@ pub fn next_frame(frames: &mut FramesOut) -> Option<Frame> {
 }
 
 /// How many times longer than at its rate a frame takes on the telemetry's line.
-#[cfg(feature = "board-qemu")]
+#[cfg(feature = "recorded")]
 pub const LINE_SLOWNESS: u32 = if cfg!(pylon_mutate = "slow_line") { 10 } else { 1 };
 
 /// What has to be done besides the ticks.

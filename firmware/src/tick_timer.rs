@@ -22,7 +22,7 @@ impl TickTimer {
     }
 
     /// The timer's interrupt without the timer: something else pends it.
-    #[cfg(feature = "board-qemu")]
+    #[cfg(feature = "recorded")]
     pub const fn pended(tim2: TIM2) -> Self {
         Self(tim2)
     }

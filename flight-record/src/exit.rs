@@ -1,6 +1,6 @@
-//! How an emulated flight ended.
+//! How a flight of a record ended.
 
-/// Exit status of the emulated flight computer. QEMU itself uses 1.
+/// Exit status of a flight computer that flies a record. QEMU and OpenOCD themselves use 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum ExitStatus {

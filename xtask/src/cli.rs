@@ -2,6 +2,8 @@
 
 use clap::{Parser, Subcommand};
 
+use crate::hil;
+
 /// Every job that has to do with this checkout.
 #[derive(Debug, Parser)]
 #[command(
@@ -16,6 +18,7 @@ Examples:
   cargo xtask bench          how fast, how small, beside whom
   cargo xtask blind 400      how often a diagnosis is right, on 400 simulated flights
   cargo xtask flash          write the flight computer's image to a board (docs/bring-up.md)
+  cargo xtask hil q.csv      fly a flight through a board on its debug probe, and compare every tick with the host
   cargo xtask endurance      ten hours captive, and fifty random flights, in QEMU, bit for bit
 
 Missing tools are installed by rustup and apt-get, and what is installed is said first."
@@ -102,6 +105,21 @@ It neither stops nor resets the board, which drops what finds no room in the log
         #[arg(long)]
         probe: Option<String>,
     },
+    /// Fly a flight through a board by its debug probe (hardware in the loop), and compare every tick with the host.
+    #[command(after_help = "\
+Examples:
+  cargo xtask hil q.csv                         through an STM32F405 on an ST-LINK, with the default model
+  cargo xtask hil q.csv --model ours.toml       with a model of one's own
+  cargo xtask hil q.csv --probe-config interface/cmsis-dap.cfg
+                                                on a CMSIS-DAP probe
+  cargo xtask hil q.csv -- --fault \"baro stuck-low 60..65\" --json
+                                                with further options of `pylon fly`
+
+It needs openocd 0.11 or newer and a debug probe, and says how to get them. It writes the board's flash. Nothing but the probe has to
+be wired: the sensors are models, on the board as on the host. docs/bring-up.md has what is seen, and what is not tried.
+
+Exit status: 0 every bit is the same; 1 bits differ; 2 bad usage or bad input, or no probe or board.")]
+    Hil(hil::Arguments),
     /// Fly ten hours of captive flight, and fifty random flights, through the emulated flight computer, bit for bit.
     Endurance {
         /// Hours of captive flight.

@@ -9,6 +9,7 @@ mod child;
 mod cli;
 mod demo;
 mod endurance;
+mod hil;
 mod improvement;
 mod setup;
 mod steps;
@@ -36,25 +37,30 @@ fn main() -> ExitCode {
             Err(_) => ExitCode::FAILURE,
         };
     };
+    // A flight that could not be flown must not pass for one whose bits differ.
+    let failed = if matches!(job, Job::Hil(_)) { ExitCode::from(hil::NOT_FLOWN) } else { ExitCode::FAILURE };
     match run(job, verbose) {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::FAILURE,
+        Ok(code) => code,
         Err(error) => {
             if let Some(child::Failure::Ended { said, .. }) = error.downcast_ref() {
                 eprintln!("{}", said.all.trim_end());
             }
             eprintln!("error: {error:#}");
-            ExitCode::FAILURE
+            failed
         }
     }
 }
 
-/// Does the job, and says whether it came out well.
-fn run(job: Job, verbose: bool) -> anyhow::Result<bool> {
+/// Does the job, and says how it came out.
+fn run(job: Job, verbose: bool) -> anyhow::Result<ExitCode> {
     match job {
         Job::Setup => set_up(verbose)?,
         Job::Demo => demo::run(verbose)?,
-        Job::Test { words, list } => return test_job::run(&words, list, verbose),
+        Job::Test { words, list } => {
+            let passed = test_job::run(&words, list, verbose)?;
+            return Ok(if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE });
+        }
+        Job::Hil(arguments) => return hil::run(&arguments, verbose),
         Job::Bench { json, part } => bench::run(part, json, verbose)?,
         Job::Blind { trials, seed } => blind::run(trials, seed, verbose)?,
         Job::Baselines { trials, seed, write } => blind::baselines(trials, seed, write, verbose)?,
@@ -63,7 +69,7 @@ fn run(job: Job, verbose: bool) -> anyhow::Result<bool> {
         Job::Endurance { hours, flights, seed } => endurance::run(hours, flights, seed, verbose)?,
         Job::Measure { command } => bench::measure::print(&command)?,
     }
-    Ok(true)
+    Ok(ExitCode::SUCCESS)
 }
 
 /// Installs what is missing, all of it before complaining of any.

@@ -20,10 +20,12 @@ const STEPS: &[Step] = &[
     Step { name: "formatting", needs: &[Need::Rustfmt], run: formatting },
     Step { name: "clippy, host", needs: &[Need::Clippy, Need::Npm], run: clippy_host },
     Step { name: "clippy, board-qemu", needs: &[Need::Clippy, Need::Target], run: clippy_qemu },
+    Step { name: "clippy, board-hil", needs: &[Need::Clippy, Need::Target], run: clippy_hil },
     Step { name: "clippy, board-f405", needs: &[Need::Clippy, Need::Target], run: clippy_f405 },
     Step { name: "documentation, host", needs: &[Need::Npm], run: documentation_host },
     Step { name: "documentation, firmware", needs: &[Need::Target], run: documentation_firmware },
     Step { name: "image, board-qemu", needs: &[Need::Target], run: image_qemu },
+    Step { name: "image, board-hil", needs: &[Need::Target], run: image_hil },
     Step { name: "image, board-f405", needs: &[Need::Target], run: image_f405 },
     Step {
         name: "tests",
@@ -93,6 +95,10 @@ fn clippy_qemu(echo: bool) -> anyhow::Result<Done> {
     clippy_firmware("board-qemu,peers", echo)
 }
 
+fn clippy_hil(echo: bool) -> anyhow::Result<Done> {
+    clippy_firmware("board-hil", echo)
+}
+
 fn clippy_f405(echo: bool) -> anyhow::Result<Done> {
     clippy_firmware("board-f405", echo)
 }
@@ -119,6 +125,10 @@ fn documentation(what: &[&str], echo: bool) -> anyhow::Result<Done> {
 
 fn image_qemu(echo: bool) -> anyhow::Result<Done> {
     image("board-qemu", echo)
+}
+
+fn image_hil(echo: bool) -> anyhow::Result<Done> {
+    image("board-hil", echo)
 }
 
 fn image_f405(echo: bool) -> anyhow::Result<Done> {

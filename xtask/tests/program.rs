@@ -74,6 +74,14 @@ fn with_probe_rs(arguments: &[&str], says: Option<&str>) -> Output {
     output
 }
 
+/// Status 1 would say that the bits differ.
+#[test]
+fn a_flight_that_can_not_be_flown_on_a_board_is_status_2() {
+    let hil = with_probe_rs(&["hil", "flight.csv"], None);
+    assert_eq!(hil.status.code(), Some(2), "{hil:?}");
+    assert!(hil.stdout.is_empty() && text(&hil.stderr).contains("error: "), "{hil:?}");
+}
+
 #[test]
 fn without_probe_rs_flash_says_how_to_get_it_and_builds_nothing() {
     let flash = with_probe_rs(&["flash"], None);

@@ -1,23 +1,27 @@
-//! The board, chosen by a feature: everything that differs between the emulated flight computer and the
-//! real one. Both have the same names here.
+//! The board, chosen by a feature: everything that differs between the flight computer and the two boards that fly a flight
+//! record. All have the same names here.
 
-#[cfg(all(feature = "board-f405", feature = "board-qemu"))]
-compile_error!("choose one board: feature board-qemu or board-f405, not both");
-#[cfg(not(any(feature = "board-f405", feature = "board-qemu")))]
-compile_error!("choose a board: feature board-qemu or board-f405");
+#[cfg(any(
+    all(feature = "board-f405", feature = "board-qemu"),
+    all(feature = "board-f405", feature = "board-hil"),
+    all(feature = "board-qemu", feature = "board-hil"),
+))]
+compile_error!("choose one board: feature board-qemu, board-hil or board-f405, not two");
+#[cfg(not(any(feature = "board-f405", feature = "board-qemu", feature = "board-hil")))]
+compile_error!("choose a board: feature board-qemu, board-hil or board-f405");
 
 #[cfg(feature = "board-f405")]
 mod f405;
-#[cfg(all(feature = "board-qemu", not(feature = "board-f405")))]
-mod qemu;
+#[cfg(all(feature = "recorded", not(feature = "board-f405")))]
+mod recorded;
 
 #[cfg(feature = "board-f405")]
 pub use f405::{
     CostClock, Feeder, INDEPENDENT_WATCHDOG_US, Line, NAME, RESTART_US, Sensors, Sink, Source, Storage,
     Watchdog, exit, microseconds, open_retained, reset_source, retained, stand_by, start, umbilical_is_open,
 };
-#[cfg(all(feature = "board-qemu", not(feature = "board-f405")))]
-pub use qemu::{
+#[cfg(all(feature = "recorded", not(feature = "board-f405")))]
+pub use recorded::{
     CostClock, Feeder, INDEPENDENT_WATCHDOG_US, Line, NAME, RESTART_US, Sensors, Sink, Source, Storage,
     Watchdog, exit, microseconds, open_retained, reset_source, retained, stand_by, start, umbilical_is_open,
 };

@@ -1,17 +1,21 @@
 //! `pylon fly`.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use clap::Args;
 use pylon::export::tlog;
-use pylon::fly::{ChipsReport, Difference, FlyError, FlyOptions, FlyReport, PlannedFault, SensorSource, fly};
+use pylon::fly::{
+    ChipsReport, CostUnit, DebugLink, Difference, FlownOn, FlyError, FlyOptions, FlyReport, PlannedFault,
+    SensorSource, fly,
+};
 use pylon::output_file::write_atomically;
 use pylon::replay::Replay;
 use serde_json::{Value, json};
 
 use super::failure::Failure;
 use super::one_flight::OneFlight;
-use super::progress::while_busy;
+use super::progress::{while_busy, while_telling};
 use super::{load, terminal};
 
 const EXAMPLES: &str = "\
@@ -26,6 +30,10 @@ Examples:
       without chips and drivers: the estimator gets the flight's rows as they are
   pylon fly flight.csv --fault \"baro stuck-low 60..65\" --fault \"imu reset 70\"
       the same bits, with a barometer whose data line hangs for 5 s and an inertial unit whose power dips
+  pylon fly flight.csv --hil
+      through an STM32F405 on an ST-LINK instead of QEMU (docs/bring-up.md); it needs openocd
+  pylon fly flight.csv --hil --probe-config interface/cmsis-dap.cfg
+      on a CMSIS-DAP probe
 
 Faults (CHIP FAULT START..END, in seconds of the flight's time; those marked * happen once, at START):
   baro, imu       stuck-low, stuck-high, bus-error, flip-bits=MASK *, reset *
@@ -34,9 +42,10 @@ Faults (CHIP FAULT START..END, in seconds of the flight's time; those marked * h
   gps, umbilical  unplugged, lose-bytes=COUNT *, flip-bits=MASK *
   gps             refuses, silent (to be configured, to acknowledge), reset *
 
-Exit status: 0 every bit is the same; 1 bits differ; 2 bad usage or bad input, or no emulator.";
+Exit status: 0 every bit is the same; 1 bits differ; 2 bad usage or bad input, or no emulator,
+probe or board.";
 
-/// Fly a flight through the firmware in QEMU and compare with the host, bit for bit
+/// Fly a flight through the firmware, in QEMU or on a board, and compare with the host, bit for bit
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
@@ -49,8 +58,15 @@ pub struct Arguments {
     #[arg(long = "fault", value_name = "FAULT", conflicts_with = "ideal_sensors")]
     faults: Vec<PlannedFault>,
     /// Write what the emulated flight computer sent over its telemetry's line, as a ground station records it
-    #[arg(long, value_name = "TLOG")]
+    #[arg(long, value_name = "TLOG", conflicts_with = "hil")]
     telemetry: Option<PathBuf>,
+    /// Fly through an STM32F405 on a debug probe (hardware in the loop); its flash is written
+    #[arg(long)]
+    hil: bool,
+    /// OpenOCD's configuration file of the probe, its own or yours; may be given more than once [default:
+    /// interface/stlink.cfg]
+    #[arg(long = "probe-config", value_name = "FILE", requires = "hil")]
+    probe_configs: Vec<PathBuf>,
     /// Give the host's mission every barometer reading one unit in the last place off: to see that
     /// it is found
     #[arg(long, hide = true)]
@@ -65,14 +81,23 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let replay = Replay::new(&flight, &model, arguments.what.calibrate)
         .map_err(|error| Failure::input(format!("{}: {error}", arguments.what.flight.display())))?;
     let file = arguments.what.flight.display();
+    let link = arguments.debug_link();
+    let progress = Arc::clone(&link.progress);
     let options = FlyOptions {
+        on: if arguments.hil { FlownOn::Board(link) } else { FlownOn::Emulator },
         sensors: if arguments.ideal_sensors { SensorSource::Ideal } else { SensorSource::Chips },
         faults: arguments.faults.clone(),
         host_ulp_error: arguments.plant_host_error,
         telemetry: arguments.telemetry.is_some(),
         ..FlyOptions::default()
     };
-    let report = while_busy("flying in QEMU", || fly(&replay, &options)).map_err(|error| {
+    let doing = || match progress.so_far() {
+        _ if !arguments.hil => "flying in QEMU".to_owned(),
+        (_, 0) => "building the image".to_owned(),
+        (0, _) => "writing the image to the board".to_owned(),
+        (done, of) => format!("flying on the board: {done} of {of} ticks"),
+    };
+    let report = while_telling(doing, || fly(&replay, &options)).map_err(|error| {
         let line = format!("{file}: {error}");
         let FlyError::Differs(difference) = error else { return Failure::input(line) };
         if arguments.what.json
@@ -92,14 +117,39 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     terminal::put(&text(&file.to_string(), &report))
 }
 
+impl Arguments {
+    fn debug_link(&self) -> DebugLink {
+        let link = DebugLink::default();
+        if self.probe_configs.is_empty() {
+            link
+        } else {
+            DebugLink { probe: self.probe_configs.clone(), ..link }
+        }
+    }
+}
+
+/// What costs are counted in, in words.
+const fn unit(report: &FlyReport) -> &'static str {
+    match report.cost_unit {
+        CostUnit::Instructions => "instructions",
+        CostUnit::Cycles => "cycles",
+    }
+}
+
 fn text(file: &str, report: &FlyReport) -> String {
+    let unit = unit(report);
+    let target = match report.cost_unit {
+        CostUnit::Instructions => "emulated flight computer",
+        CostUnit::Cycles => "board",
+    };
     let mut text = format!(
-        "{file}: the emulated flight computer and the host agree to the bit in all {} ticks\n  \
-         instructions a tick  {:.1} mean, {} worst (at {:.3} s)\n  \
-         ticks begin          within {} instructions of an even 5 ms\n  \
+        "{file}: the {target} and the host agree to the bit in all {} ticks\n  \
+         {:<21}{:.1} mean, {} worst (at {:.3} s)\n  \
+         ticks begin          within {} {unit} of an even 5 ms\n  \
          stack                {} of {} bytes used\n  \
          image                {} bytes of flash, {} bytes of static RAM\n",
         report.ticks,
+        format!("{unit} a tick"),
         report.instructions_mean,
         report.instructions_worst,
         report.worst_time_us as f64 * 1e-6,
@@ -235,17 +285,20 @@ fn difference_json(difference: &Difference) -> Value {
 }
 
 fn report_json(report: &FlyReport) -> Value {
+    let unit = unit(report);
+    let (mean, worst) = (format!("{unit}_mean"), format!("{unit}_worst"));
     json!({
         "bit_for_bit": true,
         "ticks": report.ticks,
-        "instructions_mean": report.instructions_mean,
-        "instructions_worst": report.instructions_worst,
+        mean.clone(): report.instructions_mean,
+        worst.clone(): report.instructions_worst,
         "parts": report.parts.iter().map(|part| (part.part.name().to_owned(), json!({
-            "instructions_mean": part.instructions_mean,
-            "instructions_worst": part.instructions_worst,
+            mean.clone(): part.instructions_mean,
+            worst.clone(): part.instructions_worst,
         }))).collect::<serde_json::Map<_, _>>(),
         "worst_time_s": report.worst_time_us as f64 * 1e-6,
-        "start_jitter_instructions": report.start_jitter,
+        format!("tick_period_{unit}"): report.tick_period,
+        format!("start_jitter_{unit}"): report.start_jitter,
         "stack_used_bytes": report.stack_used_bytes,
         "stack_size_bytes": report.stack_size_bytes,
         "flash_bytes": report.flash_bytes,

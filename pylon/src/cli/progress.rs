@@ -88,14 +88,25 @@ impl Drop for Counter {
 
 /// Runs something whose end can not be foreseen; after a second a spinner says what is going on.
 pub fn while_busy<T>(what: &'static str, work: impl FnOnce() -> T) -> T {
+    while_telling(|| what.to_owned(), work)
+}
+
+/// As [`while_busy`], for what goes on to something else meanwhile: `what` is asked once a second.
+pub fn while_telling<T>(what: impl Fn() -> String + Send, work: impl FnOnce() -> T) -> T {
     let (done, wait) = std::sync::mpsc::channel::<()>();
     std::thread::scope(|scope| {
         scope.spawn(move || {
-            // An error means that the work is done and `done` was dropped.
-            if wait.recv_timeout(PATIENCE) == Err(std::sync::mpsc::RecvTimeoutError::Timeout) {
-                let spinner = ProgressBar::new_spinner().with_message(what);
-                spinner.enable_steady_tick(Duration::from_millis(120));
-                let _ = wait.recv();
+            let mut spinner = None;
+            // Another error than this means that the work is done and `done` was dropped.
+            while wait.recv_timeout(PATIENCE) == Err(std::sync::mpsc::RecvTimeoutError::Timeout) {
+                let spinner = spinner.get_or_insert_with(|| {
+                    let spinner = ProgressBar::new_spinner();
+                    spinner.enable_steady_tick(Duration::from_millis(120));
+                    spinner
+                });
+                spinner.set_message(what());
+            }
+            if let Some(spinner) = spinner {
                 spinner.finish_and_clear();
             }
         });

@@ -19,6 +19,8 @@ pub const TARGET: &str = "thumbv7em-none-eabihf";
 pub enum Board {
     /// The emulated one.
     Qemu,
+    /// The microcontroller of the flight computer, fed through its debug link.
+    Hil,
     /// The flight computer.
     F405,
 }
@@ -27,6 +29,7 @@ impl Board {
     const fn feature(self) -> &'static str {
         match self {
             Self::Qemu => "board-qemu",
+            Self::Hil => "board-hil",
             Self::F405 => "board-f405",
         }
     }

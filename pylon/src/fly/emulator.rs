@@ -12,7 +12,7 @@ use super::error::FlyError;
 /// The emulated machine: an STM32F405RG.
 const MACHINE: &str = "netduinoplus2";
 
-/// What an emulation left behind.
+/// What an image left behind that ran in QEMU, or on a board ([`super::DebugLink`]).
 #[derive(Debug)]
 pub struct Emulation {
     /// QEMU's exit status, which is the firmware's once the firmware has ended it; `None` after a signal.

@@ -18,6 +18,59 @@ pub enum FlyError {
         "qemu-system-arm is not installed: `apt-get install qemu-system-arm` (Debian, Ubuntu), `brew install qemu` (macOS)"
     )]
     NoEmulator,
+    /// OpenOCD is not there.
+    #[error(
+        "openocd is not installed or not in PATH: `apt-get install openocd` (Debian, Ubuntu), `brew install open-ocd` (macOS)"
+    )]
+    NoDebugger,
+    /// An OpenOCD that does not hand on the image's exit status.
+    #[error("this is OpenOCD 0.{minor}: a flight on a board needs 0.11 or newer")]
+    OldDebugger {
+        /// Its version, after the `0.`.
+        minor: u32,
+    },
+    /// OpenOCD found no debug probe.
+    #[error(
+        "openocd finds no debug probe ({said}): is it plugged in, by a cable that carries data? is the probe's configuration \
+         (`--probe-config`) that of its kind? on Linux: may this user open it (OpenOCD's udev rules, 60-openocd.rules)?"
+    )]
+    NoProbe {
+        /// OpenOCD's most telling line.
+        said: String,
+    },
+    /// The probe reached no microcontroller.
+    #[error(
+        "the probe finds no STM32F405 ({said}): is the board powered? are SWDIO, SWCLK and ground connected, and not swapped \
+         (docs/bring-up.md)?"
+    )]
+    NoBoard {
+        /// OpenOCD's most telling line.
+        said: String,
+    },
+    /// The image did not get into the flash.
+    #[error(
+        "the image could not be written to the board ({said}): is its flash protected? is its supply steady?"
+    )]
+    NotWritten {
+        /// OpenOCD's most telling line.
+        said: String,
+    },
+    /// OpenOCD ended before the flight did.
+    #[error("openocd ended before the flight did ({said})")]
+    DebugLink {
+        /// OpenOCD's most telling line.
+        said: String,
+    },
+    /// Neither the board nor OpenOCD said anything any more.
+    #[error(
+        "nothing was heard of the board, nor of openocd, for {seconds} s ({said}): reset the board and try again"
+    )]
+    Silent {
+        /// How long was waited, seconds.
+        seconds: u64,
+        /// OpenOCD's most telling line.
+        said: String,
+    },
     /// cargo is not there.
     #[error(
         "cargo is not installed or not in PATH: the firmware is built for every model; see https://rustup.rs"
@@ -69,8 +122,8 @@ pub enum FlyError {
     /// The planned faults can not be followed.
     #[error(transparent)]
     Fault(#[from] FaultError),
-    /// The emulation ended otherwise than at the end of the record.
-    #[error("the emulated flight computer stopped: {}{}", ended(*.status), last_line(.log))]
+    /// The flight ended otherwise than at the end of the record.
+    #[error("the flight computer stopped: {}{}", ended(*.status), last_line(.log))]
     Stopped {
         /// Its status, if it is one of the firmware's.
         status: Option<ExitStatus>,
@@ -84,10 +137,10 @@ pub enum FlyError {
         seconds: u64,
     },
     /// What the firmware wrote is not a stream of results.
-    #[error("the results of the emulated flight computer are damaged: {0}")]
+    #[error("the results of the flight computer are damaged: {0}")]
     Results(String),
     /// The firmware did not get or did not fly all of the record.
-    #[error("the emulated flight computer did not fly the whole record: {0}")]
+    #[error("the flight computer did not fly the whole record: {0}")]
     Incomplete(String),
     /// Host and target computed different bits.
     #[error("target and host differ: {0}")]

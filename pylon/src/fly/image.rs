@@ -10,6 +10,9 @@ use super::error::FlyError;
 /// Where the RAM of the flight computer starts; everything allocated below it is flash.
 const RAM_START: u64 = 0x2000_0000;
 
+/// The linker script's name of the start of the retained RAM.
+const RETAINED_START: &str = "_retained_start";
+
 /// Sizes and symbols of an image.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Image {
@@ -17,6 +20,8 @@ pub struct Image {
     pub flash_bytes: u64,
     /// RAM that its static variables take, bytes; the stack is not among them.
     pub static_ram_bytes: u64,
+    /// Where the RAM begins that a reset leaves alone on the boards that fly a record (`memory.x`), if the image has one.
+    pub retained_start: Option<u64>,
     /// Names of all symbols, demangled.
     pub symbols: Vec<String>,
 }
@@ -54,6 +59,9 @@ impl Image {
                 file.section_by_index(index).is_ok_and(|section| section.name() == Ok(".defmt"))
             });
             if let (Ok(name), false) = (symbol.name(), in_log) {
+                if name == RETAINED_START {
+                    image.retained_start = Some(symbol.address());
+                }
                 image.symbols.push(format!("{:#}", rustc_demangle::demangle(name)));
             }
         }

@@ -1,8 +1,9 @@
-//! A flight through the firmware, in the emulated flight computer, compared with the host to the bit.
+//! A flight through the firmware, in the emulated flight computer or on a board, compared with the host to the bit.
 
 mod agreement;
 mod builder;
 mod compare;
+mod debug_link;
 mod emulator;
 mod error;
 mod fault_script;
@@ -21,7 +22,7 @@ use std::time::Duration;
 use chip_models::flown::TruthCounts;
 use drivers::Sensors as _;
 use flight_computer::{Part, Step};
-pub use flight_record::SensorSource;
+pub use flight_record::{CostUnit, SensorSource};
 use flight_record::{ExitStatus, INPUT_FILE, OUTPUT_FILE, STRIKES_FILE, Strike, Summary, TickRecord};
 use kf_core::input::TickInput;
 use kf_core::latch::LatchRecord;
@@ -32,6 +33,7 @@ use telemetry::{ComputerStatus, FrameQueue, Rates};
 pub use agreement::{Agreement, SensorAgreement};
 pub use builder::{Board, PlantedError, Program, TARGET, build};
 pub use compare::Difference;
+pub use debug_link::{DebugLink, TicksFlown};
 pub use emulator::{Emulation, emulate};
 pub use error::FlyError;
 pub use fault_script::{FaultError, PlannedFault};
@@ -53,9 +55,22 @@ const PATIENCE_PER_TICK: Duration = Duration::from_millis(10);
 /// The file of the telemetry's line, in the emulation's folder.
 const TELEMETRY_FILE: &str = "telemetry.bin";
 
+/// What a flight is flown on.
+#[derive(Clone, Debug, Default)]
+pub enum FlownOn {
+    /// QEMU.
+    #[default]
+    Emulator,
+    /// An STM32F405, through its debug link. Its own sensors, lines and crystal have no part in it: chips are models, as in
+    /// QEMU.
+    Board(DebugLink),
+}
+
 /// How to fly.
 #[derive(Clone, Debug, Default)]
 pub struct FlyOptions {
+    /// What is flown on.
+    pub on: FlownOn,
     /// How the flight's samples come to the estimator; by default as they are. On chips the rows are put on the flight
     /// computer's grid of ticks.
     pub sensors: SensorSource,
@@ -66,7 +81,7 @@ pub struct FlyOptions {
     /// The host's flight computer gets every barometer reading one unit in the last place off, to see that it
     /// is found.
     pub host_ulp_error: bool,
-    /// Records what goes over the telemetry's line.
+    /// Records what goes over the telemetry's line, in QEMU: a board's is silent.
     pub telemetry: bool,
 }
 
@@ -84,12 +99,16 @@ pub struct Downlinked {
 pub struct FlyReport {
     /// Ticks flown and compared.
     pub ticks: u32,
+    /// What the costs here are counted in: instructions in QEMU; on a board cycles, whatever a cost is called.
+    pub cost_unit: CostUnit,
     /// Instructions of one tick, drivers and mission, mean.
     pub instructions_mean: f64,
     /// The dearest tick's.
     pub instructions_worst: u32,
     /// When that was, microseconds.
     pub worst_time_us: u64,
+    /// From one tick to the next, instructions.
+    pub tick_period: u32,
     /// How much later on its grid of 5 ms one tick began than another at most, instructions.
     pub start_jitter: u64,
     /// What each part of the ticks took.
@@ -225,7 +244,17 @@ fn fly_items(
     model: &Model,
     options: &FlyOptions,
 ) -> Result<FlyReport, FlyError> {
-    let image_path = build(Program::Flight(Board::Qemu), model, options.target_error)?;
+    let board = match &options.on {
+        FlownOn::Emulator => Board::Qemu,
+        FlownOn::Board(_) if options.telemetry => {
+            return Err(FlyError::Host("a board on its debug link sends no telemetry to record".to_owned()));
+        }
+        FlownOn::Board(link) => {
+            link.check()?;
+            Board::Hil
+        }
+    };
+    let image_path = build(Program::Flight(board), model, options.target_error)?;
     let image = Image::read(&image_path)?;
     let directory = tempfile::tempdir().map_err(FlyError::io("temporary directory"))?;
     let count = record::write_inputs(
@@ -236,7 +265,13 @@ fn fly_items(
     )?;
 
     let line = options.telemetry.then_some(TELEMETRY_FILE);
-    let mut run = run(&image_path, directory.path(), count, line)?;
+    let mut run = match &options.on {
+        FlownOn::Emulator => emulated(&image_path, directory.path(), count, line)?,
+        FlownOn::Board(link) => {
+            let ended = link.fly(&image_path, directory.path(), count)?;
+            Run::of(ended, &image_path, directory.path())?
+        }
+    };
     if run.status != Some(ExitStatus::Finished) {
         return Err(FlyError::Stopped { status: run.status, log: run.log });
     }
@@ -252,9 +287,11 @@ fn fly_items(
     };
     Ok(FlyReport {
         ticks: summary.ticks,
+        cost_unit: summary.cost_unit,
         instructions_mean: summary.cost_sum as f64 / f64::from(summary.ticks.max(1)),
         instructions_worst: summary.cost_worst,
         worst_time_us: compared.worst_time_us,
+        tick_period: compared.starts.period(),
         start_jitter: compared.starts.jitter(),
         parts: parts(&summary),
         underruns: summary.underruns,
@@ -283,7 +320,7 @@ fn parts(summary: &Summary) -> Vec<PartReport> {
         .collect()
 }
 
-/// What an emulated flight left behind.
+/// What a flight left behind.
 pub struct Run {
     /// How the firmware ended it; `None` if it did not.
     pub status: Option<ExitStatus>,
@@ -320,7 +357,8 @@ fn fly_raw(
     fs::write(directory.path().join(name(INPUT_FILE)?), record).map_err(FlyError::io("the flight record"))?;
     let blows: Vec<u8> = strikes.iter().flat_map(|strike| strike.to_bytes()).collect();
     fs::write(directory.path().join(name(STRIKES_FILE)?), blows).map_err(FlyError::io("the blows"))?;
-    let mut run = run(&image, directory.path(), u32::try_from(record.len() / 16).unwrap_or(u32::MAX), None)?;
+    let ticks = u32::try_from(record.len() / 16).unwrap_or(u32::MAX);
+    let mut run = emulated(&image, directory.path(), ticks, None)?;
     let mut flight = RawFlight { status: run.status, log: run.log, ..RawFlight::default() };
     while let Some(result) = run.results.next_result()? {
         match result {
@@ -350,18 +388,29 @@ pub struct RawFlight {
     pub summary: Option<Summary>,
 }
 
-fn run(image: &Path, directory: &Path, ticks: u32, telemetry: Option<&'static str>) -> Result<Run, FlyError> {
+fn emulated(
+    image: &Path,
+    directory: &Path,
+    ticks: u32,
+    telemetry: Option<&'static str>,
+) -> Result<Run, FlyError> {
     let patience = PATIENCE + PATIENCE_PER_TICK.saturating_mul(ticks);
-    let emulation = emulate(image, directory, telemetry, patience)?;
-    let status = emulation.code.and_then(ExitStatus::from_code);
-    let elf = fs::read(image).map_err(FlyError::io(image.display().to_string()))?;
-    let mut log = log::lines(&elf, &emulation.stdout);
-    log.extend(emulation.stderr.lines().map(str::to_owned));
-    let output = directory.join(name(OUTPUT_FILE)?);
-    if !output.is_file() {
-        return Err(FlyError::Stopped { status, log });
+    Run::of(emulate(image, directory, telemetry, patience)?, image, directory)
+}
+
+impl Run {
+    /// Reads what an image has left in its directory.
+    fn of(ended: Emulation, image: &Path, directory: &Path) -> Result<Self, FlyError> {
+        let status = ended.code.and_then(ExitStatus::from_code);
+        let elf = fs::read(image).map_err(FlyError::io(image.display().to_string()))?;
+        let mut log = log::lines(&elf, &ended.stdout);
+        log.extend(ended.stderr.lines().map(str::to_owned));
+        let output = directory.join(name(OUTPUT_FILE)?);
+        if !output.is_file() {
+            return Err(FlyError::Stopped { status, log });
+        }
+        Ok(Self { status, log, results: Results::open(&output)? })
     }
-    Ok(Run { status, log, results: Results::open(&output)? })
 }
 
 fn name(file: &'static std::ffi::CStr) -> Result<&'static str, FlyError> {

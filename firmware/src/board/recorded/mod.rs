@@ -1,14 +1,17 @@
-//! The emulated board: QEMU's `netduinoplus2`, fed with a flight record through semihosting.
+//! The board that flies a flight record, which the host gives it through semihosting: in QEMU's `netduinoplus2`
+//! (`emulated.rs`), or in an STM32F405 on its debug link (`silicon.rs`).
 //!
-//! What QEMU 7.2 has of the STM32F405 is the core with its FPU, the memories, the timers TIM2 to TIM5,
-//! the USARTs and some more; it has no clock tree, so waiting for the crystal or the PLL never ends.
-//! The timers run at 1 GHz whatever the prescalers of the clock tree say; with `-icount shift=0` an
-//! instruction takes one nanosecond, so a timer counts instructions.
+//! Time is the record's. How fast the ticks come, and whether they wait for the host, is nothing to the flight.
 //!
-//! The first interrupt of one comes after the period and, once more, the time at which the timer was started, which after a reset is
-//! the whole flight so far. So after a restart SysTick, which is the watchdog's timer, makes the tick as well and paces the line.
+//! The first interrupt of one of QEMU's timers comes after the period and, once more, the time at which the timer was started, which
+//! after a reset is the whole flight so far. So after a restart SysTick, which is the watchdog's timer, makes the tick as well and
+//! paces the line.
 
+#[cfg(feature = "board-qemu")]
+mod emulated;
 mod line;
+#[cfg(feature = "board-hil")]
+mod silicon;
 
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
@@ -28,29 +31,27 @@ use heapless::spsc::{Consumer, Producer, Queue};
 use kf_core::input::TickInput;
 use semihosting::fs::File;
 use semihosting::io::{Read, Seek, SeekFrom, Write};
-use stm32f4xx_hal::pac::{Interrupt, Peripherals, TIM4, TIM5};
+use stm32f4xx_hal::pac::{Interrupt, Peripherals, TIM5};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Config;
 use survival::{BOARD_WORDS, Cause, ResetSource, RetainedMemory};
 
+#[cfg(feature = "board-qemu")]
+use emulated as machine;
+#[cfg(feature = "board-hil")]
+use silicon as machine;
+
 pub use line::Line;
+pub use machine::NAME;
+use machine::{BATCH, CHUNK, CORE_HZ, TIMER_HZ};
 
 use super::{Board, Next};
 use crate::flown_model::FINGERPRINT;
 use crate::tick_timer::{TICK_HZ, TickTimer};
 use crate::watchdog::{TIMEOUT_MS, unmask};
 
-/// The board's name.
-pub const NAME: &str = "qemu";
-/// QEMU's clock of the timers, Hz.
-const TIMER_HZ: u32 = 1_000_000_000;
-/// QEMU's clock of SysTick, Hz.
-const CORE_HZ: u32 = 168_000_000;
 /// Inputs read ahead, one slot of which stays empty.
 const INPUTS: usize = 16;
-/// Bytes of one read from the host.
-const CHUNK: usize = 512;
-
 /// The sensors of the flight record.
 pub type Sensors = &'static mut RecordedSensors<ModelsWork>;
 
@@ -68,12 +69,13 @@ pub struct Storage {
     ended: AtomicBool,
     /// None before the start; empty, unlike an `Option` of them, it takes no flash.
     sensors: Vec<RecordedSensors<ModelsWork>, 1>,
+    batch: Vec<u8, BATCH>,
 }
 
 impl Storage {
     /// Empty.
     pub const fn new() -> Self {
-        Self { inputs: Queue::new(), ended: AtomicBool::new(false), sensors: Vec::new() }
+        Self { inputs: Queue::new(), ended: AtomicBool::new(false), sensors: Vec::new(), batch: Vec::new() }
     }
 }
 
@@ -81,7 +83,7 @@ impl Storage {
 /// goes on for as long as the flight computer may take.
 pub const RESTART_US: u64 = 100_000;
 
-/// The emulator has no independent watchdog.
+/// No independent watchdog runs.
 pub const INDEPENDENT_WATCHDOG_US: u64 = 0;
 
 unsafe extern "C" {
@@ -89,7 +91,7 @@ unsafe extern "C" {
     static _retained_start: u32;
 }
 
-/// The retained memory: RAM, which the emulator's reset leaves as it is.
+/// The retained memory: RAM, which a reset leaves as it is.
 pub fn retained() -> *mut RetainedMemory {
     (&raw const _retained_start).cast_mut().cast()
 }
@@ -97,7 +99,8 @@ pub fn retained() -> *mut RetainedMemory {
 /// Nothing guards it.
 pub const fn open_retained(_device: &Peripherals) {}
 
-/// The emulator knows of no other; its supply comes with RAM full of zeros, in which nothing was kept.
+/// There is no other; before a flight the memory is full of zeros, in which nothing was kept: QEMU's RAM comes so, and the host
+/// writes them into a board's.
 pub const fn reset_source() -> ResetSource {
     ResetSource::Software
 }
@@ -109,10 +112,10 @@ pub const fn umbilical_is_open() -> Option<bool> {
 
 /// So many counts of [`CostClock`] in microseconds.
 pub const fn microseconds(count: u32) -> u32 {
-    count / 1_000
+    count / (TIMER_HZ / 1_000_000)
 }
 
-/// There is nothing to wait for in an emulation.
+/// There is nothing to wait for: no flight but the record's.
 pub fn stand_by(cause: Cause) -> ! {
     exit(match cause {
         Cause::Panic => ExitStatus::Panic,
@@ -134,10 +137,14 @@ pub fn start(
     resumed_us: Option<u64>,
     kept: &'static mut [u32; BOARD_WORDS],
 ) -> Result<Board, ExitStatus> {
-    let Storage { inputs, ended, sensors } = storage;
+    let Storage { inputs, ended, sensors, batch } = storage;
     let has_restarted = resumed_us.is_some();
     let (inputs_in, inputs_out) = inputs.split();
+    machine::stop_with_the_core(&device.DBGMCU);
     let mut rcc = device.RCC.freeze(Config::hsi());
+    if !machine::has_clocks(&rcc.clocks) {
+        return Err(ExitStatus::Configuration);
+    }
     let port_a = device.GPIOA.split(&mut rcc);
     let line = Line::start(device.USART1, port_a.pa9, device.TIM3, has_restarted, &mut core.NVIC, &mut rcc)
         .ok_or(ExitStatus::NoOutput)?;
@@ -152,7 +159,7 @@ pub fn start(
         source: Source { inputs: inputs_out, ended },
         is_recording: header.sensors == SensorSource::Ideal,
         sensors,
-        sink: Sink::open(&header, has_restarted)?,
+        sink: Sink::open(&header, has_restarted, batch)?,
         line,
         watchdog: Watchdog::start(core.SYST, &mut core.SCB, &mut core.NVIC, has_restarted),
         timer: match has_restarted {
@@ -162,7 +169,7 @@ pub fn start(
     })
 }
 
-/// Ends the emulation.
+/// Ends the flight: the host gets the status.
 pub fn exit(status: ExitStatus) -> ! {
     semihosting::process::exit(status.code().into())
 }
@@ -208,12 +215,12 @@ fn SysTick() {
     }
 }
 
-/// Counts the flight computer's instructions: TIM5, which is this clock's alone once it runs, without those of the models of
-/// its chips.
+/// Counts the flight computer's instructions, or cycles: TIM5, which is this clock's alone once it runs, without those of the
+/// models of its chips.
 #[derive(Clone, Copy)]
 pub struct CostClock;
 
-/// Instructions that the models of the chips have taken.
+/// What the models of the chips have taken, counts of [`CostClock`].
 static MODELS_WORK: AtomicU32 = AtomicU32::new(0);
 
 /// Keeps the models' work out of the count.
@@ -234,7 +241,7 @@ impl WorkObserver for ModelsWork {
 
 impl CostClock {
     /// What it counts.
-    pub const UNIT: CostUnit = CostUnit::Instructions;
+    pub const UNIT: CostUnit = machine::COST_UNIT;
 
     fn start(tim5: &TIM5, rcc: &stm32f4xx_hal::pac::RCC) {
         rcc.apb1enr().modify(|_, w| w.tim5en().enabled());
@@ -244,23 +251,23 @@ impl CostClock {
         tim5.cr1().modify(|_, w| w.cen().enabled());
     }
 
-    /// What share of a tick that is, per mille; instructions are no time.
+    /// What share of a tick that is, per mille: none can be said. Instructions are no time, and the cycles are of another clock than
+    /// the flight's.
     pub const fn permille_of_a_tick(_cost: u32) -> Option<u16> {
         None
     }
 
-    /// Since the last reset: a timer of QEMU counts from there on, started or not.
+    /// Since the last reset, where that is known.
     pub fn since_reset() -> Option<u32> {
-        // SAFETY: a read of the counter of a timer that nobody has.
-        Some(unsafe { (*TIM4::ptr()).cnt().read().bits() })
+        machine::since_reset()
     }
 
-    /// Now, for what a tick costs: without the models' instructions; wrapping.
+    /// Now, for what a tick costs: without the models' work; wrapping.
     pub fn now() -> u32 {
         Self::time().wrapping_sub(MODELS_WORK.load(Ordering::Relaxed))
     }
 
-    /// Now, for when a tick begins: all instructions, wrapping.
+    /// Now, for when a tick begins: all work, wrapping.
     pub fn time() -> u32 {
         // SAFETY: a read of the counter, which changes nothing; nobody else has TIM5.
         unsafe { (*TIM5::ptr()).cnt().read().bits() }
@@ -505,12 +512,14 @@ impl Bytes {
 pub struct Sink {
     file: File,
     encoder: Encoder,
+    /// What is not written yet.
+    batch: &'static mut Vec<u8, BATCH>,
     failed: bool,
 }
 
 impl Sink {
     /// Begins a stream of outputs for a stream of inputs; after a restart in the same file, from another header on.
-    fn open(inputs: &Header, goes_on: bool) -> Result<Self, ExitStatus> {
+    fn open(inputs: &Header, goes_on: bool, batch: &'static mut Vec<u8, BATCH>) -> Result<Self, ExitStatus> {
         let mut options = File::options();
         let options = options.write(true).append(goes_on).truncate(!goes_on);
         let mut file = options.create(true).open(OUTPUT_FILE).map_err(|_| ExitStatus::NoOutput)?;
@@ -518,19 +527,36 @@ impl Sink {
             // QEMU 7.2 opens for appending and then writes at the start.
             file.seek(SeekFrom::End(0)).map_err(|_| ExitStatus::NoOutput)?;
         }
-        let mut sink = Self { file, encoder: Encoder::new(), failed: false };
+        let mut sink = Self { file, encoder: Encoder::new(), batch, failed: false };
         sink.write(&Header::new(Stream::Outputs, FINGERPRINT, inputs.sensors));
         Ok(sink)
     }
 
-    /// Writes one result; a failure shows in [`Self::status`].
+    /// Writes one result; a failure shows in [`Self::status`]. Only ticks may wait for more of them: whatever else is told is
+    /// told now, and after the summary nothing is left.
     pub fn write<P: Payload>(&mut self, payload: &P) {
         let mut buffer = [0; MAX_STUFFED];
         let written = match self.encoder.encode(payload, &mut buffer) {
-            Ok(bytes) => self.file.write_all(bytes).is_ok(),
+            Ok(bytes) if BATCH == 0 => self.file.write_all(bytes).is_ok(),
+            Ok(bytes) => self.gather(bytes, P::KIND == Kind::Tick),
             Err(_) => false,
         };
         self.failed |= !written;
+    }
+
+    /// Adds to the batch, and writes it when it is full or may not wait.
+    fn gather(&mut self, bytes: &[u8], may_wait: bool) -> bool {
+        let has_room = self.batch.capacity() - self.batch.len() >= bytes.len();
+        let made_room = has_room || self.flush();
+        let gathered = self.batch.extend_from_slice(bytes).is_ok();
+        let flushed = may_wait || self.flush();
+        made_room && gathered && flushed
+    }
+
+    fn flush(&mut self) -> bool {
+        let written = self.file.write_all(self.batch).is_ok();
+        self.batch.clear();
+        written
     }
 
     /// How the flight ended.
