@@ -143,7 +143,7 @@ mod app {
         if let Some(report) = report.filter(|report| report.start == Start::Standby) {
             restart::log(&report);
             sink.write(&report);
-            board::stand_by(report.cause);
+            board::stand_by(&report, line);
         }
         let mission = match flown_model::mission(cx.local.mission) {
             Ok(mission) => mission,
@@ -181,7 +181,7 @@ mod app {
                 sink,
                 told_in,
                 told_out,
-                downlink: Downlink::new(frames_in),
+                downlink: Downlink::new(frames_in, report),
                 line,
                 frames_out,
                 marks: retained.marks,

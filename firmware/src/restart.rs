@@ -118,15 +118,8 @@ pub fn log(report: &RestartReport) {
         );
     }
     for (copy, refusal) in report.refused.iter().enumerate() {
-        match refusal {
-            None | Some(Refusal::Empty) => {}
-            Some(Refusal::Corrupt) => defmt::error!("copy {=usize} of the snapshot is corrupt", copy),
-            Some(Refusal::OtherModel) => {
-                defmt::error!("copy {=usize} of the snapshot is another model's", copy);
-            }
-            Some(Refusal::NotUnderstood) => {
-                defmt::error!("copy {=usize} of the snapshot is no snapshot of this image", copy);
-            }
+        if let Some(refusal) = refusal.filter(|refusal| *refusal != Refusal::Empty) {
+            defmt::error!("copy {=usize} of the snapshot is {=str}", copy, refusal.name());
         }
     }
     match report.start {

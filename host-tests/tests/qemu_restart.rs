@@ -3,8 +3,9 @@
 //!
 //! Needs qemu-system-arm and the Rust target; without them the tests fail and say what to install
 //! (`cargo xtask test` installs it).
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::panic)]
 
+mod mavlink_client;
 mod ticks;
 
 use flight_record::{
@@ -16,10 +17,13 @@ use kf_core::latch::LatchRecord;
 use kf_core::output::{Phase, TickOutput, Trust};
 use kf_core::snapshot::RaisedFlags;
 use model::Model;
+use pylon::downlink::Downlink;
 use pylon::fly::{RawFlight, fly_struck};
 use pylon::replay::{mission, resumed_mission};
 use survival::{Cause, Late, Refusal, RestartReport, Start, Supervised};
+use telemetry::{ComputerStatus, FrameQueue, MAX_FRAME, Rates};
 
+use mavlink_client::{decode, gaps, of, texts, whole};
 use ticks::{LAUNCH, TICK_US, TICKS, flight, must, prompt};
 
 /// When the record's clock starts, microseconds.
@@ -75,12 +79,21 @@ fn bits(output: &TickOutput) -> Vec<u8> {
 /// Does on the host what the flight computer says that it did, and holds every tick of it to the host's bits;
 /// returns the latch that the host came to.
 fn same_on_the_host(flown: &RawFlight) -> Option<LatchRecord> {
+    on_the_host(flown).0
+}
+
+/// As [`same_on_the_host`]; returns as well what the host would have sent from each start on.
+fn on_the_host(flown: &RawFlight) -> (Option<LatchRecord>, Vec<Vec<u8>>) {
     let model = model();
     let mut host = mission(&model).unwrap();
     let mut snapshots = Vec::new();
     let mut restarts = flown.restarts.iter().peekable();
+    let new_line = || Downlink::new(Box::leak(Box::new(FrameQueue::new())), &model, Rates::FULL);
+    let (mut line, mut lines) = (new_line(), Vec::new());
     for (k, TickRecord { input, output, .. }) in flown.ticks.iter().enumerate() {
         while let Some((_, report)) = restarts.next_if(|(ticks, _)| *ticks == k) {
+            lines.push(std::mem::replace(&mut line, new_line()).into_bytes());
+            line.note_start(report);
             host = match report.snapshot_us {
                 Some(snapshot_us) => {
                     let kept = |(time_us, _): &&(u64, _)| *time_us == snapshot_us;
@@ -93,11 +106,44 @@ fn same_on_the_host(flown: &RawFlight) -> Option<LatchRecord> {
         }
         let expected = host.tick(input);
         assert_eq!(bits(&expected), bits(output), "tick {k} at {} us", output.time_us);
+        line.tell(input, output, &*host, &ComputerStatus::default());
         if let Some(snapshot) = host.snapshot() {
             snapshots.push((output.time_us, snapshot));
         }
     }
-    host.latch().cloned()
+    lines.push(line.into_bytes());
+    (host.latch().cloned(), lines)
+}
+
+/// Holds what went over the line before and after the only restart to the host's bytes, and returns the texts from then on,
+/// with their severities, as pymavlink reads them.
+fn told(flown: &RawFlight) -> Vec<(i64, String)> {
+    let (_, lines) = on_the_host(flown);
+    let [before, after] = lines.as_slice() else { panic!("{} starts", lines.len()) };
+    let sent = &flown.telemetry;
+    let same = sent.iter().zip(before).take_while(|(one, other)| one == other).count();
+    // The reset may have come in a frame, and both sides of it begin as every frame does.
+    let split = (0..=same).rev().find(|split| after.starts_with(&sent[*split..])).unwrap();
+    let waiting = [before.len() - split, after.len() - (sent.len() - split)];
+    assert!(waiting.iter().all(|bytes| *bytes < 31 * MAX_FRAME), "{waiting:?}");
+    let messages = decode(&sent[split..]);
+    assert_eq!(gaps(&messages), 0);
+    of(&messages, "STATUSTEXT")
+        .into_iter()
+        .map(|text| whole(text, "severity"))
+        .zip(texts(&messages))
+        .collect()
+}
+
+/// What is told of a start, in the order of the flight; the time is that at which the clock goes on.
+fn start_texts(report: &RestartReport, texts: &[(i64, &str)]) -> Vec<(i64, String)> {
+    let at = seconds(report.resumed_us);
+    texts.iter().map(|(severity, text)| (*severity, format!("t={at} {text}"))).collect()
+}
+
+/// A time as the texts have it: milliseconds, cut off.
+fn seconds(time_us: u64) -> String {
+    format!("{}.{:03}", time_us / 1_000_000, time_us / 1_000 % 1_000)
 }
 
 /// The report of the only restart, which goes on in free flight, and the first tick after it.
@@ -139,6 +185,29 @@ fn a_reset_in_free_flight_resumes_with_the_same_latch_and_the_hosts_bits() {
     assert_eq!(flown.ticks.len(), TICKS - missing);
     assert_keeps_budget(&flown);
     assert!(flown.log.iter().any(|line| line.contains("restart 1 (resumed) after a reset without a record")));
+}
+
+/// A ground station that has seen the flight is told, byte for byte as the host would, that the flight computer restarted, after
+/// what, and of how long nothing is known.
+#[test]
+fn every_restart_is_told_with_its_cause_and_its_gap() {
+    for (blow, cause) in [
+        (Blow::Reset, "a reset without a record"),
+        (Blow::Panic, "a panic"),
+        (Blow::Fault, "a hard fault"),
+        (Blow::StackOverflow, "a stack overflow"),
+        (Blow::HangTick, "something stuck"),
+    ] {
+        let flown = struck(&[(blow, LAUNCH + 700)]);
+        let (report, first) = resumed(&flown);
+        let gap_us = report.resumed_us - report.snapshot_us.unwrap();
+        assert!(gap_us >= OUTAGE_US);
+        // The first tick is the next of the grid.
+        assert!((0..TICK_US).contains(&(first.output.bridged_us.unwrap() - gap_us)), "{report:?}");
+        let resumed = format!("resumed, {}s not known", seconds(gap_us));
+        let expected = start_texts(&report, &[(3, &format!("restart: {cause}")), (3, &resumed)]);
+        assert_eq!(told(&flown)[..2], expected, "{blow:?}");
+    }
 }
 
 #[test]
@@ -189,6 +258,8 @@ fn a_reset_in_captive_flight_starts_the_calibration_again_and_says_so() {
     // Ten seconds, less the restart and the settling.
     assert!((latch.duration_s - (10.0 - 0.1 - 2.0)).abs() < 0.02, "{}", latch.duration_s);
     assert!(flown.log.iter().any(|line| line.contains("the calibration starts again")));
+    let expected = [(3, "restart: a reset without a record"), (4, "calibration starts again")];
+    assert_eq!(told(&flown)[..2], start_texts(&report, &expected));
 }
 
 #[test]
@@ -327,6 +398,13 @@ fn one_flipped_bit_costs_the_newest_copy_and_the_one_before_it_is_used() {
     let bridged_us = flown.ticks[ticks].output.bridged_us.unwrap();
     assert!((OUTAGE_US + 100_000..=OUTAGE_US + 210_000).contains(&bridged_us), "{bridged_us}");
     assert!(flown.log.iter().any(|line| line.contains("is corrupt")), "{:?}", flown.log);
+    let copy = report.refused.iter().position(Option::is_some).unwrap();
+    let texts = [
+        "restart: a reset without a record".to_owned(),
+        format!("copy {copy} refused: corrupt"),
+        format!("resumed, {}s not known", seconds(bridged_us)),
+    ];
+    assert_eq!(told(&flown)[..3], start_texts(&report, &[(3, &texts[0]), (2, &texts[1]), (3, &texts[2])]));
 }
 
 #[test]
@@ -334,7 +412,7 @@ fn garbage_another_models_copies_and_what_is_no_snapshot_are_refused_loudly() {
     for (blow, refusal, word) in [
         (Blow::Garbage, Refusal::Corrupt, "is corrupt"),
         (Blow::OtherModel, Refusal::OtherModel, "is another model's"),
-        (Blow::NoSnapshot, Refusal::NotUnderstood, "is no snapshot of this image"),
+        (Blow::NoSnapshot, Refusal::NotUnderstood, "is another version's"),
     ] {
         let flown = struck(&[(blow, LAUNCH + 700)]);
         let (ticks, report) = flown.restarts[0];
@@ -347,6 +425,15 @@ fn garbage_another_models_copies_and_what_is_no_snapshot_are_refused_loudly() {
         let first = &flown.ticks[ticks].output;
         assert!(first.latched_now && first.failed_checks != 0);
         assert!(trusts_nobody(&flown.ticks[ticks..]));
+        let why = refusal.name();
+        let copies = [0, 1].map(|copy| format!("copy {copy} refused: {why}"));
+        let expected = [
+            (3, "restart: a reset without a record"),
+            (2, &copies[0]),
+            (2, &copies[1]),
+            (2, "calibration lost in the restart"),
+        ];
+        assert_eq!(told(&flown)[..4], start_texts(&report, &expected));
     }
 }
 
@@ -366,4 +453,12 @@ fn three_blows_apart_are_survived_and_four_at_once_end_the_mission() {
     assert_eq!(looping.restarts.last().unwrap().1.start, Start::Standby);
     assert!(looping.summary.is_none());
     assert!(looping.log.iter().any(|line| line.contains("there is no mission any more")));
+    let messages = decode(&looping.telemetry);
+    let last = messages.last().unwrap();
+    assert_eq!(whole(last, "severity"), 0);
+    let report = looping.restarts.last().unwrap().1;
+    assert_eq!(
+        texts(&messages).pop(),
+        Some(start_texts(&report, &[(0, "standby: a hard fault")]).remove(0).1)
+    );
 }

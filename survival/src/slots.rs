@@ -34,6 +34,19 @@ pub enum Refusal {
     NotUnderstood,
 }
 
+impl Refusal {
+    /// The name used in logs and telemetry: what the copy is.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Empty => "empty",
+            Self::Corrupt => "corrupt",
+            Self::OtherModel => "another model's",
+            Self::NotUnderstood => "another version's",
+        }
+    }
+}
+
 /// A payload is too long.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SlotError;

@@ -31,7 +31,7 @@ use semihosting::io::{Read, Seek, SeekFrom, Write};
 use stm32f4xx_hal::pac::{Interrupt, Peripherals, TIM4, TIM5};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Config;
-use survival::{BOARD_WORDS, Cause, ResetSource, RetainedMemory};
+use survival::{BOARD_WORDS, Cause, ResetSource, RestartReport, RetainedMemory};
 
 pub use line::Line;
 
@@ -113,8 +113,9 @@ pub const fn microseconds(count: u32) -> u32 {
 }
 
 /// There is nothing to wait for in an emulation.
-pub fn stand_by(cause: Cause) -> ! {
-    exit(match cause {
+pub fn stand_by(report: &RestartReport, mut line: Line) -> ! {
+    line.send(&telemetry::standby(report, 0));
+    exit(match report.cause {
         Cause::Panic => ExitStatus::Panic,
         Cause::HardFault => ExitStatus::HardFault,
         Cause::Unrecorded

@@ -320,8 +320,10 @@ fn fly_raw(
     fs::write(directory.path().join(name(INPUT_FILE)?), record).map_err(FlyError::io("the flight record"))?;
     let blows: Vec<u8> = strikes.iter().flat_map(|strike| strike.to_bytes()).collect();
     fs::write(directory.path().join(name(STRIKES_FILE)?), blows).map_err(FlyError::io("the blows"))?;
-    let mut run = run(&image, directory.path(), u32::try_from(record.len() / 16).unwrap_or(u32::MAX), None)?;
-    let mut flight = RawFlight { status: run.status, log: run.log, ..RawFlight::default() };
+    let ticks = u32::try_from(record.len() / 16).unwrap_or(u32::MAX);
+    let mut run = run(&image, directory.path(), ticks, Some(TELEMETRY_FILE))?;
+    let telemetry = fs::read(directory.path().join(TELEMETRY_FILE)).map_err(FlyError::io("the telemetry"))?;
+    let mut flight = RawFlight { status: run.status, log: run.log, telemetry, ..RawFlight::default() };
     while let Some(result) = run.results.next_result()? {
         match result {
             FlightResult::Tick(tick) => flight.ticks.push(tick),
@@ -348,6 +350,8 @@ pub struct RawFlight {
     pub restarts: Vec<(usize, RestartReport)>,
     /// What was counted, if the flight came to its end.
     pub summary: Option<Summary>,
+    /// What went over the telemetry's line; a restart may have cut a frame.
+    pub telemetry: Vec<u8>,
 }
 
 fn run(image: &Path, directory: &Path, ticks: u32, telemetry: Option<&'static str>) -> Result<Run, FlyError> {
