@@ -32,6 +32,8 @@ pub enum Refusal {
     /// Its check is right and its content is not what it should be: another version of it, or of the
     /// program.
     NotUnderstood,
+    /// It is what was held at a suspicion of a launch that came to nothing.
+    OtherLaunch,
 }
 
 impl Refusal {
@@ -43,6 +45,7 @@ impl Refusal {
             Self::Corrupt => "corrupt",
             Self::OtherModel => "another model's",
             Self::NotUnderstood => "another version's",
+            Self::OtherLaunch => "another launch's",
         }
     }
 }

@@ -290,8 +290,8 @@ mod tests {
         Cause::ResetPin,
         Cause::IndependentWatchdog,
     ];
-    const REFUSALS: [Refusal; 4] =
-        [Refusal::Empty, Refusal::Corrupt, Refusal::OtherModel, Refusal::NotUnderstood];
+    const REFUSALS: [Refusal; 5] =
+        [Refusal::Empty, Refusal::Corrupt, Refusal::OtherModel, Refusal::NotUnderstood, Refusal::OtherLaunch];
 
     #[test]
     fn every_text_fits_with_a_day_of_flight() {

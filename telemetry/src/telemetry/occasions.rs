@@ -30,7 +30,7 @@ impl Telemetry<'_> {
             }
         }
         let how = match report.start {
-            Start::Resumed => {
+            Start::Resumed | Start::Suspected => {
                 let gap_us = at_us.saturating_sub(report.snapshot_us.unwrap_or(at_us));
                 Event::Resumed { gap_ms: u32::try_from(gap_us / 1_000).unwrap_or(u32::MAX) }
             }
