@@ -10,6 +10,7 @@
 
 mod line;
 
+use core::mem::MaybeUninit;
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use chip_models::flown::{ChipFault, RecordedSensors};
@@ -23,7 +24,6 @@ use flight_record::{
     CostUnit, Decoder, Encoder, End, ExitStatus, Header, INPUT_FILE, Kind, MAX_STUFFED, OUTPUT_FILE, Payload,
     SensorSource, Stream, Summary,
 };
-use heapless::Vec;
 use heapless::spsc::{Consumer, Producer, Queue};
 use kf_core::input::TickInput;
 use semihosting::fs::File;
@@ -66,14 +66,45 @@ enum Item {
 pub struct Storage {
     inputs: Queue<Item, INPUTS>,
     ended: AtomicBool,
-    /// None before the start; empty, unlike an `Option` of them, it takes no flash.
-    sensors: Vec<RecordedSensors<ModelsWork>, 1>,
 }
 
 impl Storage {
     /// Empty.
     pub const fn new() -> Self {
-        Self { inputs: Queue::new(), ended: AtomicBool::new(false), sensors: Vec::new() }
+        Self { inputs: Queue::new(), ended: AtomicBool::new(false) }
+    }
+}
+
+/// The sensors, whose chips a reset of the flight computer leaves as they are: where the start clears no memory.
+struct KeptSensors {
+    /// [`Self::MADE`] once they are there; an emulation begins with zeros.
+    made: u32,
+    sensors: MaybeUninit<RecordedSensors<ModelsWork>>,
+}
+
+#[unsafe(link_section = ".uninit.sensors")]
+static mut SENSORS: MaybeUninit<KeptSensors> = MaybeUninit::uninit();
+
+impl KeptSensors {
+    const MADE: u32 = 0x4348_4950;
+
+    /// The sensors: after a restart those that there are, with new drivers.
+    ///
+    /// # Safety
+    /// Once only.
+    unsafe fn claim(source: SensorSource, has_restarted: bool) -> Sensors {
+        let kept: *mut Self = (&raw mut SENSORS).cast();
+        // SAFETY: nobody else has them, as the caller promises; any bits are a number.
+        let Self { made, sensors } = unsafe { &mut *kept };
+        if has_restarted && *made == Self::MADE {
+            // SAFETY: they were made, and are a value: a blow strikes at a tick's end, when no model works.
+            let sensors = unsafe { sensors.assume_init_mut() };
+            sensors.restart();
+            return sensors;
+        }
+        let sensors = sensors.write(RecordedSensors::new(source, &ModelsWork));
+        *made = Self::MADE;
+        sensors
     }
 }
 
@@ -135,7 +166,7 @@ pub fn start(
     resumed_us: Option<u64>,
     kept: &'static mut [u32; BOARD_WORDS],
 ) -> Result<Board, ExitStatus> {
-    let Storage { inputs, ended, sensors } = storage;
+    let Storage { inputs, ended } = storage;
     let has_restarted = resumed_us.is_some();
     let (inputs_in, inputs_out) = inputs.split();
     let mut rcc = device.RCC.freeze(Config::hsi());
@@ -144,10 +175,8 @@ pub fn start(
         .ok_or(ExitStatus::NoOutput)?;
     CostClock::start(&device.TIM5, &rcc);
     let (feeder, header) = Feeder::open(inputs_in, ended, resumed_us, kept)?;
-    if sensors.push(RecordedSensors::new(header.sensors, &ModelsWork)).is_err() {
-        return Err(ExitStatus::Configuration);
-    }
-    let sensors = sensors.first_mut().ok_or(ExitStatus::Configuration)?;
+    // SAFETY: here alone.
+    let sensors = unsafe { KeptSensors::claim(header.sensors, has_restarted) };
     Ok(Board {
         feeder,
         source: Source { inputs: inputs_out, ended },
@@ -333,7 +362,8 @@ pub struct Feeder {
     /// Inputs before this time have passed while the flight computer restarted.
     from_us: u64,
     skipped: u32,
-    /// Where the inputs that are waiting began, and those before them: all that may not have been flown.
+    /// Where the inputs that are waiting began, and those before them: all that may not have been flown. A chip's fault so shortly
+    /// before a reset comes once more after it.
     places: [Place; INPUTS],
     oldest: usize,
     kept: &'static mut [u32; BOARD_WORDS],

@@ -309,6 +309,26 @@ pub fn fly_struck(record: &[u8], model: &Model, strikes: &[Strike]) -> Result<Ra
     fly_raw(record, model, Some(PlantedError::Strike), strikes)
 }
 
+/// As [`fly_struck`], of ticks on chips with faults of theirs.
+///
+/// # Errors
+/// As [`fly_struck`], and a fault that can not be.
+pub fn fly_struck_on_chips(
+    inputs: impl Iterator<Item = TickInput> + Clone,
+    model: &Model,
+    faults: &[PlannedFault],
+    strikes: &[Strike],
+) -> Result<RawFlight, FlyError> {
+    let events = schedule(faults)?;
+    GridReport::of(inputs.clone())?;
+    fault_script::check(&events, OnGrid::new(inputs.clone()))?;
+    let file = tempfile::NamedTempFile::new().map_err(FlyError::io("the flight record"))?;
+    let items = Scripted::new(OnGrid::new(inputs), &events);
+    record::write_inputs(file.path(), model.fingerprint()?, SensorSource::Chips, items)?;
+    let record = fs::read(file.path()).map_err(FlyError::io("the flight record"))?;
+    fly_struck(&record, model, strikes)
+}
+
 fn fly_raw(
     record: &[u8],
     model: &Model,
