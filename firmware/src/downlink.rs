@@ -5,6 +5,7 @@ use heapless::spsc::{Consumer, Producer, Queue};
 use kf_core::latch::LatchRecord;
 use kf_core::mission::Counters;
 use kf_core::output::Phase;
+use survival::RestartReport;
 use telemetry::{ComputerStatus, FrameQueue, Link, Rates, Said, Telemetry};
 
 use crate::flown_model;
@@ -46,12 +47,15 @@ pub type ToldQueue = Queue<Told, TICKS>;
 pub struct Downlink {
     telemetry: Telemetry<'static>,
     latch: Option<LatchRecord>,
+    /// How the flight computer has started, until that is told.
+    start: Option<RestartReport>,
 }
 
 impl Downlink {
-    /// Telemetry of the model that was compiled in.
-    pub fn new(frames: FramesIn) -> Self {
-        Self { telemetry: Telemetry::new(Link::new(frames), RATES, &flown_model::effects()), latch: None }
+    /// Telemetry of the model that was compiled in, of a flight computer that has started so.
+    pub fn new(frames: FramesIn, start: Option<RestartReport>) -> Self {
+        let telemetry = Telemetry::new(Link::new(frames), RATES, &flown_model::effects());
+        Self { telemetry, latch: None, start }
     }
 
     /// Whether the calibration has been latched by the end of that tick and is not known here.
@@ -66,6 +70,9 @@ impl Downlink {
 
     /// Tells of a tick.
     pub fn tell(&mut self, told: &Told) {
+        if let Some(report) = self.start.take() {
+            self.telemetry.note_start(&report);
+        }
         let Told { step, counters, computer } = told;
         let said = Said { input: &step.input, output: &step.output, latch: self.latch.as_ref(), counters };
         self.telemetry.tick(&said, computer);

@@ -29,8 +29,9 @@ use flight_computer::{FlightComputer, Onboard, Part, Step};
 use flight_record::{ExitStatus, Summary, TickRecord};
 use heapless::spsc::{Consumer, Producer, Queue};
 use kf_core::launch::LaunchConfig;
+use kf_core::snapshot::Stage;
 use kf_core::strapdown;
-use survival::{Start, Supervised, Supervisor, TickMark, TickMarks};
+use survival::{Flight, Start, Supervised, Supervisor, TickMark, TickMarks};
 use telemetry::ComputerStatus;
 
 use board::{Board, CostClock, Feeder, Line, Next, Sensors, Sink, Source, Storage, Watchdog};
@@ -143,7 +144,7 @@ mod app {
         if let Some(report) = report.filter(|report| report.start == Start::Standby) {
             restart::log(&report);
             sink.write(&report);
-            board::stand_by(report.cause);
+            board::stand_by(&report, line);
         }
         let mission = match flown_model::mission(cx.local.mission) {
             Ok(mission) => mission,
@@ -181,7 +182,7 @@ mod app {
                 sink,
                 told_in,
                 told_out,
-                downlink: Downlink::new(frames_in),
+                downlink: Downlink::new(frames_in, report),
                 line,
                 frames_out,
                 marks: retained.marks,
@@ -234,11 +235,18 @@ mod app {
                     let is_told = told_in.enqueue(told).is_ok();
                     meter.lap(Part::Telemetry);
                     if !step.output.out_of_order {
+                        let mark = computer.mission.mark();
                         marks.keep(&TickMark {
                             time_us: now_us,
                             count: CostClock::time(),
-                            flags: computer.mission.raised_flags().bits(),
-                            free_flight: computer.mission.latch().is_some(),
+                            flags: mark.flags.bits(),
+                            failed_checks: mark.failed_checks,
+                            suspicions: mark.suspicions,
+                            flight: match mark.stage {
+                                Stage::Captive => Flight::Captive,
+                                Stage::Suspected => Flight::Suspected,
+                                Stage::Launched => Flight::Free,
+                            },
                         });
                     }
                     meter.lap(Part::Mark);
@@ -341,13 +349,12 @@ mod app {
             }
         }
         let due = computer.lock(|computer| {
-            let flags = computer.mission.raised_flags();
-            let time_us = computer.mission.last_us();
-            (computer.mission.latch().is_some() && keeper.is_due(time_us, flags))
-                .then(|| (flags, computer.mission.snapshot()))
+            let mark = computer.mission.mark();
+            let is_due = keeper.is_due(computer.mission.last_us(), &mark);
+            is_due.then(|| (mark, computer.mission.snapshot()))
         });
-        if let Some((flags, Some(snapshot))) = due {
-            keeper.keep(&snapshot, flags);
+        if let Some((mark, Some(snapshot))) = due {
+            keeper.keep(&snapshot, mark);
         }
         SUPERVISOR.is_alive(Supervised::Report);
         let counts = counts.lock(|counts| *counts);

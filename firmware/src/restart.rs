@@ -1,7 +1,7 @@
 //! How the flight computer starts: cold, or where a reset has interrupted it.
 
-use kf_core::snapshot::{MissionSnapshot, RaisedFlags};
-use survival::{Found, History, Refusal, ResetSource, RestartReport, Start, TickMark, TickMarks};
+use kf_core::snapshot::{MissionMark, MissionSnapshot, RaisedFlags, SnapshotError, Stage};
+use survival::{Flight, Found, History, Refusal, ResetSource, RestartReport, Start, TickMark, TickMarks};
 
 use crate::board;
 use crate::flown_model::{FINGERPRINT, FlownMission};
@@ -40,7 +40,7 @@ pub fn notice(retained: &mut Retained) -> Option<RestartReport> {
     retained.history.keep(history);
     report.restarts = history.restarts;
     report.start = found.start(history.is_loop());
-    if report.start != Start::Resumed {
+    if !needs_snapshot(report.start) {
         forget(retained);
     }
     Some(report)
@@ -50,31 +50,56 @@ pub fn notice(retained: &mut Retained) -> Option<RestartReport> {
 /// corrects the report where there is none.
 #[inline(never)]
 pub fn go_on(mission: &mut FlownMission, retained: &mut Retained, report: &mut RestartReport) {
-    if report.start != Start::Resumed {
-        return;
-    }
-    let flags = RaisedFlags::from_bits(report.mark.map_or(0, |mark| mark.flags));
+    let Some(mark) = report.mark.filter(|_| needs_snapshot(report.start)) else { return };
+    let mark = MissionMark {
+        stage: match mark.flight {
+            Flight::Captive => Stage::Captive,
+            Flight::Suspected => Stage::Suspected,
+            Flight::Free => Stage::Launched,
+        },
+        flags: RaisedFlags::from_bits(mark.flags),
+        failed_checks: mark.failed_checks,
+        suspicions: mark.suspicions,
+    };
     let recovered = retained.slots.recover(FINGERPRINT);
     for (place, payload) in recovered.places.into_iter().zip(recovered.payloads) {
         let Some(payload) = payload else { continue };
-        report.snapshot_us = take_up(mission, payload, flags);
-        if report.snapshot_us.is_some() {
-            return;
-        }
-        if let Some(refusal) = report.refused.get_mut(place) {
-            *refusal = Some(Refusal::NotUnderstood);
+        match take_up(mission, payload, &mark) {
+            Ok(snapshot_us) => {
+                report.snapshot_us = Some(snapshot_us);
+                return;
+            }
+            Err(why) => {
+                if let Some(refusal) = report.refused.get_mut(place) {
+                    *refusal = Some(why);
+                }
+            }
         }
     }
-    report.start = Start::Lost;
+    report.start = match report.start {
+        // What was held for it is gone; whether the UAV has left is found out as at any start.
+        Start::Suspected => Start::Captive,
+        _ => Start::Lost,
+    };
     forget(retained);
 }
 
-/// The snapshot's time, if it is one of this mission.
+/// Whether a start goes on from a snapshot.
+const fn needs_snapshot(start: Start) -> bool {
+    matches!(start, Start::Resumed | Start::Suspected)
+}
+
+/// The snapshot's time, if it is one of this mission and of this launch.
 #[inline(never)]
-fn take_up(mission: &mut FlownMission, payload: &[u8], flags: RaisedFlags) -> Option<u64> {
-    let snapshot = MissionSnapshot::from_bytes(payload).ok()?;
-    mission.take_up(&snapshot, flags).ok()?;
-    Some(snapshot.time_us())
+fn take_up(mission: &mut FlownMission, payload: &[u8], mark: &MissionMark) -> Result<u64, Refusal> {
+    // Looked at where it lies: to move it would take another kilobyte of the stack.
+    let snapshot = MissionSnapshot::from_bytes(payload);
+    let Ok(snapshot) = &snapshot else { return Err(Refusal::NotUnderstood) };
+    match mission.go_on(snapshot, mark) {
+        Ok(()) => Ok(snapshot.time_us()),
+        Err(SnapshotError::OtherLaunch) => Err(Refusal::OtherLaunch),
+        Err(_) => Err(Refusal::NotUnderstood),
+    }
 }
 
 /// Nothing of another mission may be taken for this one's.
@@ -118,15 +143,8 @@ pub fn log(report: &RestartReport) {
         );
     }
     for (copy, refusal) in report.refused.iter().enumerate() {
-        match refusal {
-            None | Some(Refusal::Empty) => {}
-            Some(Refusal::Corrupt) => defmt::error!("copy {=usize} of the snapshot is corrupt", copy),
-            Some(Refusal::OtherModel) => {
-                defmt::error!("copy {=usize} of the snapshot is another model's", copy);
-            }
-            Some(Refusal::NotUnderstood) => {
-                defmt::error!("copy {=usize} of the snapshot is no snapshot of this image", copy);
-            }
+        if let Some(refusal) = refusal.filter(|refusal| *refusal != Refusal::Empty) {
+            defmt::error!("copy {=usize} of the snapshot is {=str}", copy, refusal.name());
         }
     }
     match report.start {
@@ -134,6 +152,7 @@ pub fn log(report: &RestartReport) {
         Start::Captive => defmt::warn!("the calibration starts again"),
         Start::Standby => defmt::error!("too many restarts: there is no mission any more"),
         Start::Cold => defmt::warn!("nothing of what was kept is used: a new flight"),
+        Start::Suspected => defmt::warn!("a launch was suspected: the calibration is held"),
         Start::Resumed => {}
     }
 }

@@ -12,7 +12,7 @@ use crate::encoder::EncodeError;
 /// First bytes of a header's payload.
 pub const MAGIC: [u8; 4] = *b"PYFR";
 /// Version of this format; a reader refuses any other.
-pub const FORMAT_VERSION: u16 = 8;
+pub const FORMAT_VERSION: u16 = 9;
 /// Most parts that a tick's cost can be divided into.
 pub const MAX_PARTS: usize = 16;
 

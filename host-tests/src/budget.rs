@@ -86,6 +86,8 @@ pub struct FlightBudget {
 pub struct RestartBudget {
     /// Instructions from the reset until the first tick may come.
     pub instructions: u32,
+    /// High-water mark of the stack, bytes.
+    pub stack_bytes: u32,
 }
 
 /// What an image may not be linked with.
@@ -218,10 +220,15 @@ impl Budgets {
         ]
     }
 
-    /// Checks what a restart took, from the reset until the first tick may come.
+    /// Checks what a restart took: instructions from the reset until the first tick may come, and bytes of the stack, which the
+    /// flight after it hardly uses.
     #[must_use]
-    pub fn check_restart(&self, instructions: u32) -> Check {
-        Check::at_most("restart in free flight: instructions", instructions, self.restart.instructions)
+    pub fn check_restart(&self, instructions: u32, stack_used_bytes: u32) -> [Check; 2] {
+        let what = "restart in free flight";
+        [
+            Check::at_most(format!("{what}: instructions"), instructions, self.restart.instructions),
+            Check::at_most(format!("{what}: stack, bytes"), stack_used_bytes, self.restart.stack_bytes),
+        ]
     }
 
     /// Checks the benchmark.
@@ -312,9 +319,10 @@ mod tests {
     }
 
     #[test]
-    fn a_restart_of_one_instruction_too_many_is_found() {
+    fn a_restart_of_one_instruction_or_byte_too_many_is_found() {
         let budgets = Budgets::read().unwrap();
-        assert_eq!(kept(&[200_000, 200_001].map(|count| budgets.check_restart(count))), [true, false]);
+        assert_eq!(kept(&budgets.check_restart(200_000, 20_480)), [true, true]);
+        assert_eq!(kept(&budgets.check_restart(200_001, 20_481)), [false, false]);
     }
 
     #[test]

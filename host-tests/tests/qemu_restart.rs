@@ -3,39 +3,32 @@
 //!
 //! Needs qemu-system-arm and the Rust target; without them the tests fail and say what to install
 //! (`cargo xtask test` installs it).
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::panic)]
 
+mod mavlink_client;
+mod restarts;
 mod ticks;
 
 use flight_record::{
     Blow, Encoder, End, ExitStatus, Header, MAX_STUFFED, SensorSource, Stream, Strike, TickRecord,
 };
 use host_tests::budget::Budgets;
-use kf_core::input::{BaroReading, TickInput};
+use kf_core::input::{BaroReading, LaunchDoubt, TickInput};
 use kf_core::latch::LatchRecord;
 use kf_core::output::{Phase, TickOutput, Trust};
+use kf_core::quality::{Check, FailedChecks};
 use kf_core::snapshot::RaisedFlags;
-use model::Model;
-use pylon::fly::{RawFlight, fly_struck};
-use pylon::replay::{mission, resumed_mission};
+use pylon::fly::{FlyOptions, RawFlight, fly_on_host, fly_struck};
+use pylon::replay::mission;
 use survival::{Cause, Late, Refusal, RestartReport, Start, Supervised};
+use telemetry::MAX_FRAME;
 
-use ticks::{LAUNCH, TICK_US, TICKS, flight, must, prompt};
+use mavlink_client::{decode, gaps, of, texts, whole};
+use restarts::{OUTAGE_US, at, bits, model, on_the_host, resumed, same_on_the_host};
+use ticks::{LAUNCH, TICK_US, TICKS, flight, must};
 
-/// When the record's clock starts, microseconds.
-const FIRST_US: u64 = 1_000_000;
-/// What the emulated board passes over for a restart, microseconds.
-const OUTAGE_US: u64 = 100_000;
 /// What may be late before the watchdog strikes, microseconds.
 const WATCHDOG_US: u64 = 250_000;
-
-fn model() -> Model {
-    prompt(Model::default())
-}
-
-const fn at(tick: usize) -> u64 {
-    FIRST_US + tick as u64 * TICK_US
-}
 
 fn record(inputs: &[TickInput], sensors: SensorSource) -> Vec<u8> {
     let mut encoder = Encoder::new();
@@ -66,64 +59,47 @@ fn struck(blows: &[(Blow, usize)]) -> RawFlight {
     flight
 }
 
-/// The bits of a tick's output.
-fn bits(output: &TickOutput) -> Vec<u8> {
-    let mut buffer = [0; MAX_STUFFED];
-    postcard::to_slice(output, &mut buffer).unwrap().to_vec()
+/// Holds what went over the line before and after the only restart to the host's bytes, and returns the texts from then on,
+/// with their severities, as pymavlink reads them.
+fn told(flown: &RawFlight) -> Vec<(i64, String)> {
+    let (_, lines) = on_the_host(flown);
+    let [before, after] = lines.as_slice() else { panic!("{} starts", lines.len()) };
+    let sent = &flown.telemetry;
+    let same = sent.iter().zip(before).take_while(|(one, other)| one == other).count();
+    // The reset may have come in a frame, and both sides of it begin as every frame does.
+    let split = (0..=same).rev().find(|split| after.starts_with(&sent[*split..])).unwrap();
+    let waiting = [before.len() - split, after.len() - (sent.len() - split)];
+    assert!(waiting.iter().all(|bytes| *bytes < 31 * MAX_FRAME), "{waiting:?}");
+    let messages = decode(&sent[split..]);
+    assert_eq!(gaps(&messages), 0);
+    of(&messages, "STATUSTEXT")
+        .into_iter()
+        .map(|text| whole(text, "severity"))
+        .zip(texts(&messages))
+        .collect()
 }
 
-/// Does on the host what the flight computer says that it did, and holds every tick of it to the host's bits;
-/// returns the latch that the host came to.
-fn same_on_the_host(flown: &RawFlight) -> Option<LatchRecord> {
-    let model = model();
-    let mut host = mission(&model).unwrap();
-    let mut snapshots = Vec::new();
-    let mut restarts = flown.restarts.iter().peekable();
-    for (k, TickRecord { input, output, .. }) in flown.ticks.iter().enumerate() {
-        while let Some((_, report)) = restarts.next_if(|(ticks, _)| *ticks == k) {
-            host = match report.snapshot_us {
-                Some(snapshot_us) => {
-                    let kept = |(time_us, _): &&(u64, _)| *time_us == snapshot_us;
-                    let (_, snapshot) = snapshots.iter().find(kept).unwrap();
-                    let flags = RaisedFlags::from_bits(report.mark.unwrap().flags);
-                    resumed_mission(&model, Clone::clone(snapshot), flags).unwrap()
-                }
-                None => mission(&model).unwrap(),
-            };
-        }
-        let expected = host.tick(input);
-        assert_eq!(bits(&expected), bits(output), "tick {k} at {} us", output.time_us);
-        if let Some(snapshot) = host.snapshot() {
-            snapshots.push((output.time_us, snapshot));
-        }
-    }
-    host.latch().cloned()
+/// What is told of a start, in the order of the flight; the time is that at which the clock goes on.
+fn start_texts(report: &RestartReport, texts: &[(i64, &str)]) -> Vec<(i64, String)> {
+    let at = seconds(report.resumed_us);
+    texts.iter().map(|(severity, text)| (*severity, format!("t={at} {text}"))).collect()
 }
 
-/// The report of the only restart, which goes on in free flight, and the first tick after it.
-fn resumed(flown: &RawFlight) -> (RestartReport, &TickRecord) {
-    let (ticks, report) = &flown.restarts[0];
-    assert_eq!(report.start, Start::Resumed, "{:?}", flown.log);
-    let latch = same_on_the_host(flown);
-    assert_eq!(flown.latches, [latch.unwrap()], "latched once, and the same bits after the restart");
-    let first = &flown.ticks[*ticks];
-    assert_eq!(first.output.phase, Phase::FreeFlight);
-    let snapshot_us = report.snapshot_us.unwrap();
-    assert_eq!(first.output.bridged_us, Some(first.output.time_us - snapshot_us));
-    let mark_us = report.mark.unwrap().time_us;
-    // A snapshot every 0.1 s, and the task that keeps it runs within a tick.
-    assert!(mark_us - snapshot_us <= 105_000, "{report:?}");
-    (*report, first)
+/// A time as the texts have it: milliseconds, cut off.
+fn seconds(time_us: u64) -> String {
+    format!("{}.{:03}", time_us / 1_000_000, time_us / 1_000 % 1_000)
 }
 
 /// What the restart took; `-- --nocapture` shows it.
 fn assert_keeps_budget(flown: &RawFlight) {
     let instructions = flown.summary.as_ref().unwrap().start_cost.unwrap();
-    let check = Budgets::read().unwrap().check_restart(instructions);
-    println!("{}: {} ({})", check.what, check.measured, check.budget);
-    assert!(check.kept, "{check:?}");
+    let summary = flown.summary.as_ref().unwrap();
+    for check in Budgets::read().unwrap().check_restart(instructions, summary.stack_used_bytes) {
+        println!("{}", check.line());
+        assert!(check.kept, "{check:?}");
+    }
     // The stack alone, 24 KiB, takes more than that to paint: a counter that did not count.
-    assert!(instructions > 10_000, "{check:?}");
+    assert!(instructions > 10_000, "{instructions}");
 }
 
 #[test]
@@ -139,6 +115,29 @@ fn a_reset_in_free_flight_resumes_with_the_same_latch_and_the_hosts_bits() {
     assert_eq!(flown.ticks.len(), TICKS - missing);
     assert_keeps_budget(&flown);
     assert!(flown.log.iter().any(|line| line.contains("restart 1 (resumed) after a reset without a record")));
+}
+
+/// A ground station that has seen the flight is told, byte for byte as the host would, that the flight computer restarted, after
+/// what, and of how long nothing is known.
+#[test]
+fn every_restart_is_told_with_its_cause_and_its_gap() {
+    for (blow, cause) in [
+        (Blow::Reset, "a reset without a record"),
+        (Blow::Panic, "a panic"),
+        (Blow::Fault, "a hard fault"),
+        (Blow::StackOverflow, "a stack overflow"),
+        (Blow::HangTick, "something stuck"),
+    ] {
+        let flown = struck(&[(blow, LAUNCH + 700)]);
+        let (report, first) = resumed(&flown);
+        let gap_us = report.resumed_us - report.snapshot_us.unwrap();
+        assert!(gap_us >= OUTAGE_US);
+        // The first tick is the next of the grid.
+        assert!((0..TICK_US).contains(&(first.output.bridged_us.unwrap() - gap_us)), "{report:?}");
+        let resumed = format!("resumed, {}s not known", seconds(gap_us));
+        let expected = start_texts(&report, &[(3, &format!("restart: {cause}")), (3, &resumed)]);
+        assert_eq!(told(&flown)[..2], expected, "{blow:?}");
+    }
 }
 
 #[test]
@@ -189,6 +188,8 @@ fn a_reset_in_captive_flight_starts_the_calibration_again_and_says_so() {
     // Ten seconds, less the restart and the settling.
     assert!((latch.duration_s - (10.0 - 0.1 - 2.0)).abs() < 0.02, "{}", latch.duration_s);
     assert!(flown.log.iter().any(|line| line.contains("the calibration starts again")));
+    let expected = [(3, "restart: a reset without a record"), (4, "calibration starts again")];
+    assert_eq!(told(&flown)[..2], start_texts(&report, &expected));
 }
 
 #[test]
@@ -199,18 +200,136 @@ fn at_any_tick_of_the_launch_and_of_free_flight_what_was_latched_is_what_is_ther
     }
 }
 
-/// The tick that latches, before the task has run that keeps the first snapshot; and the one before it. Neither passes for a
-/// calibration.
+/// A recording whose launch nobody suspects before it is there, which a board has never: reset in the tick that latches, before the
+/// task has run that keeps the first snapshot, and in the one before it. Neither passes for a calibration; nor does what was
+/// held when the wire bounced, ten seconds ago.
 #[test]
-fn a_reset_at_the_very_launch_latches_nothing_that_would_be_trusted() {
-    for (tick, start) in [(LAUNCH - 1, Start::Captive), (LAUNCH, Start::Lost)] {
+fn a_reset_at_a_launch_that_was_never_suspected_latches_nothing_that_would_be_trusted() {
+    let refused = [Some(Refusal::OtherLaunch), Some(Refusal::Empty)];
+    for (tick, start, refused) in
+        [(LAUNCH - 1, Start::Captive, [None, Some(Refusal::Empty)]), (LAUNCH, Start::Lost, refused)]
+    {
         let flown = struck(&[(Blow::Reset, tick)]);
         let (ticks, report) = flown.restarts[0];
-        assert_eq!((report.start, report.refused), (start, [Some(Refusal::Empty); 2]), "{:?}", flown.log);
+        assert_eq!((report.start, report.refused), (start, refused), "{:?}", flown.log);
         let latch = same_on_the_host(&flown).unwrap();
         assert!(latch.failed_checks != 0);
         assert!(trusts_nobody(&flown.ticks[ticks..]));
     }
+}
+
+/// How long before its confirmation a launch is suspected, as the debounce has it.
+const DEBOUNCE: usize = 4;
+
+/// The flight with its launch suspected from so many ticks before it is confirmed on, by the wire alone.
+fn suspected(ticks: usize) -> Vec<TickInput> {
+    let mut inputs = flight();
+    for (k, input) in inputs.iter_mut().enumerate().skip(LAUNCH - ticks) {
+        input.launch_doubt = if k < LAUNCH { LaunchDoubt::Suspected } else { LaunchDoubt::Unconfirmed };
+    }
+    inputs
+}
+
+/// What is latched where nothing interrupts.
+fn undisturbed(inputs: &[TickInput]) -> LatchRecord {
+    let mut host = mission(&model()).unwrap();
+    for input in inputs {
+        host.tick(input);
+    }
+    host.latch().unwrap().clone()
+}
+
+/// In the very tick that latches nothing but the mark is written; what it latches was kept while the launch was suspected.
+#[test]
+fn a_reset_in_the_tick_that_latches_resumes_with_what_it_latched() {
+    let inputs = suspected(DEBOUNCE);
+    let flown = struck_on(&inputs, &[(Blow::Reset, LAUNCH)]);
+    let (ticks, report) = flown.restarts[0];
+    assert_eq!((report.start, report.mark.unwrap().time_us), (Start::Resumed, at(LAUNCH)), "{:?}", flown.log);
+    // The reset came before the latch was written down, and nothing is latched twice.
+    assert!(flown.latches.is_empty() && !flown.ticks[ticks].output.latched_now);
+    let latch = undisturbed(&inputs);
+    assert!(FailedChecks::from_bits(latch.failed_checks).contains(Check::LaunchConfirmed));
+    assert_eq!(same_on_the_host(&flown).unwrap(), latch);
+    let snapshot_us = report.snapshot_us.unwrap();
+    assert!((at(LAUNCH - DEBOUNCE)..at(LAUNCH)).contains(&snapshot_us), "{report:?}");
+    assert!(!trusts_nobody(&flown.ticks[ticks + 1..]));
+}
+
+/// From the tick after the first edge on; and in a suspicion that outlasts the restart.
+#[test]
+fn a_reset_while_a_launch_is_suspected_leaves_the_suspicion_and_what_it_holds() {
+    for (inputs, tick) in [
+        (suspected(DEBOUNCE), LAUNCH - DEBOUNCE + 1),
+        (suspected(DEBOUNCE), LAUNCH - 1),
+        (suspected(100), LAUNCH - 50),
+    ] {
+        let flown = struck_on(&inputs, &[(Blow::Reset, tick)]);
+        let (ticks, report) = flown.restarts[0];
+        assert_eq!(report.start, Start::Suspected, "{:?}", flown.log);
+        assert!(flown.log.iter().any(|line| line.contains("restart 1 (suspected)")), "{:?}", flown.log);
+        let latch = undisturbed(&inputs);
+        assert_eq!(same_on_the_host(&flown).as_ref(), Some(&latch), "{tick}");
+        assert_eq!(flown.latches, [latch], "{tick}");
+        let latched: Vec<usize> =
+            (0..flown.ticks.len()).filter(|k| flown.ticks[*k].output.latched_now).collect();
+        let confirmed_us = flown.ticks[ticks].output.time_us.max(at(LAUNCH));
+        assert_eq!(
+            latched.iter().map(|k| flown.ticks[*k].output.time_us).collect::<Vec<_>>(),
+            [confirmed_us]
+        );
+        assert!(!trusts_nobody(&flown.ticks[latched[0] + 1..]));
+        let gap_us = report.resumed_us - report.snapshot_us.unwrap();
+        let texts = [
+            "restart: a reset without a record".to_owned(),
+            format!("resumed, {}s not known", seconds(gap_us)),
+        ];
+        assert_eq!(told(&flown)[..2], start_texts(&report, &[(3, &texts[0]), (3, &texts[1])]));
+    }
+}
+
+/// In the first edge's own tick nothing has been kept of it yet. What was held when the wire bounced is refused, and the UAV has left
+/// without a calibration, which is said.
+#[test]
+fn a_reset_in_the_tick_of_the_first_edge_starts_the_calibration_again_and_trusts_nobody() {
+    let flown = struck_on(&suspected(DEBOUNCE), &[(Blow::Reset, LAUNCH - DEBOUNCE)]);
+    let (ticks, report) = flown.restarts[0];
+    let refused = [Some(Refusal::OtherLaunch), Some(Refusal::Empty)];
+    assert_eq!((report.start, report.refused), (Start::Captive, refused), "{:?}", flown.log);
+    assert!(flown.log.iter().any(|line| line.contains("copy 0 of the snapshot is another launch's")));
+    same_on_the_host(&flown);
+    assert!(trusts_nobody(&flown.ticks[ticks..]));
+    let expected = [
+        (3, "restart: a reset without a record"),
+        (2, "copy 0 refused: another launch's"),
+        (4, "calibration starts again"),
+    ];
+    assert_eq!(told(&flown)[..3], start_texts(&report, &expected));
+}
+
+/// On a board the wire, the force and the messages decide: whatever it is that confirms, the tick that latches may be the last one.
+#[test]
+fn with_chips_a_reset_in_the_tick_that_latches_resumes_with_what_it_latched() {
+    let (model, options) = (model(), FlyOptions { sensors: SensorSource::Chips, ..FlyOptions::default() });
+    let mut latched_us = None;
+    fly_on_host(flight().into_iter(), &model, &options, &mut |step, _| {
+        latched_us = latched_us.or(step.output.latched_now.then_some(step.output.time_us));
+    })
+    .unwrap();
+    let strike = Strike { blow: Blow::Reset, time_us: latched_us.unwrap() };
+    assert!(strike.time_us > at(LAUNCH));
+    let flown = must(fly_struck(&record(&flight(), SensorSource::Chips), &model, &[strike]));
+    let (ticks, report) = flown.restarts[0];
+    assert_eq!(
+        (report.start, report.mark.unwrap().time_us),
+        (Start::Resumed, strike.time_us),
+        "{:?}",
+        flown.log
+    );
+    let latch = same_on_the_host(&flown).unwrap();
+    assert_eq!(latch.time_us, at(LAUNCH), "the first edge's");
+    assert!(latch.sensors.iter().all(|sensor| sensor.readings > 300), "{latch:?}");
+    assert!(!trusts_nobody(&flown.ticks[ticks + 1..]));
 }
 
 fn trusts_nobody(ticks: &[TickRecord]) -> bool {
@@ -327,6 +446,13 @@ fn one_flipped_bit_costs_the_newest_copy_and_the_one_before_it_is_used() {
     let bridged_us = flown.ticks[ticks].output.bridged_us.unwrap();
     assert!((OUTAGE_US + 100_000..=OUTAGE_US + 210_000).contains(&bridged_us), "{bridged_us}");
     assert!(flown.log.iter().any(|line| line.contains("is corrupt")), "{:?}", flown.log);
+    let copy = report.refused.iter().position(Option::is_some).unwrap();
+    let texts = [
+        "restart: a reset without a record".to_owned(),
+        format!("copy {copy} refused: corrupt"),
+        format!("resumed, {}s not known", seconds(bridged_us)),
+    ];
+    assert_eq!(told(&flown)[..3], start_texts(&report, &[(3, &texts[0]), (2, &texts[1]), (3, &texts[2])]));
 }
 
 #[test]
@@ -334,7 +460,7 @@ fn garbage_another_models_copies_and_what_is_no_snapshot_are_refused_loudly() {
     for (blow, refusal, word) in [
         (Blow::Garbage, Refusal::Corrupt, "is corrupt"),
         (Blow::OtherModel, Refusal::OtherModel, "is another model's"),
-        (Blow::NoSnapshot, Refusal::NotUnderstood, "is no snapshot of this image"),
+        (Blow::NoSnapshot, Refusal::NotUnderstood, "is another version's"),
     ] {
         let flown = struck(&[(blow, LAUNCH + 700)]);
         let (ticks, report) = flown.restarts[0];
@@ -347,6 +473,15 @@ fn garbage_another_models_copies_and_what_is_no_snapshot_are_refused_loudly() {
         let first = &flown.ticks[ticks].output;
         assert!(first.latched_now && first.failed_checks != 0);
         assert!(trusts_nobody(&flown.ticks[ticks..]));
+        let why = refusal.name();
+        let copies = [0, 1].map(|copy| format!("copy {copy} refused: {why}"));
+        let expected = [
+            (3, "restart: a reset without a record"),
+            (2, &copies[0]),
+            (2, &copies[1]),
+            (2, "calibration lost in the restart"),
+        ];
+        assert_eq!(told(&flown)[..4], start_texts(&report, &expected));
     }
 }
 
@@ -366,4 +501,12 @@ fn three_blows_apart_are_survived_and_four_at_once_end_the_mission() {
     assert_eq!(looping.restarts.last().unwrap().1.start, Start::Standby);
     assert!(looping.summary.is_none());
     assert!(looping.log.iter().any(|line| line.contains("there is no mission any more")));
+    let messages = decode(&looping.telemetry);
+    let last = messages.last().unwrap();
+    assert_eq!(whole(last, "severity"), 0);
+    let report = looping.restarts.last().unwrap().1;
+    assert_eq!(
+        texts(&messages).pop(),
+        Some(start_texts(&report, &[(0, "standby: a hard fault")]).remove(0).1)
+    );
 }

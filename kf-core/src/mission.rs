@@ -329,7 +329,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
                 silent |= !is_recent;
             }
         }
-        let latch = self.calibration.latch(
+        let mut latch = self.calibration.latch(
             &self.config,
             time_us,
             &self.tracker,
@@ -339,7 +339,10 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         );
         self.free_flight.begin(&self.config, &latch);
         self.cross_check.begin(&latch);
-        self.unchecked = Some(StatisticalChecks::begin(&self.config, latch.duration_s, &self.tracker));
+        let mut failed = FailedChecks::from_bits(latch.failed_checks);
+        let unchecked = StatisticalChecks::begin(&self.config, latch.duration_s, &self.tracker, &mut failed);
+        latch.failed_checks = failed.bits();
+        self.unchecked = Some(unchecked);
         self.latch = Some(latch);
         self.signals.begin_free_flight(time_us);
     }

@@ -90,6 +90,12 @@ impl FailedChecks {
         }
     }
 
+    /// Puts the outcome of a check in the place of what was noted of it before.
+    pub fn settle(&mut self, check: Check, passed: bool) {
+        self.0 &= !(1 << check as u8);
+        self.note(check, passed);
+    }
+
     /// Whether a check failed.
     #[must_use]
     pub const fn contains(self, check: Check) -> bool {

@@ -1,8 +1,11 @@
-//! The state of a mission in free flight, so that one that restarts can go on.
+//! The state of a mission from the first suspicion of its launch on, so that one that restarts can go on.
 //!
 //! Kept is what configuration and latch do not give back: the latch itself, the monitors with their
 //! moving averages and flags, the signals and their integrals, the last fix, what was counted. A
 //! mission in captive flight has none: its calibration starts again.
+//!
+//! A snapshot is a kilobyte, too dear for the tick that launches. So it is made while the launch is only suspected, and what
+//! changes at once, or at its confirmation, is a word that every tick can keep: [`MissionMark`].
 
 use serde::{Deserialize, Serialize};
 
@@ -16,8 +19,8 @@ use crate::reading::StuckDetector;
 use crate::reference::ReferenceTracker;
 use crate::sensor::{SENSORS, Sensor};
 
-/// Version of the layout: of this struct and of every type in it.
-pub const SNAPSHOT_VERSION: u8 = 1;
+/// Version of the layout: of this struct, of every type in it, and of the [`MissionMark`] that it goes with.
+pub const SNAPSHOT_VERSION: u8 = 2;
 /// Longest snapshot, bytes: two of them fit into the 4 KiB of an STM32F405's backup SRAM. The largest
 /// model's do, with windows of up to 2^14 samples a part and a month after power-on (`mission::tests::resume`).
 pub const MAX_SNAPSHOT_BYTES: usize = 1_920;
@@ -33,9 +36,11 @@ pub enum SnapshotError {
     Version,
     /// A snapshot of a mission with another configuration.
     OtherMission,
+    /// What was held at another suspicion of a launch, or no launch was even suspected by the last tick.
+    OtherLaunch,
 }
 
-/// A mission in free flight; made by [`crate::mission::Mission::snapshot`].
+/// A mission in free flight, or held for a launch that is suspected; made by [`crate::mission::Mission::snapshot`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MissionSnapshot {
     pub(crate) first_us: u64,
@@ -87,6 +92,38 @@ impl MissionSnapshot {
             _ => Err(SnapshotError::Format),
         }
     }
+}
+
+/// How far the launch had come.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Stage {
+    /// Under the pylon.
+    #[default]
+    Captive,
+    /// A launch is suspected, and the calibration held.
+    Suspected,
+    /// Launched, and the calibration latched.
+    Launched,
+}
+
+/// What is kept of a mission at every tick: which snapshot goes with it, and what that may not have yet. Small enough to be kept
+/// with the tick's time; made by [`crate::mission::Mission::mark`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MissionMark {
+    /// How far the launch had come.
+    pub stage: Stage,
+    /// The flags that were raised.
+    pub flags: RaisedFlags,
+    /// Bits of [`crate::quality::FailedChecks`] of what is held or latched: whether the launch was confirmed is one of them.
+    pub failed_checks: u16,
+    /// How many suspicions had come to nothing, below [`Self::SUSPICIONS`] and from there anew: what was held for one of them
+    /// is not what is held for the next.
+    pub suspicions: u8,
+}
+
+impl MissionMark {
+    /// Where the count of suspicions begins anew.
+    pub const SUSPICIONS: u8 = 64;
 }
 
 /// The flags that were raised so far, two bits each: small enough to be kept at every tick, so that

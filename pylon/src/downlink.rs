@@ -5,6 +5,7 @@ use kf_core::effect::EffectId;
 use kf_core::input::TickInput;
 use kf_core::output::TickOutput;
 use model::Model;
+use survival::RestartReport;
 use telemetry::{ComputerStatus, Frame, FrameQueue, Link, Rates, Said, Telemetry};
 
 use crate::replay::AnyMission;
@@ -23,6 +24,11 @@ impl<'a> Downlink<'a> {
         let (frames, line) = queue.split();
         let effects: Vec<EffectId> = model.estimated_effects().map(|effect| effect.term.id()).collect();
         Self { telemetry: Telemetry::new(Link::new(frames), rates, &effects), line, bytes: Vec::new() }
+    }
+
+    /// Tells how the flight computer has started.
+    pub fn note_start(&mut self, report: &RestartReport) {
+        self.telemetry.note_start(report);
     }
 
     /// Tells of a tick.

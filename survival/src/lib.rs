@@ -24,4 +24,4 @@ pub use report::RestartReport;
 pub use slots::{PAYLOAD_BYTES, Recovered, Refusal, SlotError, Slots};
 pub use start::{Found, ResetSource, Start};
 pub use supervisor::{Late, Supervised, Supervisor};
-pub use tick_mark::{TickMark, TickMarks};
+pub use tick_mark::{Flight, TickMark, TickMarks};

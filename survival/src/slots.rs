@@ -32,6 +32,22 @@ pub enum Refusal {
     /// Its check is right and its content is not what it should be: another version of it, or of the
     /// program.
     NotUnderstood,
+    /// It is what was held at a suspicion of a launch that came to nothing.
+    OtherLaunch,
+}
+
+impl Refusal {
+    /// The name used in logs and telemetry: what the copy is.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Empty => "empty",
+            Self::Corrupt => "corrupt",
+            Self::OtherModel => "another model's",
+            Self::NotUnderstood => "another version's",
+            Self::OtherLaunch => "another launch's",
+        }
+    }
 }
 
 /// A payload is too long.

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::crash::{Cause, CrashRecord};
-use crate::tick_mark::TickMark;
+use crate::tick_mark::{Flight, TickMark};
 
 /// How the flight computer started.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -18,6 +18,8 @@ pub enum Start {
     Lost,
     /// It has restarted too often within too short a time: there is no mission any more.
     Standby,
+    /// It was reset while a launch was suspected: the calibration is held, and the launch still to be decided.
+    Suspected,
 }
 
 impl Start {
@@ -30,6 +32,7 @@ impl Start {
             Self::Resumed => "resumed",
             Self::Lost => "lost",
             Self::Standby => "standby",
+            Self::Suspected => "suspected",
         }
     }
 }
@@ -86,15 +89,16 @@ impl Found {
         (self.mark.is_some() || self.crash.is_some()) && (by_itself || self.umbilical_is_open != Some(false))
     }
 
-    /// How to start: [`Start::Resumed`] if there is a snapshot that can be believed. `is_loop` is
+    /// How to start: [`Start::Resumed`] and [`Start::Suspected`] if there is a snapshot that can be believed. `is_loop` is
     /// [`crate::History::is_loop`] with this restart in it.
     #[must_use]
     pub fn start(&self, is_loop: bool) -> Start {
-        match self.mark {
+        match self.mark.map(|mark| mark.flight) {
             _ if !self.is_interrupted() => Start::Cold,
             _ if is_loop => Start::Standby,
-            Some(TickMark { free_flight: true, .. }) => Start::Resumed,
-            _ => Start::Captive,
+            Some(Flight::Free) => Start::Resumed,
+            Some(Flight::Suspected) => Start::Suspected,
+            Some(Flight::Captive) | None => Start::Captive,
         }
     }
 }
@@ -106,10 +110,10 @@ mod tests {
     const SOURCES: [ResetSource; 4] =
         [ResetSource::Supply, ResetSource::Pin, ResetSource::Software, ResetSource::IndependentWatchdog];
 
-    fn found(source: ResetSource, free_flight: bool, crashed: bool, open: Option<bool>) -> Found {
+    fn found(source: ResetSource, flight: Flight, crashed: bool, open: Option<bool>) -> Found {
         Found {
             source,
-            mark: Some(TickMark { time_us: 5, count: 0, flags: 0, free_flight }),
+            mark: Some(TickMark { time_us: 5, count: 0, flags: 0, failed_checks: 0, suspicions: 0, flight }),
             crash: crashed.then(|| CrashRecord::new(Cause::Panic)),
             umbilical_is_open: open,
         }
@@ -120,7 +124,7 @@ mod tests {
         for source in SOURCES {
             for crashed in [false, true] {
                 for open in [Some(true), None] {
-                    let found = found(source, true, crashed, open);
+                    let found = found(source, Flight::Free, crashed, open);
                     assert_eq!(found.start(false), Start::Resumed, "{found:?}");
                     assert_eq!(found.start(true), Start::Standby, "{found:?}");
                     assert_eq!(Found { mark: None, ..found }.start(false) == Start::Captive, crashed);
@@ -143,16 +147,31 @@ mod tests {
             (ResetSource::Software, true, Start::Resumed),
             (ResetSource::IndependentWatchdog, false, Start::Resumed),
         ] {
-            let found = found(source, true, crashed, Some(false));
+            let found = found(source, Flight::Free, crashed, Some(false));
             assert_eq!(found.start(false), start, "{found:?}");
         }
     }
 
     #[test]
+    fn a_reset_while_a_launch_is_suspected_leaves_the_suspicion() {
+        for source in SOURCES {
+            let found = found(source, Flight::Suspected, false, Some(true));
+            assert_eq!(
+                (found.start(false), found.start(true)),
+                (Start::Suspected, Start::Standby),
+                "{found:?}"
+            );
+        }
+        // Switched off and on under the pylon.
+        let closed = found(ResetSource::Supply, Flight::Suspected, false, Some(false));
+        assert_eq!(closed.start(false), Start::Cold);
+    }
+
+    #[test]
     fn a_reset_in_captive_flight_starts_the_calibration_again() {
-        let crash = found(ResetSource::Software, false, true, Some(false));
+        let crash = found(ResetSource::Software, Flight::Captive, true, Some(false));
         assert_eq!((crash.start(false), crash.start(true)), (Start::Captive, Start::Standby));
-        assert_eq!(found(ResetSource::Supply, false, false, Some(false)).start(false), Start::Cold);
+        assert_eq!(found(ResetSource::Supply, Flight::Captive, false, Some(false)).start(false), Start::Cold);
     }
 
     #[test]
@@ -167,8 +186,8 @@ mod tests {
 
     #[test]
     fn the_cause_is_the_records_or_what_the_processor_says() {
-        assert_eq!(found(ResetSource::Software, true, true, None).cause(), Cause::Panic);
-        let causes = SOURCES.map(|source| found(source, true, false, None).cause());
+        assert_eq!(found(ResetSource::Software, Flight::Free, true, None).cause(), Cause::Panic);
+        let causes = SOURCES.map(|source| found(source, Flight::Free, false, None).cause());
         assert_eq!(causes, [Cause::Supply, Cause::ResetPin, Cause::Unrecorded, Cause::IndependentWatchdog]);
     }
 }

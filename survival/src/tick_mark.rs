@@ -4,7 +4,29 @@ use serde::{Deserialize, Serialize};
 
 use crate::check::{opened, sealed};
 
-/// When the last tick was, and which flags were raised by then.
+/// How far the flight had come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(u8)]
+pub enum Flight {
+    /// The UAV was under the pylon.
+    Captive = 0,
+    /// It flew free.
+    Free = 1,
+    /// It may have left: that was not decided yet.
+    Suspected = 2,
+}
+
+impl Flight {
+    const fn from_bits(bits: u32) -> Self {
+        match bits & 3 {
+            1 => Self::Free,
+            2 => Self::Suspected,
+            _ => Self::Captive,
+        }
+    }
+}
+
+/// When the last tick was, and what a snapshot from before it can not have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TickMark {
     /// The mission's time, microseconds.
@@ -13,8 +35,12 @@ pub struct TickMark {
     pub count: u32,
     /// Raised flags, as a byte.
     pub flags: u8,
-    /// Whether the UAV flew free.
-    pub free_flight: bool,
+    /// Failed checks of what is held or latched, as bits.
+    pub failed_checks: u16,
+    /// Which suspicion of a launch a snapshot must be of, below 64.
+    pub suspicions: u8,
+    /// How far the flight had come.
+    pub flight: Flight,
 }
 
 const WORDS: usize = 5;
@@ -40,7 +66,10 @@ impl TickMarks {
             (Some(_), None) => second,
             _ => first,
         };
-        let bits = u32::from(mark.flags) | u32::from(mark.free_flight) << 8;
+        let bits = u32::from(mark.flags)
+            | (mark.flight as u32) << 8
+            | u32::from(mark.suspicions & 63) << 10
+            | u32::from(mark.failed_checks) << 16;
         *place = sealed([mark.time_us as u32, (mark.time_us >> 32) as u32, mark.count, bits]);
     }
 
@@ -62,7 +91,9 @@ fn read(words: &[u32; WORDS]) -> Option<TickMark> {
         time_us: u64::from(low) | u64::from(high) << 32,
         count,
         flags: bits as u8,
-        free_flight: bits >> 8 & 1 == 1,
+        failed_checks: (bits >> 16) as u16,
+        suspicions: (bits >> 10 & 63) as u8,
+        flight: Flight::from_bits(bits >> 8),
     })
 }
 
@@ -72,7 +103,15 @@ mod tests {
     use proptest::prelude::*;
 
     fn mark(time_us: u64) -> TickMark {
-        TickMark { time_us, count: time_us as u32, flags: 0x24, free_flight: true }
+        let flight = [Flight::Captive, Flight::Suspected, Flight::Free][(time_us >> 30) as usize % 3];
+        TickMark {
+            time_us,
+            count: time_us as u32,
+            flags: 0x24,
+            failed_checks: 0x8001,
+            suspicions: 42,
+            flight,
+        }
     }
 
     #[test]

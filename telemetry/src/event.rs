@@ -7,11 +7,12 @@ use kf_core::output::{Agreement, Trust};
 use kf_core::quality::{Check, FailedChecks};
 use kf_core::sensor::Sensor;
 use mavlink::dialects::common::{MavSeverity, STATUSTEXT_DATA};
+use survival::{Cause, Refusal};
 
 use crate::message::status_text;
 use crate::text::Text;
 
-/// Events that wait at most: a latch with every check failed, every flag and eight effects.
+/// Events that wait at most: a restart that lost the calibration, a latch with every check failed, every flag and eight effects.
 const EVENTS: usize = 32;
 
 /// What happened.
@@ -48,8 +49,28 @@ pub enum Event {
     },
     /// What stands behind the launch discrete changed.
     Launch(LaunchDoubt),
-    /// The flight computer was restarted in free flight, and the mission went on.
-    Resumed,
+    /// The flight computer was restarted, after that.
+    Restarted(Cause),
+    /// A copy of what was kept was not believed.
+    Refused {
+        /// Which of the two.
+        copy: u8,
+        /// Why.
+        refusal: Refusal,
+    },
+    /// The restarted mission went on, with what was latched.
+    Resumed {
+        /// From the copy that it goes on from to where its clock goes on: nothing is known of that time, milliseconds.
+        gap_ms: u32,
+    },
+    /// It was in free flight, and no copy of the calibration could be believed.
+    Lost,
+    /// It was in captive flight: the calibration starts again.
+    Captive,
+    /// The flight computer started after that, and uses nothing of what was kept.
+    Cold(Cause),
+    /// It has restarted too often, the last time after that: there is no mission any more.
+    Standby(Cause),
     /// Which effect a coefficient belongs to.
     Effect {
         /// The number in the name of the coefficient.
@@ -75,7 +96,13 @@ impl Event {
     /// | launch suspected | warning | `t=129.995 launch suspected, calibration held` |
     /// | and was none | notice | `t=130.105 launch not confirmed, calibrating` |
     /// | launched, by the wire alone | warning | `t=130.105 launched, by the wire alone` |
-    /// | restart in free flight | error | `t=140.000 resumed after a restart` |
+    /// | restart, and after what | error | `t=140.000 restart: a panic` |
+    /// | a copy that was not believed, and why | critical | `t=140.000 copy 0 refused: corrupt` |
+    /// | restart in free flight, and of how long nothing is known | error | `t=140.000 resumed, 0.150s not known` |
+    /// | the same without a copy that could be believed | critical | `t=140.000 calibration lost in the restart` |
+    /// | restart in captive flight | warning | `t=140.000 calibration starts again` |
+    /// | start that uses nothing of what was kept, and after what | notice | `t=0.000 cold start: a loss of power` |
+    /// | too many restarts | emergency | `t=140.000 standby: a hard fault` |
     /// | coefficient's effect | info | `c_0 is baro.dynamic_pressure` |
     #[inline(never)]
     pub fn message(&self, time_us: u64) -> STATUSTEXT_DATA {
@@ -140,7 +167,25 @@ impl Event {
             Self::Launch(LaunchDoubt::Unconfirmed) => {
                 (MavSeverity::MAV_SEVERITY_WARNING, *at().text("launched, by the wire alone"))
             }
-            Self::Resumed => (MavSeverity::MAV_SEVERITY_ERROR, *at().text("resumed after a restart")),
+            Self::Restarted(cause) => {
+                (MavSeverity::MAV_SEVERITY_ERROR, *at().text("restart: ").text(cause.name()))
+            }
+            Self::Refused { copy, refusal } => (
+                MavSeverity::MAV_SEVERITY_CRITICAL,
+                *at().text("copy ").number(copy.into()).text(" refused: ").text(refusal.name()),
+            ),
+            Self::Resumed { gap_ms } => (
+                MavSeverity::MAV_SEVERITY_ERROR,
+                *at().text("resumed, ").seconds(u64::from(gap_ms) * 1_000).text("s not known"),
+            ),
+            Self::Lost => (MavSeverity::MAV_SEVERITY_CRITICAL, *at().text("calibration lost in the restart")),
+            Self::Captive => (MavSeverity::MAV_SEVERITY_WARNING, *at().text("calibration starts again")),
+            Self::Cold(cause) => {
+                (MavSeverity::MAV_SEVERITY_NOTICE, *at().text("cold start: ").text(cause.name()))
+            }
+            Self::Standby(cause) => {
+                (MavSeverity::MAV_SEVERITY_EMERGENCY, *at().text("standby: ").text(cause.name()))
+            }
             Self::Effect { number, id } => (
                 MavSeverity::MAV_SEVERITY_INFO,
                 *Text::new().text("c_").number(number.into()).text(" is ").text(id.name()),
@@ -216,7 +261,13 @@ mod tests {
             (Event::Launch(LaunchDoubt::Suspected), 4, "t=130.000 launch suspected, calibration held"),
             (Event::Launch(LaunchDoubt::None), 5, "t=130.000 launch not confirmed, calibrating"),
             (Event::Launch(LaunchDoubt::Unconfirmed), 4, "t=130.000 launched, by the wire alone"),
-            (Event::Resumed, 3, "t=130.000 resumed after a restart"),
+            (Event::Restarted(Cause::Panic), 3, "t=130.000 restart: a panic"),
+            (Event::Refused { copy: 1, refusal: Refusal::Corrupt }, 2, "t=130.000 copy 1 refused: corrupt"),
+            (Event::Resumed { gap_ms: 150 }, 3, "t=130.000 resumed, 0.150s not known"),
+            (Event::Lost, 2, "t=130.000 calibration lost in the restart"),
+            (Event::Captive, 4, "t=130.000 calibration starts again"),
+            (Event::Cold(Cause::Supply), 5, "t=130.000 cold start: a loss of power"),
+            (Event::Standby(Cause::HardFault), 0, "t=130.000 standby: a hard fault"),
             (Event::Monitored(Sensor::ImuSlave), 5, "t=130.000 imu_slave monitored again"),
             (
                 Event::Effect { number: 0, id: EffectId::BaroDynamicPressure },
@@ -228,6 +279,19 @@ mod tests {
             assert_eq!((severity_sent as u8, said.as_str()), (severity, text));
         }
     }
+
+    const CAUSES: [Cause; 8] = [
+        Cause::Unrecorded,
+        Cause::Panic,
+        Cause::HardFault,
+        Cause::StackOverflow,
+        Cause::Stuck,
+        Cause::Supply,
+        Cause::ResetPin,
+        Cause::IndependentWatchdog,
+    ];
+    const REFUSALS: [Refusal; 5] =
+        [Refusal::Empty, Refusal::Corrupt, Refusal::OtherModel, Refusal::NotUnderstood, Refusal::OtherLaunch];
 
     #[test]
     fn every_text_fits_with_a_day_of_flight() {
@@ -249,7 +313,17 @@ mod tests {
         for doubt in [LaunchDoubt::None, LaunchDoubt::Suspected, LaunchDoubt::Unconfirmed] {
             take(Event::Launch(doubt));
         }
-        take(Event::Resumed);
+        for cause in CAUSES {
+            take(Event::Restarted(cause));
+            take(Event::Cold(cause));
+            take(Event::Standby(cause));
+        }
+        for refusal in REFUSALS {
+            take(Event::Refused { copy: 1, refusal });
+        }
+        take(Event::Resumed { gap_ms: u32::MAX });
+        take(Event::Lost);
+        take(Event::Captive);
         // At fifty bytes the last may have been cut.
         assert!(longest < crate::text::MAX_TEXT, "{longest}");
     }

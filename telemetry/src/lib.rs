@@ -19,6 +19,7 @@ pub mod named;
 mod rates;
 mod sample;
 mod schedule;
+mod standby;
 mod status;
 mod telemetry;
 mod text;
@@ -26,6 +27,7 @@ mod text;
 pub use frame::{Frame, MAX_FRAME};
 pub use link::{FRAMES, FrameQueue, Link, LinkCounts, MessageKind, Priority};
 pub use rates::{Rates, RatesError};
+pub use standby::standby;
 pub use status::ComputerStatus;
 pub use telemetry::{Said, Telemetry};
 

@@ -1,6 +1,6 @@
 //! Every message, decoded by the `mavlink` crate from the bytes of the queue, field by field.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 use heapless::spsc::Consumer;
 use kf_core::config::MAX_ESTIMATED_EFFECTS;
@@ -13,6 +13,7 @@ use kf_core::output::{
 };
 use mavlink::dialects::common::*;
 use mavlink::{MAVLinkV2MessageRaw, MavlinkVersion, Message};
+use survival::{Cause, Refusal, RestartReport, Start};
 use telemetry::{ComputerStatus, Frame, FrameQueue, Link, Rates, Said, Telemetry};
 
 /// A tick with everything in it.
@@ -469,7 +470,7 @@ fn phases_flags_and_failed_checks_are_said_with_time_and_cause() {
 }
 
 #[test]
-fn doubts_about_the_launch_the_cross_check_and_a_restart_are_said_with_time_and_cause() {
+fn doubts_about_the_launch_and_the_cross_check_are_said_with_time_and_cause() {
     let mut queue = FrameQueue::new();
     let mut flight = Flight::new(&mut queue, Rates::FULL, &[]);
     flight.latch = Some(latch());
@@ -490,7 +491,6 @@ fn doubts_about_the_launch_the_cross_check_and_a_restart_are_said_with_time_and_
     second(&mut flight, START_US + 2_000_000, |input, _| {
         (input.launch, input.launch_doubt) = (true, LaunchDoubt::Unconfirmed);
     });
-    flight.counters.restarts = 1;
     second(&mut flight, START_US + 3_000_000, |input, output| {
         (input.launch, input.launch_doubt) = (true, LaunchDoubt::Unconfirmed);
         let since_us = input.time_us - START_US - 3_000_000;
@@ -513,11 +513,93 @@ fn doubts_about_the_launch_the_cross_check_and_a_restart_are_said_with_time_and_
         (5, "t=7.215 launch not confirmed, calibrating"),
         (4, "t=8.200 launch suspected, calibration held"),
         (4, "t=9.000 launched, by the wire alone"),
-        (3, "t=10.000 resumed after a restart"),
         (4, "t=10.400 baro-imu_slave doubtful -4.5>3.4m"),
         (3, "t=10.600 baro-imu_slave disagree -3.9>3.4m"),
     ];
     assert_eq!(texts, expected.map(|(severity, text)| (severity, text.to_owned())));
+}
+
+#[test]
+fn a_start_that_is_no_power_on_is_said_before_all_else() {
+    let snapshot_us = START_US - 150_000;
+    let resumed = RestartReport {
+        start: Start::Resumed,
+        cause: Cause::Stuck,
+        crash: None,
+        mark: None,
+        snapshot_us: Some(snapshot_us),
+        refused: [None; 2],
+        resumed_us: START_US,
+        restarts: 1,
+    };
+    let none_left = RestartReport { start: Start::Lost, snapshot_us: None, ..resumed };
+    let refused = [Some(Refusal::Corrupt), Some(Refusal::OtherModel)];
+    for (report, expected) in [
+        (resumed, vec![(3, "t=7.000 restart: something stuck"), (3, "t=7.000 resumed, 0.150s not known")]),
+        (
+            RestartReport { refused: [None, Some(Refusal::NotUnderstood)], ..resumed },
+            vec![
+                (3, "t=7.000 restart: something stuck"),
+                (2, "t=7.000 copy 1 refused: another version's"),
+                (3, "t=7.000 resumed, 0.150s not known"),
+            ],
+        ),
+        (
+            RestartReport { refused, ..none_left },
+            vec![
+                (3, "t=7.000 restart: something stuck"),
+                (2, "t=7.000 copy 0 refused: corrupt"),
+                (2, "t=7.000 copy 1 refused: another model's"),
+                (2, "t=7.000 calibration lost in the restart"),
+            ],
+        ),
+        // None had been kept yet: there is nothing to refuse.
+        (
+            RestartReport { refused: [Some(Refusal::Empty); 2], ..none_left },
+            vec![(3, "t=7.000 restart: something stuck"), (2, "t=7.000 calibration lost in the restart")],
+        ),
+        (
+            RestartReport { start: Start::Captive, snapshot_us: None, ..resumed },
+            vec![(3, "t=7.000 restart: something stuck"), (4, "t=7.000 calibration starts again")],
+        ),
+        (
+            RestartReport { start: Start::Cold, cause: Cause::Supply, refused, ..none_left },
+            vec![(5, "t=7.000 cold start: a loss of power")],
+        ),
+    ] {
+        let mut queue = FrameQueue::new();
+        let mut flight = Flight::new(&mut queue, Rates::FULL, &[]);
+        flight.telemetry.note_start(&report);
+        second(&mut flight, START_US, |input, _| input.launch_doubt = LaunchDoubt::Unconfirmed);
+        let mut texts: Vec<(u8, String)> =
+            flight.texts().into_iter().map(|(severity, text)| (severity as u8, text)).collect();
+        let last = texts.pop();
+        assert_eq!(last, Some((4, "t=7.000 launched, by the wire alone".to_owned())), "{report:?}");
+        assert_eq!(
+            texts,
+            expected.iter().map(|(severity, text)| (*severity, (*text).to_owned())).collect::<Vec<_>>()
+        );
+    }
+}
+
+#[test]
+fn without_a_mission_the_cause_is_told_and_nothing_else() {
+    let report = RestartReport {
+        start: Start::Standby,
+        cause: Cause::HardFault,
+        crash: None,
+        mark: None,
+        snapshot_us: None,
+        refused: [None; 2],
+        resumed_us: START_US,
+        restarts: 4,
+    };
+    let (sequence, message) = decode(telemetry::standby(&report, 7).bytes());
+    let MavMessage::STATUSTEXT(text) = message else { panic!("{message:?}") };
+    assert_eq!(
+        (sequence, text.severity, text.text.to_str()),
+        (7, MavSeverity::MAV_SEVERITY_EMERGENCY, Ok("t=7.000 standby: a hard fault"))
+    );
 }
 
 #[test]

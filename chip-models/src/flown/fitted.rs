@@ -17,6 +17,11 @@ impl<Driver> Fitted<Driver> {
         Self { driver, is_fitted: false }
     }
 
+    /// Another driver of the chip, if that is there.
+    pub const fn with<Other>(&self, driver: Other) -> Fitted<Other> {
+        Fitted { driver, is_fitted: self.is_fitted }
+    }
+
     /// The chip is there from now on; whether it was not before.
     pub const fn fit(&mut self) -> bool {
         let is_new = !self.is_fitted;

@@ -27,6 +27,14 @@ impl<Observer: WorkObserver + Clone> RecordedSensors<Observer> {
             SensorSource::Chips => Self::Chips(ModelledSuite::new(observer)),
         }
     }
+
+    /// See [`ModelledSuite::restart`].
+    pub fn restart(&mut self) {
+        match self {
+            Self::Ideal(suite) => *suite = ReplayedSuite::replayed(),
+            Self::Chips(suite) => suite.restart(),
+        }
+    }
 }
 
 impl<Observer: WorkObserver> RecordedSensors<Observer> {

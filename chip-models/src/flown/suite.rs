@@ -26,6 +26,15 @@ pub const RECEIVER_BAUD: u32 = 460_800;
 /// Speed of the umbilical's line, baud.
 pub const UMBILICAL_BAUD: u32 = 115_200;
 
+/// How the board has its inertial unit.
+const IMU_CONFIG: drivers::icm42688p::Config = drivers::icm42688p::Config {
+    accel_range: AccelRange::G16,
+    gyro_range: GyroRange::Dps2000,
+    mounting: Mounting::ALIGNED,
+};
+/// And its receiver.
+const GPS_CONFIG: drivers::ublox::Config =
+    drivers::ublox::Config { datum: Datum::MeanSeaLevel, period_ms: PERIOD_MS };
 /// What the receiver is configured for, milliseconds. The flight's fixes come when they come.
 const PERIOD_MS: u16 = 100;
 /// Generation of the receiver.
@@ -72,12 +81,6 @@ pub struct ModelledSuite<Observer> {
 impl<Observer: WorkObserver + Clone> ModelledSuite<Observer> {
     /// A board without a chip on it; `observer` is told when the models work.
     pub fn new(observer: &Observer) -> Self {
-        let imu_config = drivers::icm42688p::Config {
-            accel_range: AccelRange::G16,
-            gyro_range: GyroRange::Dps2000,
-            mounting: Mounting::ALIGNED,
-        };
-        let gps_config = drivers::ublox::Config { datum: Datum::MeanSeaLevel, period_ms: PERIOD_MS };
         let still =
             Motion { accel_mps2: [0.0; 3], gyro_radps: [0.0; 3], temperature_c: ASSUMED_TEMPERATURE_C };
         let vacuum = Air { pressure_pa: 0.0, temperature_c: ASSUMED_TEMPERATURE_C };
@@ -88,11 +91,11 @@ impl<Observer: WorkObserver + Clone> ModelledSuite<Observer> {
         let mother_ship = MotherShipModel::new(SYSTEM, UMBILICAL_BAUD);
         Self {
             board: Suite::new(
-                Fitted::absent(Ublox::new(MeteredUart::new(receiver, observer.clone()), gps_config)),
+                Fitted::absent(Ublox::new(MeteredUart::new(receiver, observer.clone()), GPS_CONFIG)),
                 Fitted::absent(Ms5611::new(Metered::new(ChipOnBus::new(baro), observer.clone()))),
                 Fitted::absent(Icm42688p::new(
                     Metered::new(ChipOnBus::new(Icm42688pModel::new(Held(still))), observer.clone()),
-                    imu_config,
+                    IMU_CONFIG,
                 )),
                 Fitted::absent(Umbilical::new(MeteredUart::new(mother_ship, observer.clone()))),
                 Replay::new(),
@@ -104,6 +107,28 @@ impl<Observer: WorkObserver + Clone> ModelledSuite<Observer> {
             temperature_c: None,
             counts: TruthCounts::default(),
         }
+    }
+}
+
+impl<Observer: WorkObserver + Clone> ModelledSuite<Observer> {
+    /// The flight computer was reset, and the chips were not: they are as they were, with whatever is wrong with them, and drivers that
+    /// know nothing of it begin with them.
+    #[inline(never)]
+    pub fn restart(&mut self) {
+        let old = &mut self.board;
+        let receiver = Ublox::new(old.receiver.driver.port_mut().clone(), GPS_CONFIG);
+        let barometer = Ms5611::new(old.barometer.driver.bus_mut().clone());
+        let imu = Icm42688p::new(old.imu.driver.bus_mut().clone(), IMU_CONFIG);
+        let imu_master = Umbilical::new(old.imu_master.driver.port_mut().clone());
+        *old = Suite::new(
+            old.receiver.with(receiver),
+            old.barometer.with(barometer),
+            old.imu.with(imu),
+            old.imu_master.with(imu_master),
+            Replay::new(),
+            Replay::new(),
+            ReplayUmbilical::new(),
+        );
     }
 }
 

@@ -21,25 +21,38 @@ pub(crate) struct StatisticalChecks {
     /// What the receiver itself reported when the calibration was held was good enough.
     reported: bool,
     stationary: bool,
-    is_done: bool,
 }
 
 impl StatisticalChecks {
-    /// Of a calibration that is held now, after `duration_s`; nothing is checked yet.
+    /// The checks that these are.
+    const CHECKS: [Check; 5] = [
+        Check::TrimmedAltitude,
+        Check::TrimmedAirspeed,
+        Check::ReferenceConverged,
+        Check::BiasesStationary,
+        Check::InnovationsPlausible,
+    ];
+
+    /// Of a calibration that is held now, after `duration_s`. Nothing is checked yet, and whoever has to go on without the
+    /// outcome, as after a restart, is not to take it for good: all are noted as failed.
     pub(crate) fn begin<const E: usize>(
         config: &MissionConfig<E>,
         duration_s: f32,
         tracker: &ReferenceTracker,
+        failed: &mut FailedChecks,
     ) -> Self {
+        for check in Self::CHECKS {
+            failed.note(check, false);
+        }
         let limits = &config.quality;
         let reported = tracker.last_fix().is_none_or(|fix| {
             fix.vertical_accuracy_m.is_none_or(|sigma_m| sigma_m <= limits.vertical_accuracy_m)
                 && fix.satellites.is_none_or(|count| count >= limits.minimum_satellites)
         });
-        Self { trends: heapless::Vec::new(), duration_s, reported, stationary: true, is_done: false }
+        Self { trends: heapless::Vec::new(), duration_s, reported, stationary: true }
     }
 
-    /// Makes one more part of them and notes what failed; true when that was the last.
+    /// Makes one more part of them and settles what is known by then; true when that was the last.
     #[inline(never)]
     pub(crate) fn go_on<const HEAD: usize, const TAIL: usize, const E: usize>(
         &mut self,
@@ -48,25 +61,20 @@ impl StatisticalChecks {
         failed: &mut FailedChecks,
     ) -> bool {
         let next = Sensor::ALL.get(self.trends.len());
-        match next.and_then(|sensor| calibration.residuals.get(sensor.index())) {
-            Some(residuals) => self.check_trend(config, residuals, failed),
-            None if !self.is_done => {
-                self.check_reference(config, &calibration.reference_drift, failed);
-                calibration.check_trim(config, failed);
-                self.is_done = true;
-            }
-            None => {}
+        if let Some(residuals) = next.and_then(|sensor| calibration.residuals.get(sensor.index())) {
+            self.check_trend(config, residuals);
         }
-        self.is_done
+        let is_done = self.trends.is_full();
+        if is_done {
+            failed.settle(Check::BiasesStationary, self.stationary);
+            self.check_reference(config, &calibration.reference_drift, failed);
+            calibration.check_trim(config, failed);
+        }
+        is_done
     }
 
     /// Of the next sensor.
-    fn check_trend<const E: usize>(
-        &mut self,
-        config: &MissionConfig<E>,
-        residuals: &BlockStatistics,
-        failed: &mut FailedChecks,
-    ) {
+    fn check_trend<const E: usize>(&mut self, config: &MissionConfig<E>, residuals: &BlockStatistics) {
         let trend = residuals.trend();
         if let (Some(trend), Some(summary)) = (trend, residuals.summary()) {
             // A sensor is not blamed for a drift that the reference's own wander makes of itself.
@@ -78,7 +86,6 @@ impl StatisticalChecks {
         }
         // Cannot be full: there are no more sensors than places.
         let _ = self.trends.push(trend);
-        failed.note(Check::BiasesStationary, self.stationary);
     }
 
     fn check_reference<const E: usize>(
@@ -92,7 +99,7 @@ impl StatisticalChecks {
             .later_trend()
             .is_some_and(|trend| is_significant(&trend) && trend.drift.abs() > limit_m);
         let converged = self.reported && !drifts_alone && !drift_is_common(&self.trends, limit_m);
-        failed.note(Check::ReferenceConverged, converged);
+        failed.settle(Check::ReferenceConverged, converged);
     }
 }
 
@@ -103,13 +110,13 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
             .altitude
             .summary()
             .is_none_or(|summary| summary.block_variance <= square(limits.trimmed_altitude_m));
-        failed.note(Check::TrimmedAltitude, altitude_is_quiet);
+        failed.settle(Check::TrimmedAltitude, altitude_is_quiet);
         // Of V^2: its deviation is 2 V times the airspeed's.
         let airspeed_is_quiet = self.airspeed_squared.summary().is_none_or(|summary| {
             summary.block_variance <= 4.0 * summary.mean * square(limits.trimmed_airspeed_mps)
         });
-        failed.note(Check::TrimmedAirspeed, airspeed_is_quiet);
-        failed.note(
+        failed.settle(Check::TrimmedAirspeed, airspeed_is_quiet);
+        failed.settle(
             Check::InnovationsPlausible,
             self.implausible as f32 <= limits.implausible_share * self.innovations as f32,
         );

@@ -160,6 +160,7 @@ impl SignalTracker {
     /// It was no launch: the flight is captive as before, and the next [`Self::begin_free_flight`] starts afresh.
     pub fn resume_captive(&mut self) {
         self.launch_us = None;
+        self.integrals_lost = false;
         self.latched_airspeed_squared_m2ps2 = None;
         self.integrals = FreeFlightIntegrals::default();
         self.inertial.restart();

@@ -7,7 +7,7 @@ use crate::estimator::ConfigError;
 use crate::latch::collected;
 use crate::output::Phase;
 use crate::sensor::Sensor;
-use crate::snapshot::{MissionSnapshot, RaisedFlags, SnapshotError};
+use crate::snapshot::{MissionMark, MissionSnapshot, RaisedFlags, SnapshotError, Stage};
 use crate::time::microseconds;
 
 /// Why a mission can not go on.
@@ -20,14 +20,16 @@ pub enum ResumeError {
 }
 
 impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E> {
-    /// The mission's state, to be kept; `None` before launch.
+    /// The mission's state, to be kept; `None` until a launch is at least suspected. What is held during a suspicion is
+    /// what the launch will latch, but for what confirming it changes: that is in [`Self::mark`].
     #[must_use]
     pub fn snapshot(&self) -> Option<MissionSnapshot> {
-        let (first_us, latch) = (self.first_us?, self.latch()?);
+        let (first_us, latch) = (self.first_us?, self.latch.as_ref()?);
         Some(MissionSnapshot {
             first_us,
             last_us: self.last_us,
-            launch_was: self.launch_was,
+            // Who goes on from what was held does so after the launch.
+            launch_was: self.launch_was || self.is_held(),
             latch: latch.clone(),
             free_flight: self.free_flight.kept(),
             cross_check: self.cross_check.trust(),
@@ -38,6 +40,23 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             last_accepted_us: self.last_accepted_us,
             counters: self.counters,
         })
+    }
+
+    /// What is to be kept at every tick.
+    #[must_use]
+    #[inline]
+    pub fn mark(&self) -> MissionMark {
+        let stage = match (&self.latch, self.is_launched) {
+            (None, _) => Stage::Captive,
+            (Some(_), false) => Stage::Suspected,
+            (Some(_), true) => Stage::Launched,
+        };
+        MissionMark {
+            stage,
+            flags: self.raised_flags(),
+            failed_checks: self.latch.as_ref().map_or(0, |latch| latch.failed_checks),
+            suspicions: self.counters.launch_suspicions as u8 % MissionMark::SUSPICIONS,
+        }
     }
 
     /// The flags that are raised now.
@@ -118,6 +137,31 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         self.latch = Some(latch.clone());
         self.is_launched = true;
         self.is_resumed = true;
+        Ok(())
+    }
+
+    /// As [`Self::take_up`], by the mark of the last tick: a snapshot from before the confirmation of the launch, which came
+    /// after it, becomes one of the launch; if there was none yet, it goes on as a suspicion, and a suspicion that comes
+    /// to nothing starts the calibration again.
+    ///
+    /// # Errors
+    /// [`SnapshotError::OtherLaunch`], and as [`Self::take_up`].
+    #[inline(never)]
+    pub fn go_on(&mut self, snapshot: &MissionSnapshot, mark: &MissionMark) -> Result<(), SnapshotError> {
+        let suspicions = snapshot.counters.launch_suspicions as u8 % MissionMark::SUSPICIONS;
+        if mark.stage == Stage::Captive || suspicions != mark.suspicions {
+            return Err(SnapshotError::OtherLaunch);
+        }
+        self.take_up(snapshot, mark.flags)?;
+        if let Some(latch) = &mut self.latch {
+            latch.failed_checks = mark.failed_checks;
+        }
+        if mark.stage == Stage::Suspected {
+            self.is_launched = false;
+            // The filter is a new one: if it has to calibrate after all, it settles first.
+            self.phase = Phase::Settling;
+            self.first_us = None;
+        }
         Ok(())
     }
 

@@ -603,5 +603,6 @@ fn a_configuration_out_of_range_is_refused() {
 }
 
 mod effects;
+mod interrupted;
 mod resume;
 mod suspicion;

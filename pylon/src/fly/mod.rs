@@ -346,6 +346,26 @@ pub fn fly_struck(record: &[u8], model: &Model, strikes: &[Strike]) -> Result<Ra
     fly_raw(record, model, Some(PlantedError::Strike), strikes)
 }
 
+/// As [`fly_struck`], of ticks on chips with faults of theirs.
+///
+/// # Errors
+/// As [`fly_struck`], and a fault that can not be.
+pub fn fly_struck_on_chips(
+    inputs: impl Iterator<Item = TickInput> + Clone,
+    model: &Model,
+    faults: &[PlannedFault],
+    strikes: &[Strike],
+) -> Result<RawFlight, FlyError> {
+    let events = schedule(faults)?;
+    GridReport::of(inputs.clone())?;
+    fault_script::check(&events, OnGrid::new(inputs.clone()))?;
+    let file = tempfile::NamedTempFile::new().map_err(FlyError::io("the flight record"))?;
+    let items = Scripted::new(OnGrid::new(inputs), &events);
+    record::write_inputs(file.path(), model.fingerprint()?, SensorSource::Chips, items)?;
+    let record = fs::read(file.path()).map_err(FlyError::io("the flight record"))?;
+    fly_struck(&record, model, strikes)
+}
+
 fn fly_raw(
     record: &[u8],
     model: &Model,
@@ -358,8 +378,9 @@ fn fly_raw(
     let blows: Vec<u8> = strikes.iter().flat_map(|strike| strike.to_bytes()).collect();
     fs::write(directory.path().join(name(STRIKES_FILE)?), blows).map_err(FlyError::io("the blows"))?;
     let ticks = u32::try_from(record.len() / 16).unwrap_or(u32::MAX);
-    let mut run = emulated(&image, directory.path(), ticks, None)?;
-    let mut flight = RawFlight { status: run.status, log: run.log, ..RawFlight::default() };
+    let mut run = emulated(&image, directory.path(), ticks, Some(TELEMETRY_FILE))?;
+    let telemetry = fs::read(directory.path().join(TELEMETRY_FILE)).map_err(FlyError::io("the telemetry"))?;
+    let mut flight = RawFlight { status: run.status, log: run.log, telemetry, ..RawFlight::default() };
     while let Some(result) = run.results.next_result()? {
         match result {
             FlightResult::Tick(tick) => flight.ticks.push(tick),
@@ -386,6 +407,8 @@ pub struct RawFlight {
     pub restarts: Vec<(usize, RestartReport)>,
     /// What was counted, if the flight came to its end.
     pub summary: Option<Summary>,
+    /// What went over the telemetry's line; a restart may have cut a frame.
+    pub telemetry: Vec<u8>,
 }
 
 fn emulated(

@@ -2,9 +2,9 @@
 
 use kf_core::input::TickInput;
 use kf_core::latch::LatchRecord;
-use kf_core::mission::{Counters, Mission};
+use kf_core::mission::{Counters, Mission, ResumeError};
 use kf_core::output::TickOutput;
-use kf_core::snapshot::{MissionSnapshot, RaisedFlags};
+use kf_core::snapshot::{MissionMark, MissionSnapshot};
 use model::{Model, ModelError};
 
 use super::error::ReplayError;
@@ -40,17 +40,18 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> AnyMission for Missio
 }
 
 /// What a mission starts with.
-type Kept = Option<(MissionSnapshot, RaisedFlags)>;
+type Kept = Option<(MissionSnapshot, MissionMark)>;
 
 fn boxed<const HEAD: usize, const TAIL: usize, const E: usize>(
     model: &Model,
     kept: Kept,
 ) -> Result<Box<dyn AnyMission>, ReplayError> {
     let config = model.mission_config()?;
-    Ok(Box::new(match kept {
-        None => Mission::<HEAD, TAIL, E>::new(&config)?,
-        Some((snapshot, flags)) => Mission::<HEAD, TAIL, E>::resume(&config, snapshot, flags)?,
-    }))
+    let mut mission = Mission::<HEAD, TAIL, E>::new(&config)?;
+    if let Some((snapshot, mark)) = kept {
+        mission.go_on(&snapshot, &mark).map_err(ResumeError::Snapshot)?;
+    }
+    Ok(Box::new(mission))
 }
 
 /// A new mission of the shape that the model needs.
@@ -61,16 +62,16 @@ pub fn mission(model: &Model) -> Result<Box<dyn AnyMission>, ReplayError> {
     of_its_shape(model, None)
 }
 
-/// The mission that goes on from a snapshot, with the flags that were raised by the time it was interrupted.
+/// The mission that goes on from a snapshot, by the mark of the last tick before it was interrupted.
 ///
 /// # Errors
 /// As [`mission`], and [`ReplayError::Resume`].
 pub fn resumed_mission(
     model: &Model,
     snapshot: MissionSnapshot,
-    flags: RaisedFlags,
+    mark: MissionMark,
 ) -> Result<Box<dyn AnyMission>, ReplayError> {
-    of_its_shape(model, Some((snapshot, flags)))
+    of_its_shape(model, Some((snapshot, mark)))
 }
 
 fn of_its_shape(model: &Model, kept: Kept) -> Result<Box<dyn AnyMission>, ReplayError> {

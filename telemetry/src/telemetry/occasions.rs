@@ -4,6 +4,7 @@ use kf_core::input::LaunchDoubt;
 use kf_core::output::{Agreement, Trust};
 use kf_core::quality::FailedChecks;
 use kf_core::sensor::Sensor;
+use survival::{Refusal, RestartReport, Start};
 
 use super::{Said, Telemetry};
 use crate::event::Event;
@@ -13,16 +14,39 @@ use crate::sample::Sample;
 use crate::schedule::Slot;
 
 impl Telemetry<'_> {
+    /// How the flight computer has started, where there is something to say of it: the first texts, before those of the first
+    /// tick.
+    pub fn note_start(&mut self, report: &RestartReport) {
+        let at_us = report.resumed_us;
+        if report.start == Start::Cold {
+            // What the copies hold then is not looked at, and may be what memory without a battery makes of them.
+            self.note(at_us, Event::Cold(report.cause));
+            return;
+        }
+        self.note(at_us, Event::Restarted(report.cause));
+        for (copy, refusal) in (0..).zip(report.refused) {
+            if let Some(refusal) = refusal.filter(|refusal| *refusal != Refusal::Empty) {
+                self.note(at_us, Event::Refused { copy, refusal });
+            }
+        }
+        let how = match report.start {
+            Start::Resumed | Start::Suspected => {
+                let gap_us = at_us.saturating_sub(report.snapshot_us.unwrap_or(at_us));
+                Event::Resumed { gap_ms: u32::try_from(gap_us / 1_000).unwrap_or(u32::MAX) }
+            }
+            Start::Lost => Event::Lost,
+            Start::Captive => Event::Captive,
+            Start::Cold | Start::Standby => return,
+        };
+        self.note(at_us, how);
+    }
+
     /// What is said once.
     pub(super) fn note_events(&mut self, said: &Said<'_>, now_us: u64) {
         let output = said.output;
         if self.launch != Some(said.input.launch) {
             self.launch = Some(said.input.launch);
             self.schedule.at_once(Slot::Launch);
-        }
-        if said.counters.restarts != self.restarts {
-            self.restarts = said.counters.restarts;
-            self.note(now_us, Event::Resumed);
         }
         let doubt = said.input.launch_doubt;
         if core::mem::replace(&mut self.launch_doubt, doubt) != doubt

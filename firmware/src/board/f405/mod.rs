@@ -20,7 +20,7 @@ use flight_record::{ExitStatus, Summary};
 use stm32f4xx_hal::dma::StreamsTuple;
 use stm32f4xx_hal::pac::Peripherals;
 use stm32f4xx_hal::prelude::*;
-use survival::{BOARD_WORDS, Cause};
+use survival::{BOARD_WORDS, RestartReport};
 use telemetry::Frame;
 use wiring::CORE_MHZ;
 
@@ -110,10 +110,16 @@ pub fn start(
     })
 }
 
-/// Without a mission: nothing is said of any sensor, and the log goes on saying why.
-pub fn stand_by(cause: Cause) -> ! {
+/// Without a mission: nothing is said of any sensor, and log and telemetry go on saying why.
+pub fn stand_by(report: &RestartReport, mut line: Line) -> ! {
+    let mut sequence = 0_u8;
     loop {
-        defmt::error!("standby after {=str}", cause.name());
+        defmt::error!("standby after {=str}", report.cause.name());
+        // Free, a second after the last one.
+        if line.is_free() {
+            line.send(&telemetry::standby(report, sequence));
+        }
+        sequence = sequence.wrapping_add(1);
         for _ in 0..10 {
             cortex_m::asm::delay(CORE_MHZ * 100_000);
             independent_watchdog::feed_independent_watchdog();

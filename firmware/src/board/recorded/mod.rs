@@ -13,6 +13,7 @@ mod line;
 #[cfg(feature = "board-hil")]
 mod silicon;
 
+use core::mem::MaybeUninit;
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use chip_models::flown::{ChipFault, RecordedSensors};
@@ -26,7 +27,6 @@ use flight_record::{
     CostUnit, Decoder, Encoder, End, ExitStatus, Header, INPUT_FILE, Kind, MAX_STUFFED, OUTPUT_FILE, Payload,
     SensorSource, Stream, Summary,
 };
-use heapless::Vec;
 use heapless::spsc::{Consumer, Producer, Queue};
 use kf_core::input::TickInput;
 use semihosting::fs::File;
@@ -34,7 +34,7 @@ use semihosting::io::{Read, Seek, SeekFrom, Write};
 use stm32f4xx_hal::pac::{Interrupt, Peripherals, TIM5};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Config;
-use survival::{BOARD_WORDS, Cause, ResetSource, RetainedMemory};
+use survival::{BOARD_WORDS, Cause, ResetSource, RestartReport, RetainedMemory};
 
 #[cfg(feature = "board-qemu")]
 use emulated as machine;
@@ -67,15 +67,46 @@ enum Item {
 pub struct Storage {
     inputs: Queue<Item, INPUTS>,
     ended: AtomicBool,
-    /// None before the start; empty, unlike an `Option` of them, it takes no flash.
-    sensors: Vec<RecordedSensors<ModelsWork>, 1>,
     batch: Vec<u8, BATCH>,
 }
 
 impl Storage {
     /// Empty.
     pub const fn new() -> Self {
-        Self { inputs: Queue::new(), ended: AtomicBool::new(false), sensors: Vec::new(), batch: Vec::new() }
+        Self { inputs: Queue::new(), ended: AtomicBool::new(false), batch: Vec::new() }
+    }
+}
+
+/// The sensors, whose chips a reset of the flight computer leaves as they are: where the start clears no memory.
+struct KeptSensors {
+    /// [`Self::MADE`] once they are there; an emulation begins with zeros.
+    made: u32,
+    sensors: MaybeUninit<RecordedSensors<ModelsWork>>,
+}
+
+#[unsafe(link_section = ".uninit.sensors")]
+static mut SENSORS: MaybeUninit<KeptSensors> = MaybeUninit::uninit();
+
+impl KeptSensors {
+    const MADE: u32 = 0x4348_4950;
+
+    /// The sensors: after a restart those that there are, with new drivers.
+    ///
+    /// # Safety
+    /// Once only.
+    unsafe fn claim(source: SensorSource, has_restarted: bool) -> Sensors {
+        let kept: *mut Self = (&raw mut SENSORS).cast();
+        // SAFETY: nobody else has them, as the caller promises; any bits are a number.
+        let Self { made, sensors } = unsafe { &mut *kept };
+        if has_restarted && *made == Self::MADE {
+            // SAFETY: they were made, and are a value: a blow strikes at a tick's end, when no model works.
+            let sensors = unsafe { sensors.assume_init_mut() };
+            sensors.restart();
+            return sensors;
+        }
+        let sensors = sensors.write(RecordedSensors::new(source, &ModelsWork));
+        *made = Self::MADE;
+        sensors
     }
 }
 
@@ -116,8 +147,9 @@ pub const fn microseconds(count: u32) -> u32 {
 }
 
 /// There is nothing to wait for: no flight but the record's.
-pub fn stand_by(cause: Cause) -> ! {
-    exit(match cause {
+pub fn stand_by(report: &RestartReport, mut line: Line) -> ! {
+    line.send(&telemetry::standby(report, 0));
+    exit(match report.cause {
         Cause::Panic => ExitStatus::Panic,
         Cause::HardFault => ExitStatus::HardFault,
         Cause::Unrecorded
@@ -137,7 +169,7 @@ pub fn start(
     resumed_us: Option<u64>,
     kept: &'static mut [u32; BOARD_WORDS],
 ) -> Result<Board, ExitStatus> {
-    let Storage { inputs, ended, sensors, batch } = storage;
+    let Storage { inputs, ended, batch } = storage;
     let has_restarted = resumed_us.is_some();
     let (inputs_in, inputs_out) = inputs.split();
     machine::stop_with_the_core(&device.DBGMCU);
@@ -150,10 +182,8 @@ pub fn start(
         .ok_or(ExitStatus::NoOutput)?;
     CostClock::start(&device.TIM5, &rcc);
     let (feeder, header) = Feeder::open(inputs_in, ended, resumed_us, kept)?;
-    if sensors.push(RecordedSensors::new(header.sensors, &ModelsWork)).is_err() {
-        return Err(ExitStatus::Configuration);
-    }
-    let sensors = sensors.first_mut().ok_or(ExitStatus::Configuration)?;
+    // SAFETY: here alone.
+    let sensors = unsafe { KeptSensors::claim(header.sensors, has_restarted) };
     Ok(Board {
         feeder,
         source: Source { inputs: inputs_out, ended },
@@ -339,7 +369,8 @@ pub struct Feeder {
     /// Inputs before this time have passed while the flight computer restarted.
     from_us: u64,
     skipped: u32,
-    /// Where the inputs that are waiting began, and those before them: all that may not have been flown.
+    /// Where the inputs that are waiting began, and those before them: all that may not have been flown. A chip's fault so shortly
+    /// before a reset comes once more after it.
     places: [Place; INPUTS],
     oldest: usize,
     kept: &'static mut [u32; BOARD_WORDS],

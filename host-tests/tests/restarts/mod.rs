@@ -1,0 +1,103 @@
+//! Flights that are interrupted, held against the host.
+// Every test file uses a part of this.
+#![allow(dead_code, clippy::unwrap_used)]
+
+use flight_record::{MAX_STUFFED, TickRecord};
+use kf_core::latch::LatchRecord;
+use kf_core::output::{Phase, TickOutput};
+use kf_core::snapshot::{MissionMark, RaisedFlags, Stage};
+use model::Model;
+use pylon::downlink::Downlink;
+use pylon::fly::RawFlight;
+use pylon::replay::{mission, resumed_mission};
+use survival::{Flight, RestartReport, Start};
+use telemetry::{ComputerStatus, FrameQueue, Rates};
+
+use crate::ticks::{TICK_US, prompt};
+
+/// When the record's clock starts, microseconds.
+pub const FIRST_US: u64 = 1_000_000;
+/// What the emulated board passes over for a restart, microseconds.
+pub const OUTAGE_US: u64 = 100_000;
+pub fn model() -> Model {
+    prompt(Model::default())
+}
+
+pub const fn at(tick: usize) -> u64 {
+    FIRST_US + tick as u64 * TICK_US
+}
+
+/// The bits of a tick's output.
+pub fn bits(output: &TickOutput) -> Vec<u8> {
+    let mut buffer = [0; MAX_STUFFED];
+    postcard::to_slice(output, &mut buffer).unwrap().to_vec()
+}
+
+/// Does on the host what the flight computer says that it did, and holds every tick of it to the host's bits;
+/// returns the latch that the host came to.
+pub fn same_on_the_host(flown: &RawFlight) -> Option<LatchRecord> {
+    on_the_host(flown).0
+}
+
+/// As [`same_on_the_host`]; returns as well what the host would have sent from each start on.
+pub fn on_the_host(flown: &RawFlight) -> (Option<LatchRecord>, Vec<Vec<u8>>) {
+    let model = model();
+    let mut host = mission(&model).unwrap();
+    let mut snapshots = Vec::new();
+    let mut restarts = flown.restarts.iter().peekable();
+    let new_line = || Downlink::new(Box::leak(Box::new(FrameQueue::new())), &model, Rates::FULL);
+    let (mut line, mut lines) = (new_line(), Vec::new());
+    for (k, TickRecord { input, output, .. }) in flown.ticks.iter().enumerate() {
+        while let Some((_, report)) = restarts.next_if(|(ticks, _)| *ticks == k) {
+            lines.push(std::mem::replace(&mut line, new_line()).into_bytes());
+            line.note_start(report);
+            host = match report.snapshot_us {
+                Some(snapshot_us) => {
+                    let kept = |(time_us, _): &&(u64, _)| *time_us == snapshot_us;
+                    let (_, snapshot) = snapshots.iter().find(kept).unwrap();
+                    resumed_mission(&model, Clone::clone(snapshot), mark(report)).unwrap()
+                }
+                None => mission(&model).unwrap(),
+            };
+        }
+        let expected = host.tick(input);
+        assert_eq!(bits(&expected), bits(output), "tick {k} at {} us", output.time_us);
+        line.tell(input, output, &*host, &ComputerStatus::default());
+        if let Some(snapshot) = host.snapshot() {
+            snapshots.push((output.time_us, snapshot));
+        }
+    }
+    lines.push(line.into_bytes());
+    (host.latch().cloned(), lines)
+}
+
+/// What the report's mark says of the mission.
+pub fn mark(report: &RestartReport) -> MissionMark {
+    let mark = report.mark.unwrap();
+    MissionMark {
+        stage: match mark.flight {
+            Flight::Captive => Stage::Captive,
+            Flight::Suspected => Stage::Suspected,
+            Flight::Free => Stage::Launched,
+        },
+        flags: RaisedFlags::from_bits(mark.flags),
+        failed_checks: mark.failed_checks,
+        suspicions: mark.suspicions,
+    }
+}
+
+/// The report of the only restart, which goes on in free flight, and the first tick after it.
+pub fn resumed(flown: &RawFlight) -> (RestartReport, &TickRecord) {
+    let (ticks, report) = &flown.restarts[0];
+    assert_eq!(report.start, Start::Resumed, "{:?}", flown.log);
+    let latch = same_on_the_host(flown);
+    assert_eq!(flown.latches, [latch.unwrap()], "latched once, and the same bits after the restart");
+    let first = &flown.ticks[*ticks];
+    assert_eq!(first.output.phase, Phase::FreeFlight);
+    let snapshot_us = report.snapshot_us.unwrap();
+    assert_eq!(first.output.bridged_us, Some(first.output.time_us - snapshot_us));
+    let mark_us = report.mark.unwrap().time_us;
+    // A snapshot every 0.1 s, and the task that keeps it runs within a tick.
+    assert!(mark_us - snapshot_us <= 105_000, "{report:?}");
+    (*report, first)
+}
