@@ -27,6 +27,7 @@ use flight_record::{
     CostUnit, Decoder, Encoder, End, ExitStatus, Header, INPUT_FILE, Kind, MAX_STUFFED, OUTPUT_FILE, Payload,
     SensorSource, Stream, Summary,
 };
+use heapless::Vec;
 use heapless::spsc::{Consumer, Producer, Queue};
 use kf_core::input::TickInput;
 use semihosting::fs::File;
