@@ -1,6 +1,6 @@
 //! How the flight computer starts: cold, or where a reset has interrupted it.
 
-use kf_core::snapshot::{MissionMark, MissionSnapshot, RaisedFlags, SnapshotError, Stage};
+use kf_core::snapshot::{MissionMark, RaisedFlags, SnapshotError, Stage};
 use survival::{Flight, Found, History, Refusal, ResetSource, RestartReport, Start, TickMark, TickMarks};
 
 use crate::board;
@@ -92,11 +92,8 @@ const fn needs_snapshot(start: Start) -> bool {
 /// The snapshot's time, if it is one of this mission and of this launch.
 #[inline(never)]
 fn take_up(mission: &mut FlownMission, payload: &[u8], mark: &MissionMark) -> Result<u64, Refusal> {
-    // Looked at where it lies: to move it would take another kilobyte of the stack.
-    let snapshot = MissionSnapshot::from_bytes(payload);
-    let Ok(snapshot) = &snapshot else { return Err(Refusal::NotUnderstood) };
-    match mission.go_on(snapshot, mark) {
-        Ok(()) => Ok(snapshot.time_us()),
+    match mission.go_on_from(payload, mark) {
+        Ok(snapshot_us) => Ok(snapshot_us),
         Err(SnapshotError::OtherLaunch) => Err(Refusal::OtherLaunch),
         Err(_) => Err(Refusal::NotUnderstood),
     }

@@ -256,19 +256,31 @@ fn a_reset_in_the_tick_that_latches_resumes_with_what_it_latched() {
     assert!(!trusts_nobody(&flown.ticks[ticks + 1..]));
 }
 
-/// From the tick after the first edge on; and in a suspicion that outlasts the restart.
+/// From the tick after the first edge on; and in a suspicion that outlasts the restart. The statistics are judged in three ticks after the
+/// edge; what a reset leaves unjudged has failed.
 #[test]
 fn a_reset_while_a_launch_is_suspected_leaves_the_suspicion_and_what_it_holds() {
-    for (inputs, tick) in [
-        (suspected(DEBOUNCE), LAUNCH - DEBOUNCE + 1),
-        (suspected(DEBOUNCE), LAUNCH - 1),
-        (suspected(100), LAUNCH - 50),
+    let mut unjudged = FailedChecks::default();
+    for check in [
+        Check::TrimmedAltitude,
+        Check::TrimmedAirspeed,
+        Check::ReferenceConverged,
+        Check::BiasesStationary,
+        Check::InnovationsPlausible,
+    ] {
+        unjudged.note(check, false);
+    }
+    for (inputs, tick, unjudged) in [
+        (suspected(DEBOUNCE), LAUNCH - DEBOUNCE + 1, unjudged),
+        (suspected(DEBOUNCE), LAUNCH - 1, FailedChecks::default()),
+        (suspected(100), LAUNCH - 50, FailedChecks::default()),
     ] {
         let flown = struck_on(&inputs, &[(Blow::Reset, tick)]);
         let (ticks, report) = flown.restarts[0];
         assert_eq!(report.start, Start::Suspected, "{:?}", flown.log);
         assert!(flown.log.iter().any(|line| line.contains("restart 1 (suspected)")), "{:?}", flown.log);
         let latch = undisturbed(&inputs);
+        let latch = LatchRecord { failed_checks: latch.failed_checks | unjudged.bits(), ..latch };
         assert_eq!(same_on_the_host(&flown).as_ref(), Some(&latch), "{tick}");
         assert_eq!(flown.latches, [latch], "{tick}");
         let latched: Vec<usize> =

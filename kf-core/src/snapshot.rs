@@ -81,16 +81,48 @@ impl MissionSnapshot {
     ///
     /// # Errors
     /// [`SnapshotError::Format`], [`SnapshotError::Version`].
-    #[inline(never)]
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, SnapshotError> {
-        let (version, snapshot) = bytes.split_first().ok_or(SnapshotError::Format)?;
-        if *version != SNAPSHOT_VERSION {
-            return Err(SnapshotError::Version);
-        }
-        match postcard::take_from_bytes(snapshot) {
-            Ok((snapshot, [])) => Ok(snapshot),
-            _ => Err(SnapshotError::Format),
-        }
+        let mut fields = Fields::of(bytes)?;
+        let snapshot = fields.next()?;
+        fields.end()?;
+        Ok(snapshot)
+    }
+}
+
+/// A snapshot's bytes, to be read a field at a time in the order of [`MissionSnapshot`]: as a whole it takes six kilobytes of the stack
+/// to read, and two and a half to have.
+#[derive(Clone, Copy)]
+pub(crate) struct Fields<'a>(&'a [u8]);
+
+impl<'a> Fields<'a> {
+    /// Those of bytes of this version.
+    pub(crate) fn of(bytes: &'a [u8]) -> Result<Self, SnapshotError> {
+        let (version, fields) = bytes.split_first().ok_or(SnapshotError::Format)?;
+        if *version == SNAPSHOT_VERSION { Ok(Self(fields)) } else { Err(SnapshotError::Version) }
+    }
+
+    /// The next field.
+    #[inline(never)]
+    pub(crate) fn next<T: Deserialize<'a>>(&mut self) -> Result<T, SnapshotError> {
+        let (field, rest) = postcard::take_from_bytes(self.0).map_err(|_| SnapshotError::Format)?;
+        self.0 = rest;
+        Ok(field)
+    }
+
+    /// Whether that is so of the next field, which is then passed over. A call of its own, so that the field leaves the stack.
+    #[inline(never)]
+    pub(crate) fn test<T: Deserialize<'a>>(
+        &mut self,
+        is_so: impl FnOnce(&T) -> bool,
+    ) -> Result<bool, SnapshotError> {
+        let (field, rest) = postcard::take_from_bytes(self.0).map_err(|_| SnapshotError::Format)?;
+        self.0 = rest;
+        Ok(is_so(&field))
+    }
+
+    /// Nothing follows.
+    pub(crate) const fn end(self) -> Result<(), SnapshotError> {
+        if self.0.is_empty() { Ok(()) } else { Err(SnapshotError::Format) }
     }
 }
 

@@ -1,13 +1,16 @@
 //! A mission that goes on after a restart.
 
-use super::Mission;
-use crate::config::MissionConfig;
-use crate::effect::EffectSubject;
+use super::{Counters, Mission};
+use crate::config::{MAX_ESTIMATED_EFFECTS, MissionConfig};
+use crate::effect::{EffectSubject, SignalTracker};
 use crate::estimator::ConfigError;
-use crate::latch::collected;
-use crate::output::Phase;
-use crate::sensor::Sensor;
-use crate::snapshot::{MissionMark, MissionSnapshot, RaisedFlags, SnapshotError, Stage};
+use crate::free_flight::KeptFreeFlight;
+use crate::latch::{LatchRecord, collected};
+use crate::output::{Phase, Trust};
+use crate::reading::StuckDetector;
+use crate::reference::ReferenceTracker;
+use crate::sensor::{SENSORS, Sensor};
+use crate::snapshot::{Fields, MissionMark, MissionSnapshot, RaisedFlags, SnapshotError, Stage};
 use crate::time::microseconds;
 
 /// Why a mission can not go on.
@@ -97,33 +100,16 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
     /// # Errors
     /// [`SnapshotError::OtherMission`]; the mission is then as it was, as nothing of what has been begun is looked at before
     /// a launch begins it anew.
-    #[inline(never)]
     pub fn take_up(&mut self, snapshot: &MissionSnapshot, flags: RaisedFlags) -> Result<(), SnapshotError> {
         let other = SnapshotError::OtherMission;
-        let (config, latch) = (&self.config, &snapshot.latch);
-        let effects = config.estimated_effects.iter().chain(&config.constant_effects);
-        let is_ours = latch.state.len() == HEAD + TAIL
-            && latch.covariance.len() == (HEAD + TAIL) * (HEAD + TAIL + 1) / 2
-            && snapshot.signals.is_for(effects.map(|effect| effect.id()), config.latitude_deg);
         let fix_regressors_m = snapshot.fix_regressors_m.as_slice().try_into().map_err(|_| other)?;
-        if !is_ours {
+        if !self.is_latch_ours(&snapshot.latch) || !self.are_signals_ours(&snapshot.signals) {
             return Err(other);
         }
-        self.free_flight.begin(config, latch);
+        self.free_flight.begin(&self.config, &snapshot.latch);
         if !self.free_flight.restore(&snapshot.free_flight) {
             return Err(other);
         }
-        self.cross_check.begin(latch);
-        self.cross_check.raise(snapshot.cross_check);
-        for sensor in Sensor::ALL {
-            if let Some(flag) = flags.of(sensor) {
-                self.free_flight.raise(sensor, flag);
-            }
-        }
-        if let Some(flag) = flags.of_cross_check() {
-            self.cross_check.raise(flag);
-        }
-        self.phase = Phase::FreeFlight;
         self.first_us = Some(snapshot.first_us);
         self.last_us = snapshot.last_us;
         self.launch_was = snapshot.launch_was;
@@ -133,11 +119,38 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         self.stuck = snapshot.stuck.clone();
         self.last_accepted_us = snapshot.last_accepted_us;
         self.counters = snapshot.counters;
+        self.latch = Some(snapshot.latch.clone());
+        self.fly_on(snapshot.cross_check, flags);
+        Ok(())
+    }
+
+    /// What is not in a snapshot follows from what is.
+    fn fly_on(&mut self, cross_check: Trust, flags: RaisedFlags) {
+        if let Some(latch) = &self.latch {
+            self.cross_check.begin(latch);
+        }
+        self.cross_check.raise(cross_check);
+        for sensor in Sensor::ALL {
+            if let Some(flag) = flags.of(sensor) {
+                self.free_flight.raise(sensor, flag);
+            }
+        }
+        if let Some(flag) = flags.of_cross_check() {
+            self.cross_check.raise(flag);
+        }
+        self.phase = Phase::FreeFlight;
         self.counters.restarts = self.counters.restarts.saturating_add(1);
-        self.latch = Some(latch.clone());
         self.is_launched = true;
         self.is_resumed = true;
-        Ok(())
+    }
+
+    fn is_latch_ours(&self, latch: &LatchRecord) -> bool {
+        latch.state.len() == HEAD + TAIL && latch.covariance.len() == (HEAD + TAIL) * (HEAD + TAIL + 1) / 2
+    }
+
+    fn are_signals_ours(&self, signals: &SignalTracker) -> bool {
+        let effects = self.config.estimated_effects.iter().chain(&self.config.constant_effects);
+        signals.is_for(effects.map(|effect| effect.id()), self.config.latitude_deg)
     }
 
     /// As [`Self::take_up`], by the mark of the last tick: a snapshot from before the confirmation of the launch, which came
@@ -146,13 +159,97 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
     ///
     /// # Errors
     /// [`SnapshotError::OtherLaunch`], and as [`Self::take_up`].
-    #[inline(never)]
     pub fn go_on(&mut self, snapshot: &MissionSnapshot, mark: &MissionMark) -> Result<(), SnapshotError> {
-        let suspicions = snapshot.counters.launch_suspicions as u8 % MissionMark::SUSPICIONS;
-        if mark.stage == Stage::Captive || suspicions != mark.suspicions {
-            return Err(SnapshotError::OtherLaunch);
-        }
+        check_mark(&snapshot.counters, mark)?;
         self.take_up(snapshot, mark.flags)?;
+        self.heed(mark);
+        Ok(())
+    }
+
+    /// As [`Self::go_on`], from the bytes of [`MissionSnapshot::to_bytes`]; says of what time the snapshot is, microseconds. They
+    /// are read a field at a time, first to see whether they are a snapshot of this mission, then into it: a restart has no room on the
+    /// stack for a whole one.
+    ///
+    /// # Errors
+    /// [`SnapshotError`]; the mission is then as after [`Self::take_up`]'s.
+    #[inline(never)]
+    pub fn go_on_from(&mut self, bytes: &[u8], mark: &MissionMark) -> Result<u64, SnapshotError> {
+        self.check_fields(Fields::of(bytes)?, mark)?;
+        let mut fields = Fields::of(bytes)?;
+        let (first_us, last_us, launch_was) = (fields.next()?, fields.next()?, fields.next()?);
+        self.read_latch(&mut fields)?;
+        if !self.read_watches(&mut fields)? {
+            self.latch = None;
+            return Err(SnapshotError::OtherMission);
+        }
+        let cross_check = fields.next()?;
+        self.read_signals(&mut fields)?;
+        self.read_readings(&mut fields)?;
+        (self.first_us, self.last_us, self.launch_was) = (Some(first_us), last_us, launch_was);
+        self.fly_on(cross_check, mark.flags);
+        self.heed(mark);
+        Ok(last_us)
+    }
+
+    // What follows is apart from each other so that no two of the large fields are on the stack at once.
+
+    #[inline(never)]
+    fn read_latch(&mut self, fields: &mut Fields<'_>) -> Result<(), SnapshotError> {
+        self.latch = Some(fields.next()?);
+        Ok(())
+    }
+
+    /// False where they are not of this configuration and latch.
+    #[inline(never)]
+    fn read_watches(&mut self, fields: &mut Fields<'_>) -> Result<bool, SnapshotError> {
+        if let Some(latch) = &self.latch {
+            self.free_flight.begin(&self.config, latch);
+        }
+        fields.test(|kept| self.free_flight.restore(kept))
+    }
+
+    #[inline(never)]
+    fn read_signals(&mut self, fields: &mut Fields<'_>) -> Result<(), SnapshotError> {
+        self.signals = fields.next()?;
+        Ok(())
+    }
+
+    #[inline(never)]
+    fn read_readings(&mut self, fields: &mut Fields<'_>) -> Result<(), SnapshotError> {
+        self.tracker = fields.next()?;
+        let fix_regressors_m: heapless::Vec<f32, MAX_ESTIMATED_EFFECTS> = fields.next()?;
+        for (kept_m, regressor_m) in self.fix_regressors_m.iter_mut().zip(&fix_regressors_m) {
+            *kept_m = *regressor_m;
+        }
+        self.stuck = fields.next()?;
+        self.last_accepted_us = fields.next()?;
+        self.counters = fields.next()?;
+        Ok(())
+    }
+
+    /// Whether every field is one, and of this mission and launch.
+    #[inline(never)]
+    fn check_fields(&self, mut fields: Fields<'_>, mark: &MissionMark) -> Result<(), SnapshotError> {
+        let _: (u64, u64, bool) = (fields.next()?, fields.next()?, fields.next()?);
+        let mut is_ours = fields.test(|latch| self.is_latch_ours(latch))?;
+        fields.test(|_: &KeptFreeFlight| true)?;
+        fields.next::<Trust>()?;
+        is_ours &= fields.test(|signals| self.are_signals_ours(signals))?;
+        fields.test(|_: &ReferenceTracker| true)?;
+        is_ours &= fields.test(|kept: &heapless::Vec<f32, MAX_ESTIMATED_EFFECTS>| kept.len() == E)?;
+        fields.test(|_: &[StuckDetector; SENSORS]| true)?;
+        fields.test(|_: &[Option<u64>; SENSORS]| true)?;
+        let mut of_launch = Ok(());
+        fields.test(|counters| {
+            of_launch = check_mark(counters, mark);
+            true
+        })?;
+        fields.end()?;
+        if is_ours { of_launch } else { Err(SnapshotError::OtherMission) }
+    }
+
+    /// What the mark knows better than a snapshot from before it.
+    fn heed(&mut self, mark: &MissionMark) {
         if let Some(latch) = &mut self.latch {
             latch.failed_checks = mark.failed_checks;
         }
@@ -162,7 +259,6 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             self.phase = Phase::Settling;
             self.first_us = None;
         }
-        Ok(())
     }
 
     /// At the first tick after a restart: what nothing is known of, microseconds. `last_us` is still the
@@ -194,4 +290,13 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             }
         }
     }
+}
+
+/// Whether a snapshot with these counters is of the launch that the mark is of.
+fn check_mark(counters: &Counters, mark: &MissionMark) -> Result<(), SnapshotError> {
+    let suspicions = counters.launch_suspicions as u8 % MissionMark::SUSPICIONS;
+    if mark.stage == Stage::Captive || suspicions != mark.suspicions {
+        return Err(SnapshotError::OtherLaunch);
+    }
+    Ok(())
 }

@@ -44,8 +44,16 @@ fn after(ticks: &[TickInput]) -> Dense {
 }
 
 fn gone_on(snapshot: MissionSnapshot, mark: &MissionMark) -> Result<Dense, SnapshotError> {
-    let mut mission = Dense::new(&config(true)).unwrap();
-    mission.go_on(&snapshot, mark).map(|()| mission)
+    let (mut mission, mut from_bytes) =
+        (Dense::new(&config(true)).unwrap(), Dense::new(&config(true)).unwrap());
+    let mut bytes = [0; MAX_SNAPSHOT_BYTES];
+    let length = snapshot.to_bytes(&mut bytes).unwrap();
+    let outcome = mission.go_on(&snapshot, mark);
+    // A field at a time it is the same.
+    assert_eq!(from_bytes.go_on_from(&bytes[..length], mark), outcome.map(|()| snapshot.time_us()));
+    assert_eq!(from_bytes.snapshot(), mission.snapshot());
+    assert_eq!((from_bytes.mark(), from_bytes.counters()), (mission.mark(), mission.counters()));
+    outcome.map(|()| from_bytes)
 }
 
 #[test]

@@ -214,8 +214,17 @@ fn a_snapshot_of_another_mission_is_refused() {
         mission.tick(input);
     });
     let snapshot = kept(&mission);
-    let refused =
-        |other: &MissionConfig<0>| Dense::resume(other, snapshot.clone(), RaisedFlags::default()).err();
+    let mut bytes = [0; MAX_SNAPSHOT_BYTES];
+    let length = snapshot.to_bytes(&mut bytes).unwrap();
+    let mark = mission.mark();
+    let refused = |other: &MissionConfig<0>| {
+        if let Ok(mut fresh) = Dense::new(other) {
+            let by_fields = fresh.go_on_from(&bytes[..length], &mark).map_err(ResumeError::Snapshot);
+            assert_eq!(by_fields.err(), Dense::resume(other, snapshot.clone(), RaisedFlags::default()).err());
+            assert_eq!(fresh.snapshot().is_some(), by_fields.is_ok());
+        }
+        Dense::resume(other, snapshot.clone(), RaisedFlags::default()).err()
+    };
     let other_mission = Some(ResumeError::Snapshot(SnapshotError::OtherMission));
     assert_eq!(refused(&config(true)), None);
     let second_correction = SecondCorrection::MovingAverage;
@@ -229,6 +238,8 @@ fn a_snapshot_of_another_mission_is_refused() {
     let other_shape =
         Mission::<0, 5, 1>::resume(&super::config(true), snapshot.clone(), RaisedFlags::default());
     assert_eq!(other_shape.err(), other_mission);
+    let mut other_shape = Mission::<0, 5, 1>::new(&super::config(true)).unwrap();
+    assert_eq!(other_shape.go_on_from(&bytes[..length], &mark), Err(SnapshotError::OtherMission));
 }
 
 #[test]
@@ -239,11 +250,22 @@ fn bytes_that_are_no_snapshot_are_refused() {
     });
     let mut bytes = [0; MAX_SNAPSHOT_BYTES];
     let length = mission.snapshot().unwrap().to_bytes(&mut bytes).unwrap();
-    assert_eq!(MissionSnapshot::from_bytes(&bytes[..length - 1]).err(), Some(SnapshotError::Format));
-    assert_eq!(MissionSnapshot::from_bytes(&bytes[..=length]).err(), Some(SnapshotError::Format));
-    assert_eq!(MissionSnapshot::from_bytes(&[]).err(), Some(SnapshotError::Format));
+    let mark = mission.mark();
+    let refused = |bytes: &[u8]| {
+        let mut fresh = Dense::new(&config(true)).unwrap();
+        let by_fields = fresh.go_on_from(bytes, &mark).err();
+        assert_eq!(by_fields, MissionSnapshot::from_bytes(bytes).err());
+        assert_eq!(fresh.snapshot().is_some(), by_fields.is_none());
+        by_fields
+    };
+    assert_eq!(refused(&bytes[..length]), None);
+    for cut in 1..length {
+        assert_eq!(refused(&bytes[..cut]), Some(SnapshotError::Format), "{cut} of {length} bytes");
+    }
+    assert_eq!(refused(&bytes[..=length]), Some(SnapshotError::Format));
+    assert_eq!(refused(&[]), Some(SnapshotError::Format));
     bytes[0] ^= 0x40;
-    assert_eq!(MissionSnapshot::from_bytes(&bytes[..length]).err(), Some(SnapshotError::Version));
+    assert_eq!(refused(&bytes[..length]), Some(SnapshotError::Version));
     let mut short = [0; 100];
     assert_eq!(mission.snapshot().unwrap().to_bytes(&mut short), Err(SnapshotError::BufferTooShort));
 }
