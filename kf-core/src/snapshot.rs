@@ -83,7 +83,7 @@ impl MissionSnapshot {
     /// [`SnapshotError::Format`], [`SnapshotError::Version`].
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, SnapshotError> {
         let mut fields = Fields::of(bytes)?;
-        let snapshot = fields.next()?;
+        let snapshot = fields.whole()?;
         fields.end()?;
         Ok(snapshot)
     }
@@ -102,28 +102,47 @@ impl<'a> Fields<'a> {
     }
 
     /// The next field.
-    #[inline(never)]
-    pub(crate) fn next<T: Deserialize<'a>>(&mut self) -> Result<T, SnapshotError> {
+    #[inline(always)]
+    fn next<T: Deserialize<'a>>(&mut self) -> Result<T, SnapshotError> {
         let (field, rest) = postcard::take_from_bytes(self.0).map_err(|_| SnapshotError::Format)?;
         self.0 = rest;
         Ok(field)
-    }
-
-    /// Whether that is so of the next field, which is then passed over. A call of its own, so that the field leaves the stack.
-    #[inline(never)]
-    pub(crate) fn test<T: Deserialize<'a>>(
-        &mut self,
-        is_so: impl FnOnce(&T) -> bool,
-    ) -> Result<bool, SnapshotError> {
-        let (field, rest) = postcard::take_from_bytes(self.0).map_err(|_| SnapshotError::Format)?;
-        self.0 = rest;
-        Ok(is_so(&field))
     }
 
     /// Nothing follows.
     pub(crate) const fn end(self) -> Result<(), SnapshotError> {
         if self.0.is_empty() { Ok(()) } else { Err(SnapshotError::Format) }
     }
+}
+
+/// A call of its own for each field: its code is in an image once, compiled with this crate, and the field leaves the stack with who asked
+/// for it.
+macro_rules! fields {
+    ($($(#[$doc:meta])* $name:ident: $field:ty;)*) => {
+        impl Fields<'_> {
+            $($(#[$doc])*
+            #[inline(never)]
+            pub(crate) fn $name(&mut self) -> Result<$field, SnapshotError> {
+                self.next()
+            })*
+        }
+    };
+}
+
+fields! {
+    /// `first_us`, `last_us`, `launch_was`.
+    times: (u64, u64, bool);
+    latch: LatchRecord;
+    free_flight: KeptFreeFlight;
+    cross_check: Trust;
+    signals: SignalTracker;
+    tracker: ReferenceTracker;
+    fix_regressors_m: heapless::Vec<f32, MAX_ESTIMATED_EFFECTS>;
+    stuck: [StuckDetector; SENSORS];
+    last_accepted_us: [Option<u64>; SENSORS];
+    counters: Counters;
+    /// All of them.
+    whole: MissionSnapshot;
 }
 
 /// How far the launch had come.

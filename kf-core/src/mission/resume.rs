@@ -1,15 +1,12 @@
 //! A mission that goes on after a restart.
 
 use super::{Counters, Mission};
-use crate::config::{MAX_ESTIMATED_EFFECTS, MissionConfig};
+use crate::config::MissionConfig;
 use crate::effect::{EffectSubject, SignalTracker};
 use crate::estimator::ConfigError;
-use crate::free_flight::KeptFreeFlight;
 use crate::latch::{LatchRecord, collected};
 use crate::output::{Phase, Trust};
-use crate::reading::StuckDetector;
-use crate::reference::ReferenceTracker;
-use crate::sensor::{SENSORS, Sensor};
+use crate::sensor::Sensor;
 use crate::snapshot::{Fields, MissionMark, MissionSnapshot, RaisedFlags, SnapshotError, Stage};
 use crate::time::microseconds;
 
@@ -176,26 +173,50 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
     pub fn go_on_from(&mut self, bytes: &[u8], mark: &MissionMark) -> Result<u64, SnapshotError> {
         self.check_fields(Fields::of(bytes)?, mark)?;
         let mut fields = Fields::of(bytes)?;
-        let (first_us, last_us, launch_was) = (fields.next()?, fields.next()?, fields.next()?);
+        let (first_us, last_us, launch_was) = fields.times()?;
         self.read_latch(&mut fields)?;
         if !self.read_watches(&mut fields)? {
             self.latch = None;
             return Err(SnapshotError::OtherMission);
         }
-        let cross_check = fields.next()?;
+        let cross_check = fields.cross_check()?;
         self.read_signals(&mut fields)?;
-        self.read_readings(&mut fields)?;
+        self.tracker = fields.tracker()?;
+        let fix_regressors_m = fields.fix_regressors_m()?;
+        for (kept_m, regressor_m) in self.fix_regressors_m.iter_mut().zip(&fix_regressors_m) {
+            *kept_m = *regressor_m;
+        }
+        self.stuck = fields.stuck()?;
+        self.last_accepted_us = fields.last_accepted_us()?;
+        self.counters = fields.counters()?;
         (self.first_us, self.last_us, self.launch_was) = (Some(first_us), last_us, launch_was);
         self.fly_on(cross_check, mark.flags);
         self.heed(mark);
         Ok(last_us)
     }
 
+    /// Whether every field is one, and of this mission and launch.
+    #[inline(never)]
+    fn check_fields(&self, mut fields: Fields<'_>, mark: &MissionMark) -> Result<(), SnapshotError> {
+        fields.times()?;
+        let mut is_ours = self.is_next_latch_ours(&mut fields)?;
+        pass_watches(&mut fields)?;
+        fields.cross_check()?;
+        is_ours &= self.are_next_signals_ours(&mut fields)?;
+        fields.tracker()?;
+        is_ours &= fields.fix_regressors_m()?.len() == E;
+        fields.stuck()?;
+        fields.last_accepted_us()?;
+        let counters = fields.counters()?;
+        fields.end()?;
+        if is_ours { check_mark(&counters, mark) } else { Err(SnapshotError::OtherMission) }
+    }
+
     // What follows is apart from each other so that no two of the large fields are on the stack at once.
 
     #[inline(never)]
     fn read_latch(&mut self, fields: &mut Fields<'_>) -> Result<(), SnapshotError> {
-        self.latch = Some(fields.next()?);
+        self.latch = Some(fields.latch()?);
         Ok(())
     }
 
@@ -205,47 +226,23 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         if let Some(latch) = &self.latch {
             self.free_flight.begin(&self.config, latch);
         }
-        fields.test(|kept| self.free_flight.restore(kept))
+        Ok(self.free_flight.restore(&fields.free_flight()?))
     }
 
     #[inline(never)]
     fn read_signals(&mut self, fields: &mut Fields<'_>) -> Result<(), SnapshotError> {
-        self.signals = fields.next()?;
+        self.signals = fields.signals()?;
         Ok(())
     }
 
     #[inline(never)]
-    fn read_readings(&mut self, fields: &mut Fields<'_>) -> Result<(), SnapshotError> {
-        self.tracker = fields.next()?;
-        let fix_regressors_m: heapless::Vec<f32, MAX_ESTIMATED_EFFECTS> = fields.next()?;
-        for (kept_m, regressor_m) in self.fix_regressors_m.iter_mut().zip(&fix_regressors_m) {
-            *kept_m = *regressor_m;
-        }
-        self.stuck = fields.next()?;
-        self.last_accepted_us = fields.next()?;
-        self.counters = fields.next()?;
-        Ok(())
+    fn is_next_latch_ours(&self, fields: &mut Fields<'_>) -> Result<bool, SnapshotError> {
+        Ok(self.is_latch_ours(&fields.latch()?))
     }
 
-    /// Whether every field is one, and of this mission and launch.
     #[inline(never)]
-    fn check_fields(&self, mut fields: Fields<'_>, mark: &MissionMark) -> Result<(), SnapshotError> {
-        let _: (u64, u64, bool) = (fields.next()?, fields.next()?, fields.next()?);
-        let mut is_ours = fields.test(|latch| self.is_latch_ours(latch))?;
-        fields.test(|_: &KeptFreeFlight| true)?;
-        fields.next::<Trust>()?;
-        is_ours &= fields.test(|signals| self.are_signals_ours(signals))?;
-        fields.test(|_: &ReferenceTracker| true)?;
-        is_ours &= fields.test(|kept: &heapless::Vec<f32, MAX_ESTIMATED_EFFECTS>| kept.len() == E)?;
-        fields.test(|_: &[StuckDetector; SENSORS]| true)?;
-        fields.test(|_: &[Option<u64>; SENSORS]| true)?;
-        let mut of_launch = Ok(());
-        fields.test(|counters| {
-            of_launch = check_mark(counters, mark);
-            true
-        })?;
-        fields.end()?;
-        if is_ours { of_launch } else { Err(SnapshotError::OtherMission) }
+    fn are_next_signals_ours(&self, fields: &mut Fields<'_>) -> Result<bool, SnapshotError> {
+        Ok(self.are_signals_ours(&fields.signals()?))
     }
 
     /// What the mark knows better than a snapshot from before it.
@@ -299,4 +296,9 @@ fn check_mark(counters: &Counters, mark: &MissionMark) -> Result<(), SnapshotErr
         return Err(SnapshotError::OtherLaunch);
     }
     Ok(())
+}
+
+#[inline(never)]
+fn pass_watches(fields: &mut Fields<'_>) -> Result<(), SnapshotError> {
+    fields.free_flight().map(|_| ())
 }
