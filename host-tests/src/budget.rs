@@ -321,8 +321,8 @@ mod tests {
     #[test]
     fn a_restart_of_one_instruction_or_byte_too_many_is_found() {
         let budgets = Budgets::read().unwrap();
-        assert_eq!(kept(&budgets.check_restart(200_000, 20_480)), [true, true]);
-        assert_eq!(kept(&budgets.check_restart(200_001, 20_481)), [false, false]);
+        assert_eq!(kept(&budgets.check_restart(200_000, 17_203)), [true, true]);
+        assert_eq!(kept(&budgets.check_restart(200_001, 17_204)), [false, false]);
     }
 
     #[test]
