@@ -1,16 +1,11 @@
-//! Turns the model into source, and hands the linker the memory map and the scripts of the runtime and
-//! of the log.
+//! Hands the linker the memory map and the scripts of the runtime and of the log.
 //!
-//! `PYLON_MODEL` is a preset's name or a model file (default: the preset `default`); the workbench gives
-//! `PYLON_MODEL_SOURCE` instead, a file of source that it has generated from the model it flies.
 //! `PYLON_TELEMETRY_BAUD` is the rate of the telemetry's line (default: 921600). `PYLON_MUTATE` (one of [`MUTATIONS`]) plants an
 //! error or a load (`src/mutation.rs`).
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::{env, fs};
-
-use model::Model;
 
 /// The rate of the telemetry's line unless the environment says another, baud.
 const TELEMETRY_BAUD: u32 = 921_600;
@@ -21,7 +16,6 @@ const MUTATIONS: [&str; 8] =
 
 fn main() -> Result<(), Box<dyn Error>> {
     let out = PathBuf::from(env::var_os("OUT_DIR").ok_or("OUT_DIR is not set")?);
-    write_model(&out)?;
     write_telemetry(&out)?;
 
     println!("cargo:rerun-if-env-changed=PYLON_MUTATE");
@@ -66,31 +60,5 @@ fn write_telemetry(out: &Path) -> Result<(), Box<dyn Error>> {
     };
     let source = format!("/// The rate of the telemetry's line, baud.\npub const BAUD: u32 = {baud};\n");
     fs::write(out.join("telemetry.rs"), source)?;
-    Ok(())
-}
-
-/// Writes the model's source and says where it comes from.
-fn write_model(out: &Path) -> Result<(), Box<dyn Error>> {
-    println!("cargo:rerun-if-env-changed=PYLON_MODEL");
-    println!("cargo:rerun-if-env-changed=PYLON_MODEL_SOURCE");
-    let (name, source) = match env::var("PYLON_MODEL_SOURCE") {
-        Ok(file) => {
-            println!("cargo:rerun-if-changed={file}");
-            (
-                "of the workbench".to_owned(),
-                fs::read_to_string(&file).map_err(|error| format!("{file}: {error}"))?,
-            )
-        }
-        Err(_) => {
-            let name = env::var("PYLON_MODEL").unwrap_or_else(|_| "default".to_owned());
-            if Model::preset(&name).is_none() {
-                println!("cargo:rerun-if-changed={name}");
-            }
-            let source = model::codegen(&Model::load(&name)?)?;
-            (name, source)
-        }
-    };
-    fs::write(out.join("model.rs"), &source)?;
-    println!("cargo:rustc-env=PYLON_MODEL_NAME={name}");
     Ok(())
 }

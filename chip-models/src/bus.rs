@@ -4,6 +4,8 @@ use core::convert::Infallible;
 
 use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};
 
+use crate::line::noise_after;
+
 /// A chip as its bus sees it: one byte out for each byte in, between two edges of chip select.
 pub trait SpiChip {
     /// Chip select went low.
@@ -31,6 +33,11 @@ pub enum WireFault {
         after_bytes: u32,
         /// The bits.
         mask: u8,
+    },
+    /// Whatever the chip sends arrives as noise.
+    Garbage {
+        /// Its random numbers' state.
+        noise: u32,
     },
 }
 
@@ -90,6 +97,10 @@ impl<Chip: SpiChip> ChipOnBus<Chip> {
             Some(WireFault::FlipBits { after_bytes, .. }) => {
                 *after_bytes -= 1;
                 sent
+            }
+            Some(WireFault::Garbage { noise }) => {
+                *noise = noise_after(*noise);
+                (*noise >> 24) as u8
             }
             Some(WireFault::BusError) | None => sent,
         }

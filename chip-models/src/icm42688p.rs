@@ -1,20 +1,29 @@
 //! ICM-42688-P inertial unit (TDK InvenSense DS-000347, revision 1.6; section numbers are its): user bank 0, the
-//! sample path and the interrupt status. Other banks read as zero, and the FIFO is not modelled.
+//! sample path and the interrupt status. Other banks read as zero, and the FIFO is not modelled. Of the filter before the
+//! samples there is what it leaves of a [`Vibration`]: the motion is taken to be slow.
 
 use crate::bus::SpiChip;
+use crate::disturbance::Disturbance;
 use crate::source::{Motion, Source};
+use crate::vibration::{LowPass, Vibration};
 
 const DEVICE_CONFIG: u8 = 0x11;
 const TEMP_DATA1: u8 = 0x1D;
 const GYRO_DATA_Z0: u8 = 0x2A;
 const INT_STATUS: u8 = 0x2D;
+const INTF_CONFIG0: u8 = 0x4C;
 const PWR_MGMT0: u8 = 0x4E;
 const GYRO_CONFIG0: u8 = 0x4F;
 const ACCEL_CONFIG0: u8 = 0x50;
+const GYRO_CONFIG1: u8 = 0x51;
+const GYRO_ACCEL_CONFIG0: u8 = 0x52;
+const ACCEL_CONFIG1: u8 = 0x53;
 const REG_BANK_SEL: u8 = 0x76;
 
 const RESET_DONE: u8 = 0x10;
 const DATA_READY: u8 = 0x08;
+/// INTF_CONFIG0: the samples' high bytes come first (14.33).
+const BIG_ENDIAN: u8 = 0x10;
 
 /// After a reset, microseconds (14.1).
 const RESET_US: u64 = 1_000;
@@ -57,6 +66,10 @@ pub struct Icm42688pModel<Surroundings> {
     pub motion: Surroundings,
     /// Its registers stay what they are: the sample path has stopped.
     pub stalled: bool,
+    /// What is wrong with its results: specific force and rate, in the order of the axes.
+    pub disturbance: Disturbance,
+    /// How the airframe shakes it, beside its motion; nothing else goes through the model of its filter.
+    pub vibration: Option<Vibration>,
     /// Writes that the datasheet forbids, within 200 us of switching a sensor on: the chip has ignored them.
     pub forbidden_writes: u32,
     registers: [u8; 128],
@@ -75,6 +88,8 @@ impl<Surroundings: Source<Motion>> Icm42688pModel<Surroundings> {
         Self {
             motion,
             stalled: false,
+            disturbance: Disturbance::NONE,
+            vibration: None,
             forbidden_writes: 0,
             registers: [0; 128],
             ready_us: 0,
@@ -133,7 +148,50 @@ impl<Surroundings: Source<Motion>> Icm42688pModel<Surroundings> {
         }
     }
 
+    /// The low pass before the samples (14.39 to 14.41): UI_FILT_BW as a part of the ODR, at least 400 Hz of it.
+    fn filter(&self, is_gyro: bool) -> LowPass {
+        let bandwidths = self.register(GYRO_ACCEL_CONFIG0);
+        let (field, order) = if is_gyro {
+            (bandwidths & 0xF, self.register(GYRO_CONFIG1) >> 2 & 3)
+        } else {
+            (bandwidths >> 4, self.register(ACCEL_CONFIG1) >> 3 & 3)
+        };
+        let rate_hz = 1_000_000.0 / self.period_us() as f32;
+        let part = match field {
+            0 => 2.0,
+            1 => 4.0,
+            2 => 5.0,
+            3 => 8.0,
+            4 => 10.0,
+            5 => 16.0,
+            6 => 20.0,
+            _ => 40.0,
+        };
+        let filtered_hz = if field == 0 { rate_hz } else { rate_hz.max(400.0) };
+        LowPass { order: order.min(2) + 1, bandwidth_hz: filtered_hz / part }
+    }
+
+    /// The motion with what is wrong with the chip, and with the airframe's vibration behind the filter.
+    fn disturbed(&mut self, mut motion: Motion, sample_us: u64) -> Motion {
+        let shaken = self.vibration.map(|vibration| {
+            let filter = self.filter(vibration.channel >= 3);
+            (vibration.channel, vibration.at(sample_us, filter))
+        });
+        let channels = motion.accel_mps2.iter_mut().chain(&mut motion.gyro_radps);
+        for (channel, value) in channels.enumerate() {
+            *value += self.disturbance.error(channel);
+            if let Some((_, shake)) = shaken.filter(|(shaken, _)| *shaken == channel) {
+                *value += shake;
+            }
+        }
+        motion
+    }
+
     fn make_sample(&mut self, now_us: u64) {
+        // A sensor that is switched off by a flipped bit starts anew, once it is on again.
+        if self.register(PWR_MGMT0) & 0xF != 0xF {
+            self.samples_from_us = None;
+        }
         let Some(from_us) = self.samples_from_us else { return };
         if self.stalled || now_us < from_us {
             return;
@@ -144,9 +202,21 @@ impl<Surroundings: Source<Motion>> Icm42688pModel<Surroundings> {
             return;
         }
         self.last_sample = sample;
-        let motion = self.motion.at(from_us + (sample - 1) * period_us);
+        if self.disturbance.frozen {
+            *self.register_mut(INT_STATUS) |= DATA_READY;
+            return;
+        }
+        let sample_us = from_us + (sample - 1) * period_us;
+        let motion = self.motion.at(sample_us);
+        let motion = self.disturbed(motion, sample_us);
         for (index, value) in (0u8..).zip(self.raw(motion)) {
+            let channel = usize::from(index).checked_sub(1);
+            let flipped = channel.map_or(0, |channel| self.disturbance.flipped(channel));
+            let [.., flipped_high, flipped_low] = flipped.to_be_bytes();
             let [high, low] = value.to_be_bytes();
+            let (high, low) = (high ^ flipped_high, low ^ flipped_low);
+            let is_big_endian = self.register(INTF_CONFIG0) & BIG_ENDIAN != 0;
+            let (high, low) = if is_big_endian { (high, low) } else { (low, high) };
             *self.register_mut(TEMP_DATA1 + 2 * index) = high;
             *self.register_mut(TEMP_DATA1 + 2 * index + 1) = low;
         }

@@ -15,6 +15,7 @@
 
 pub mod bmp390;
 pub mod bus;
+pub mod disturbance;
 pub mod flown;
 pub mod icm42688p;
 pub mod line;
@@ -23,3 +24,4 @@ pub mod mother_ship;
 pub mod ms5611;
 pub mod source;
 pub mod ublox;
+pub mod vibration;

@@ -2,8 +2,10 @@
 
 use heapless::Deque;
 
-/// What waits in the device, and in the UART's buffer of the flight computer.
+/// What waits in the UART's buffer of the flight computer.
 const BUFFER_BYTES: usize = 512;
+/// What waits in the device: room for what a receiver says at one epoch.
+const DEVICE_BYTES: usize = 1_024;
 
 /// What is wrong with a line at present.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -14,6 +16,8 @@ pub struct LineFaults {
     pub lose_bytes: u32,
     /// A byte to damage: after so many more, these bits.
     pub flip_bits: Option<(u32, u8)>,
+    /// Nothing that is sent passes, and noise arrives, as many bytes as the line carries: its random numbers' state.
+    pub noise: Option<u32>,
 }
 
 /// The line.
@@ -25,9 +29,9 @@ pub struct Line {
     pub overrun_bytes: u32,
     /// Bytes that the device had no room for.
     pub unsent_bytes: u32,
-    byte_time_ns: u64,
+    baud: u32,
     free_ns: u64,
-    outgoing: Deque<u8, BUFFER_BYTES>,
+    outgoing: Deque<u8, DEVICE_BYTES>,
     arrived: Deque<u8, BUFFER_BYTES>,
 }
 
@@ -35,10 +39,10 @@ impl Line {
     /// A line of that speed in baud: a start bit, 8 bits, a stop bit.
     pub const fn new(baud: u32) -> Self {
         Self {
-            faults: LineFaults { unplugged: false, lose_bytes: 0, flip_bits: None },
+            faults: LineFaults { unplugged: false, lose_bytes: 0, flip_bits: None, noise: None },
             overrun_bytes: 0,
             unsent_bytes: 0,
-            byte_time_ns: 10_000_000_000 / (if baud == 0 { 1 } else { baud }) as u64,
+            baud,
             free_ns: 0,
             outgoing: Deque::new(),
             arrived: Deque::new(),
@@ -52,13 +56,46 @@ impl Line {
         }
     }
 
+    /// Whether the device has room for a message; one that has not drops it as a whole, and that is counted.
+    pub fn has_room(&mut self, bytes: usize) -> bool {
+        let has_room = self.outgoing.len() + bytes <= DEVICE_BYTES;
+        if !has_room {
+            let bytes = u32::try_from(bytes).unwrap_or(u32::MAX);
+            self.unsent_bytes = self.unsent_bytes.saturating_add(bytes);
+        }
+        has_room
+    }
+
+    /// From now on it carries at another speed, in baud; what is on it is gone.
+    pub fn set_baud(&mut self, baud: u32) {
+        self.baud = baud;
+        self.cut();
+    }
+
+    /// Its speed, baud.
+    pub const fn baud(&self) -> u32 {
+        self.baud
+    }
+
     /// Lets time pass, microseconds, never backward.
     pub fn carry_until(&mut self, now_us: u64) {
         let now_ns = now_us.saturating_mul(1_000);
-        while self.free_ns.saturating_add(self.byte_time_ns) <= now_ns {
-            match self.outgoing.pop_front() {
+        // A start bit, 8 bits, a stop bit.
+        let byte_time_ns = 10_000_000_000 / u64::from(self.baud.max(1));
+        if self.faults.noise.is_some() {
+            // Of a long time only what finds room is of interest.
+            let room_ns = (BUFFER_BYTES as u64).saturating_mul(byte_time_ns);
+            self.free_ns = self.free_ns.max(now_ns.saturating_sub(room_ns));
+        }
+        while self.free_ns.saturating_add(byte_time_ns) <= now_ns {
+            let sent = self.outgoing.pop_front();
+            let noise = self.faults.noise.as_mut().map(|state| {
+                *state = noise_after(*state);
+                (*state >> 24) as u8
+            });
+            match noise.or(sent) {
                 Some(byte) => {
-                    self.free_ns += self.byte_time_ns;
+                    self.free_ns += byte_time_ns;
                     self.arrive(byte);
                 }
                 None => {
@@ -90,6 +127,11 @@ impl Line {
         !self.arrived.is_empty()
     }
 
+    /// Lets time pass in which nothing is carried: the line was not there.
+    pub fn skip_until(&mut self, now_us: u64) {
+        self.free_ns = self.free_ns.max(now_us.saturating_mul(1_000));
+    }
+
     fn arrive(&mut self, byte: u8) {
         if self.faults.unplugged {
             return;
@@ -114,4 +156,9 @@ impl Line {
             self.overrun_bytes = self.overrun_bytes.saturating_add(1);
         }
     }
+}
+
+/// The next of a sequence of random numbers: Numerical Recipes' "quick" generator, whose high bits do for noise.
+pub(crate) const fn noise_after(state: u32) -> u32 {
+    state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223)
 }

@@ -17,35 +17,107 @@ const HEARTBEAT_US: u64 = 1_000_000;
 /// MAV_COMP_ID_AUTOPILOT1.
 const COMPONENT: u8 = 1;
 
+/// Time from one altitude of a stranger to the next, microseconds.
+const STRANGER_US: u64 = 100_000;
+
+/// What is wrong with what is sent.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum MotherShipFault {
+    /// Nothing.
+    #[default]
+    None,
+    /// The mother ship sends nothing.
+    Silent,
+    /// Another system sends altitudes too.
+    Stranger {
+        /// Its MAVLink system.
+        system: u8,
+        /// Its component.
+        component: u8,
+        /// What it sends, metres.
+        altitude_m: f32,
+    },
+    /// The mother ship's altitude is wrong by so much, metres.
+    Lies {
+        /// Too high by.
+        by_m: f32,
+    },
+    /// She sends one altitude for ever.
+    Holds,
+}
+
 /// The mother ship and the line to the UAV.
 #[derive(Clone, Debug)]
 pub struct MotherShipModel {
     /// The line.
     pub line: Line,
+    /// What is wrong at present.
+    pub fault: MotherShipFault,
     system: u8,
     sequence: u8,
+    is_attached: bool,
     now_us: u64,
     next_heartbeat_us: u64,
+    next_stranger_us: u64,
+    /// The last altitude that she sent, metres.
+    sent_m: Option<f32>,
 }
 
 impl MotherShipModel {
     /// A mother ship with that MAVLink system id, at a line speed in baud.
     pub const fn new(system: u8, baud: u32) -> Self {
-        Self { line: Line::new(baud), system, sequence: 0, now_us: 0, next_heartbeat_us: 0 }
+        Self {
+            line: Line::new(baud),
+            fault: MotherShipFault::None,
+            system,
+            sequence: 0,
+            is_attached: true,
+            now_us: 0,
+            next_heartbeat_us: 0,
+            next_stranger_us: 0,
+            sent_m: None,
+        }
+    }
+
+    /// Whether the line's other end is there. From separation on nobody sends, and what was about to be sent is gone.
+    pub fn set_attached(&mut self, is_attached: bool) {
+        self.is_attached = is_attached;
+        if !is_attached {
+            self.line.cut();
+        }
     }
 
     /// Lets time pass, microseconds, never backward.
     pub fn set_time(&mut self, now_us: u64) {
         self.now_us = now_us;
         if self.next_heartbeat_us <= now_us {
-            self.send(HEARTBEAT, &HEARTBEAT_PAYLOAD);
+            if self.fault != MotherShipFault::Silent {
+                self.send((self.system, COMPONENT), HEARTBEAT, &HEARTBEAT_PAYLOAD);
+            }
             self.next_heartbeat_us = now_us.saturating_add(HEARTBEAT_US);
+        }
+        if let MotherShipFault::Stranger { system, component, altitude_m } = self.fault
+            && self.next_stranger_us <= now_us
+        {
+            self.send_altitude((system, component), altitude_m);
+            self.next_stranger_us = now_us.saturating_add(STRANGER_US);
         }
         self.line.carry_until(now_us);
     }
 
     /// It has computed an inertial altitude, metres above mean sea level, and sends it. What it has no value for is NaN.
     pub fn navigate(&mut self, altitude_m: f32) {
+        let altitude_m = match self.fault {
+            MotherShipFault::Silent => return,
+            MotherShipFault::Lies { by_m } => altitude_m + by_m,
+            MotherShipFault::Holds => self.sent_m.unwrap_or(altitude_m),
+            MotherShipFault::None | MotherShipFault::Stranger { .. } => altitude_m,
+        };
+        self.sent_m = Some(altitude_m);
+        self.send_altitude((self.system, COMPONENT), altitude_m);
+    }
+
+    fn send_altitude(&mut self, sender: (u8, u8), altitude_m: f32) {
         let mut payload = [0; 32];
         let time = self.now_us.to_le_bytes();
         let values = [altitude_m, altitude_m, f32::NAN, f32::NAN, f32::NAN, f32::NAN];
@@ -53,15 +125,18 @@ impl MotherShipModel {
         for (slot, byte) in payload.iter_mut().zip(bytes) {
             *slot = byte;
         }
-        self.send(ALTITUDE, &payload);
+        self.send(sender, ALTITUDE, &payload);
     }
 
     /// A frame of MAVLink 2; zeros at the end of its payload are left out, but for the first byte.
-    fn send(&mut self, (identity, extra): (u32, u8), payload: &[u8]) {
+    fn send(&mut self, (system, component): (u8, u8), (identity, extra): (u32, u8), payload: &[u8]) {
+        if !self.is_attached {
+            return;
+        }
         let length = payload.iter().rposition(|&byte| byte != 0).map_or(1, |last| last + 1);
         let [a, b, c, _] = identity.to_le_bytes();
         let header =
-            [u8::try_from(length).unwrap_or(u8::MAX), 0, 0, self.sequence, self.system, COMPONENT, a, b, c];
+            [u8::try_from(length).unwrap_or(u8::MAX), 0, 0, self.sequence, system, component, a, b, c];
         self.sequence = self.sequence.wrapping_add(1);
         let mut sum = Crc16::new();
         self.line.send(0xFD);

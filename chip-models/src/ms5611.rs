@@ -1,6 +1,7 @@
 //! MS5611-01BA03 barometer (TE Connectivity, datasheet of 2017; CRC: application note AN520).
 
 use crate::bus::SpiChip;
+use crate::disturbance::Disturbance;
 use crate::source::{Air, Source};
 
 /// Time to reload the calibration after a reset, microseconds ("Reset sequence").
@@ -26,6 +27,15 @@ pub struct Ms5611Model<Surroundings> {
     pub prom: [u16; 8],
     /// Time that each conversion takes beyond the longest of the datasheet, microseconds.
     pub slower_by_us: u64,
+    /// No conversion ever ends.
+    pub stalled: bool,
+    /// Conversions that never end, counted down: the next ones.
+    pub lose_conversions: u32,
+    /// Bits of a byte of the calibration memory that read wrong: the byte from C0's first one on, and the bits.
+    pub prom_flip: Option<(u8, u8)>,
+    /// What is wrong with its results: pressure (Pa, or bits of D1), temperature (degrees, or bits of D2).
+    pub disturbance: Disturbance,
+    last: [u32; 2],
     conversion: Conversion,
     ready_us: u64,
     answer: [u8; 3],
@@ -42,6 +52,11 @@ impl<Surroundings: Source<Air>> Ms5611Model<Surroundings> {
             air,
             prom,
             slower_by_us: 0,
+            stalled: false,
+            lose_conversions: 0,
+            prom_flip: None,
+            disturbance: Disturbance::NONE,
+            last: [0; 2],
             conversion: Conversion::None,
             ready_us: 0,
             answer: [0; 3],
@@ -59,8 +74,14 @@ impl<Surroundings: Source<Air>> Ms5611Model<Surroundings> {
                 0x40..=0x4F => self.convert(now_us, command & 0xF, false),
                 0x50..=0x5F => self.convert(now_us, command & 0xF, true),
                 0xA0..=0xAF => {
-                    let [high, low] = self.prom[usize::from((command >> 1) & 7)].to_be_bytes();
+                    let word = (command >> 1) & 7;
+                    let [high, low] = self.prom[usize::from(word)].to_be_bytes();
                     self.answer = [high, low, 0];
+                    if let Some((byte, mask)) = self.prom_flip
+                        && byte >> 1 == word
+                    {
+                        self.answer[usize::from(byte & 1)] ^= mask;
+                    }
                 }
                 _ => {}
             }
@@ -77,9 +98,25 @@ impl<Surroundings: Source<Air>> Ms5611Model<Surroundings> {
         }
         let index = usize::from(oversampling >> 1).min(4);
         let length_us = CONVERSION_US[index] + self.slower_by_us;
-        let air = self.air.at(now_us + length_us / 2);
-        let (d1, d2) = self.raw(air);
-        let result = if temperature { d2 } else { d1 };
+        if self.stalled || self.lose_conversions > 0 {
+            self.lose_conversions = self.lose_conversions.saturating_sub(1);
+            self.conversion = Conversion::None;
+            return;
+        }
+        let channel = usize::from(temperature);
+        if !self.disturbance.frozen {
+            let mut air = self.air.at(now_us + length_us / 2);
+            let error = self.disturbance.error(channel);
+            if temperature {
+                air.temperature_c += error;
+            } else {
+                air.pressure_pa += error;
+            }
+            let (d1, d2) = self.raw(air);
+            self.last[channel] =
+                (if temperature { d2 } else { d1 }) ^ self.disturbance.flipped(channel) & 0xFF_FFFF;
+        }
+        let result = self.last[channel];
         self.conversion = Conversion::Running { result, done_us: now_us + length_us, spoiled: false };
     }
 

@@ -52,7 +52,7 @@ fn fly<Baro: Barometer>(barometer: Baro, set_time: impl Fn(&mut Baro, u64)) -> (
         gyro_range: GyroRange::Dps2000,
         mounting: Mounting::ALIGNED,
     };
-    let gps_config = drivers::ublox::Config { datum: Datum::MeanSeaLevel, period_ms: 100 };
+    let gps_config = drivers::ublox::Config { datum: Datum::MeanSeaLevel, period_ms: 100, baud: 115_200 };
     let mut suite = Suite::new(
         Ublox::new(ReceiverModel::new(9, 115_200, solution), gps_config),
         barometer,

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use chip_models::mother_ship::MotherShipModel;
-use drivers::umbilical::{SILENT_AFTER_US, Umbilical};
+use drivers::umbilical::{SILENT_AFTER_US, Sender, Umbilical};
 use drivers::{AltitudeLink, SensorError};
 use proptest::prelude::*;
 
@@ -17,7 +17,7 @@ struct Bench {
 
 impl Bench {
     fn new() -> Self {
-        Self { driver: Umbilical::new(MotherShipModel::new(1, 115_200)), tick: 0 }
+        Self { driver: Umbilical::new(MotherShipModel::new(1, 115_200), Sender::FIRST_AUTOPILOT), tick: 0 }
     }
 
     /// One tick; every fourth the mother ship says where it is: a metre higher a second.

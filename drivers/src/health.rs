@@ -9,6 +9,8 @@ pub struct Health {
     pub samples: u32,
     /// Polls that ended in an error.
     pub errors: u32,
+    /// Answers that were wrong, so that the device was asked again.
+    pub asked_again: u32,
     /// How often the device was initialised, the first time included.
     pub initialisations: u32,
     /// The last error.
@@ -19,7 +21,7 @@ impl Health {
     /// Nothing has happened yet.
     #[must_use]
     pub const fn new() -> Self {
-        Self { samples: 0, errors: 0, initialisations: 0, last_error: None }
+        Self { samples: 0, errors: 0, asked_again: 0, initialisations: 0, last_error: None }
     }
 
     /// Counts the outcome of one poll, and hands it on.
@@ -36,6 +38,10 @@ impl Health {
             }
         }
         outcome
+    }
+
+    pub(crate) fn asked_again(&mut self) {
+        self.asked_again = self.asked_again.saturating_add(1);
     }
 
     pub(crate) fn initialised(&mut self) {

@@ -52,8 +52,8 @@ pub trait AltitudeLink {
     /// See [`SensorError`].
     fn poll(&mut self, now_us: u64) -> Result<Option<f32>, SensorError>;
 
-    /// Whether the UAV hangs under the mother ship, said before every poll. The link to a unit that stays behind is
-    /// gone when it does not: silence is then no fault.
+    /// Whether the UAV hangs under the mother ship, as far as that is decided. The link to a unit that stays behind is gone
+    /// when it does not: silence is then no fault.
     fn set_attached(&mut self, _attached: bool) {}
 }
 

@@ -1,5 +1,6 @@
 //! All sensors of the flight computer, polled once a tick.
 
+use kf_core::guard::Guard;
 use kf_core::input::{Signals, TickInput};
 
 use crate::error::SensorError;
@@ -35,6 +36,10 @@ pub trait Sensors {
     /// Whether the umbilical's wire was open at the last poll; `None`: it could not be read.
     fn wire(&self) -> Option<bool>;
 
+    /// What was decided on the last poll: whether the vehicle has left. The link to the mother ship is listened to until
+    /// then: an open wire alone may be a broken one, and only her messages tell.
+    fn decided(&mut self, has_left: bool);
+
     /// Polls every sensor once.
     fn poll(&mut self, now_us: u64) -> TickInput {
         self.poll_each(now_us, &mut |_| ())
@@ -52,6 +57,10 @@ impl<Suite: Sensors> Sensors for &mut Suite {
 
     fn wire(&self) -> Option<bool> {
         (**self).wire()
+    }
+
+    fn decided(&mut self, has_left: bool) {
+        (**self).decided(has_left);
     }
 }
 
@@ -144,7 +153,9 @@ where
         polled(Device::Barometer);
         let imu = self.faults.note(self.imu.poll(now_us));
         polled(Device::InertialUnit);
-        self.imu_master.set_attached(!self.launched);
+        if !Guard::ListenUntilDecided.stands() {
+            self.imu_master.set_attached(!self.launched);
+        }
         let imu_master_altitude_m = self.faults.note(self.imu_master.poll(now_us));
         polled(Device::Master);
         let imu_slave_altitude_m = self.faults.note(self.imu_slave.poll(now_us));
@@ -178,6 +189,12 @@ where
 
     fn wire(&self) -> Option<bool> {
         self.wire
+    }
+
+    fn decided(&mut self, has_left: bool) {
+        if Guard::ListenUntilDecided.stands() {
+            self.imu_master.set_attached(!has_left);
+        }
     }
 }
 

@@ -8,7 +8,7 @@ use kf_core::output::Phase;
 use survival::RestartReport;
 use telemetry::{ComputerStatus, FrameQueue, Link, Rates, Said, Telemetry};
 
-use crate::flown_model;
+use crate::board;
 
 include!(concat!(env!("OUT_DIR"), "/telemetry.rs"));
 
@@ -54,7 +54,10 @@ pub struct Downlink {
 impl Downlink {
     /// Telemetry of the model that was compiled in, of a flight computer that has started so.
     pub fn new(frames: FramesIn, start: Option<RestartReport>) -> Self {
-        let telemetry = Telemetry::new(Link::new(frames), RATES, &flown_model::effects());
+        let mut telemetry = Telemetry::new(Link::new(frames), RATES, &flown_mission::effects());
+        if board::clock_is_internal() {
+            telemetry.note_internal_clock();
+        }
         Self { telemetry, latch: None, start }
     }
 

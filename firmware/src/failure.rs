@@ -33,7 +33,7 @@ fn panicked(info: &PanicInfo) -> ! {
     if !PANICKED.load(Ordering::Relaxed) {
         PANICKED.store(true, Ordering::Relaxed);
         let record = context(CrashRecord::new(Cause::Panic));
-        retained::keep_crash(match info.location() {
+        retained::record_crash(match info.location() {
             Some(location) => record.at(location.file(), location.line()),
             None => record,
         });
@@ -84,13 +84,13 @@ extern "C" fn faulted(frame: *const u32) -> ! {
         || memory_valid && below(record.mmfar) && stack::end() - record.mmfar as usize <= stack::size()
         || bus_valid && below(record.bfar) && stack::end() - record.bfar as usize <= stack::size();
     let cause = if is_overflow { Cause::StackOverflow } else { Cause::HardFault };
-    retained::keep_crash(CrashRecord { cause, ..record });
+    retained::record_crash(CrashRecord { cause, ..record });
     SCB::sys_reset()
 }
 
 extern "C" fn stuck(frame: *const u32) -> ! {
     let record = context(interrupted(CrashRecord::new(Cause::Stuck), frame));
-    retained::keep_crash(CrashRecord { late: SUPERVISOR.late().bits(), ..record });
+    retained::record_crash(CrashRecord { late: SUPERVISOR.late().bits(), ..record });
     SCB::sys_reset()
 }
 

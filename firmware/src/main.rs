@@ -11,8 +11,6 @@ mod board;
 mod copies;
 mod downlink;
 mod failure;
-mod flown_model;
-mod keeper;
 mod meter;
 mod mutation;
 mod restart;
@@ -25,21 +23,23 @@ mod watchdog;
 use core::mem::MaybeUninit;
 
 use drivers::Sensors as _;
-use flight_computer::{FlightComputer, Onboard, Part, Step};
+use flight_computer::{
+    FlightComputer, Onboard, Part, SnapshotKeeper, Step, assess_restart, keep_mark, resume_mission,
+};
 use flight_record::{ExitStatus, Summary, TickRecord};
 use heapless::spsc::{Consumer, Producer, Queue};
+use kf_core::estimator::ConfigError;
 use kf_core::launch::LaunchConfig;
-use kf_core::snapshot::Stage;
 use kf_core::strapdown;
-use survival::{Flight, Start, Supervised, Supervisor, TickMark, TickMarks};
+use survival::{MarkWriter, PAYLOAD_BYTES, Supervised, Supervisor};
 use telemetry::ComputerStatus;
 
 use board::{Board, CostClock, Feeder, Line, Next, Sensors, Sink, Source, Storage, Watchdog};
 use downlink::{Downlink, Frames, FramesOut, Told, ToldQueue};
-use flown_model::FlownMission;
-use keeper::Keeper;
+use flown_mission::{Flown, FlownMission};
 use meter::{Costs, TickMeter};
 use mutation::Mutated;
+use retained::RetainedWords;
 use tick_timer::TickTimer;
 
 /// What must be alive, for the watchdog to be fed.
@@ -69,11 +69,18 @@ impl TickCounts {
     /// What the telemetry tells of the flight computer.
     const fn status(&self) -> ComputerStatus {
         ComputerStatus {
+            wire: None,
             sensor_faults: self.sensor_faults,
             lost_results: self.lost_results.saturating_add(self.untold),
             load_permille: CostClock::permille_of_a_tick(self.longest),
         }
     }
+}
+
+/// Makes the mission where it stays: in a call of its own, or what it needs of the stack would be taken while everything else is made.
+#[inline(never)]
+fn made(place: &'static mut MaybeUninit<FlownMission>) -> Result<&'static mut FlownMission, ConfigError> {
+    flown_mission::mission(place)
 }
 
 #[rtic::app(device = stm32f4xx_hal::pac)]
@@ -89,7 +96,7 @@ mod app {
 
     #[shared]
     struct Shared {
-        computer: FlightComputer<Mutated<Sensors>, &'static mut FlownMission>,
+        computer: FlightComputer<Mutated<Sensors>, Flown<'static>>,
         counts: TickCounts,
         #[lock_free]
         feeder: Feeder,
@@ -107,9 +114,12 @@ mod app {
         downlink: Downlink,
         line: Line,
         frames_out: FramesOut,
-        marks: &'static mut TickMarks,
+        marks: MarkWriter,
+        marks_memory: RetainedWords,
         watchdog: Watchdog,
-        keeper: Keeper,
+        keeper: SnapshotKeeper,
+        snapshots_memory: RetainedWords,
+        snapshot: &'static mut [u8; PAYLOAD_BYTES],
         restarts: u32,
     }
 
@@ -119,49 +129,58 @@ mod app {
         results: Queue<TickRecord, RESULTS> = Queue::new(),
         told: ToldQueue = ToldQueue::new(),
         frames: Frames = Frames::new(),
+        snapshot_bytes: [u8; PAYLOAD_BYTES] = [0; PAYLOAD_BYTES],
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
+        board::prepare(&cx.device);
         defmt::info!(
             "pylon on {=str}: model {=str}, fingerprint {=u64:016x}",
             board::NAME,
-            flown_model::NAME,
-            flown_model::FINGERPRINT
+            flown_mission::NAME,
+            flown_mission::FINGERPRINT
         );
         if !stack::is_guarded() {
             board::exit(ExitStatus::Configuration);
         }
-        board::open_retained(&cx.device);
-        // SAFETY: here alone, and opened.
-        let (mut retained, words) = unsafe { retained::claim() };
-        let mut report = restart::notice(&mut retained);
-        strike::arm(report.map_or(0, |report| report.resumed_us));
-        let resumed_us = report.filter(|report| report.restarts > 0).map(|report| report.resumed_us);
-        let Board { timer, source, feeder, sensors, is_recording, mut sink, line, watchdog } =
-            match board::start(cx.device, cx.core, cx.local.storage, resumed_us, words) {
+        // SAFETY: opened; marks, snapshots and the board's words, each for one owner from here on.
+        let [marks_memory, mut snapshots_memory, board_words] =
+            [0; 3].map(|_| unsafe { RetainedWords::claim() });
+        let snapshot = cx.local.snapshot_bytes;
+        let mut start = assess_restart(
+            &mut snapshots_memory,
+            flown_mission::FINGERPRINT,
+            &board::reset_facts(),
+            snapshot,
+        );
+        strike::arm(start.report.map_or(0, |report| report.resumed_us));
+        let restart = start.report.filter(|report| report.restarts > 0);
+        let Board { timer, source, feeder, sensors, is_recording, mut sink, mut line, mut watchdog } =
+            match board::start(cx.device, cx.core, cx.local.storage, restart.as_ref(), board_words) {
                 Ok(board) => board,
                 Err(status) => board::exit(status),
             };
-        if let Some(report) = report.filter(|report| report.start == Start::Standby) {
-            restart::log(&report);
-            sink.write(&report);
-            board::stand_by(&report, line);
+        if let Some(report) = restart.filter(|report| report.pause_us > 0) {
+            restart::log_standby(&report);
+            board::stand_by(&report, &mut line, &mut watchdog);
         }
-        let mission = match flown_model::mission(cx.local.mission) {
+        let mission = match made(cx.local.mission) {
             Ok(mission) => mission,
             Err(_) => board::exit(ExitStatus::Configuration),
         };
-        if let Some(report) = &mut report {
-            restart::go_on(mission, &mut retained, report);
+        let inertial =
+            resume_mission(mission, &mut snapshots_memory, flown_mission::FINGERPRINT, &mut start, snapshot);
+        let report = start.report;
+        if let Some(report) = &report {
             restart::log(report);
             sink.write(report);
         }
-        let flies_free = report.is_some_and(|report| matches!(report.start, Start::Resumed | Start::Lost));
         let sensors = Mutated(sensors);
-        let onboard = Onboard::new(LaunchConfig::DEFAULT, strapdown::Config::MEMS);
-        let computer = match onboard {
-            _ if is_recording => FlightComputer::new(sensors, mission),
-            Ok(onboard) if flies_free => FlightComputer::on_board(sensors, mission, onboard.in_free_flight()),
-            Ok(onboard) => FlightComputer::on_board(sensors, mission, onboard),
+        let computer = match Onboard::new(LaunchConfig::DEFAULT, strapdown::Config::MEMS) {
+            _ if is_recording => FlightComputer::new(sensors, Flown(mission)),
+            Ok(onboard) => {
+                let onboard = onboard.after(report.as_ref(), inertial.as_ref());
+                FlightComputer::on_board(sensors, Flown(mission), onboard)
+            }
             Err(_) => board::exit(ExitStatus::Configuration),
         };
         let (results_in, results_out) = cx.local.results.split();
@@ -185,9 +204,12 @@ mod app {
                 downlink: Downlink::new(frames_in, report),
                 line,
                 frames_out,
-                marks: retained.marks,
+                marks: MarkWriter::find(&marks_memory),
+                marks_memory,
                 watchdog,
-                keeper: Keeper::new(retained.slots),
+                keeper: SnapshotKeeper::new(start.order, flown_mission::FINGERPRINT),
+                snapshots_memory,
+                snapshot,
                 restarts: report.map_or(0, |report| report.restarts),
             },
         )
@@ -204,12 +226,14 @@ mod app {
     #[task(
         binds = TIM2,
         priority = 3,
-        local = [timer, source, results_in, told_in, marks, watchdog],
+        local = [timer, source, results_in, told_in, marks, marks_memory, watchdog],
         shared = [computer, counts],
     )]
     fn tick(cx: tick::Context) {
         let begun = CostClock::time();
-        let tick::LocalResources { timer, source, results_in, told_in, marks, watchdog, .. } = cx.local;
+        let tick::LocalResources {
+            timer, source, results_in, told_in, marks, marks_memory, watchdog, ..
+        } = cx.local;
         let mut computer = cx.shared.computer;
         let mut counts = cx.shared.counts;
         timer.acknowledge();
@@ -229,26 +253,16 @@ mod app {
                     let sensor_faults = computer.sensors.faults().count;
                     let told = Told {
                         step: step.clone(),
-                        counters: *computer.mission.counters(),
-                        computer: ComputerStatus { sensor_faults, ..computer_status },
+                        counters: *computer.mission.0.counters(),
+                        computer: ComputerStatus {
+                            wire: computer.onboard.as_ref().map(|onboard| onboard.launch().wire()),
+                            sensor_faults,
+                            ..computer_status
+                        },
                     };
                     let is_told = told_in.enqueue(told).is_ok();
                     meter.lap(Part::Telemetry);
-                    if !step.output.out_of_order {
-                        let mark = computer.mission.mark();
-                        marks.keep(&TickMark {
-                            time_us: now_us,
-                            count: CostClock::time(),
-                            flags: mark.flags.bits(),
-                            failed_checks: mark.failed_checks,
-                            suspicions: mark.suspicions,
-                            flight: match mark.stage {
-                                Stage::Captive => Flight::Captive,
-                                Stage::Suspected => Flight::Suspected,
-                                Stage::Launched => Flight::Free,
-                            },
-                        });
-                    }
+                    keep_mark(marks, marks_memory, computer.mission.0, &step, CostClock::time());
                     meter.lap(Part::Mark);
                     strike::strike(now_us);
                     Ok((meter, step, sensor_faults, is_told))
@@ -291,7 +305,7 @@ mod app {
         while let Some(told) = told_out.peek() {
             let begun = CostClock::now();
             if downlink.lacks_latch(told) {
-                downlink.take_latch(computer.lock(|computer| computer.mission.latch().cloned()));
+                downlink.take_latch(computer.lock(|computer| computer.mission.0.latch().cloned()));
             }
             downlink.tell(told);
             // It has been looked at where it lies.
@@ -326,13 +340,15 @@ mod app {
     }
 
     /// Writes what the ticks said.
-    #[task(binds = EXTI0, priority = 1, local = [results_out, sink, keeper, restarts], shared = [computer, counts, feeder])]
+    #[task(binds = EXTI0, priority = 1, local = [results_out, sink, keeper, snapshots_memory, snapshot, restarts], shared = [computer, counts, feeder])]
     fn report(cx: report::Context) {
         if mutation::is_busy(mutation::Work::Report) {
             return;
         }
         strike::hang_report();
-        let report::LocalResources { results_out, sink, keeper, restarts, .. } = cx.local;
+        let report::LocalResources {
+            results_out, sink, keeper, snapshots_memory, snapshot, restarts, ..
+        } = cx.local;
         let mut computer = cx.shared.computer;
         let mut counts = cx.shared.counts;
         while let Some(record) = results_out.dequeue() {
@@ -343,18 +359,14 @@ mod app {
                     record.output.time_us,
                     record.output.failed_checks
                 );
-                if let Some(latch) = computer.lock(|computer| computer.mission.latch().cloned()) {
+                if let Some(latch) = computer.lock(|computer| computer.mission.0.latch().cloned()) {
                     sink.write(&latch);
                 }
             }
         }
-        let due = computer.lock(|computer| {
-            let mark = computer.mission.mark();
-            let is_due = keeper.is_due(computer.mission.last_us(), &mark);
-            is_due.then(|| (mark, computer.mission.snapshot()))
-        });
-        if let Some((mark, Some(snapshot))) = due {
-            keeper.keep(&snapshot, mark);
+        let due = computer.lock(|computer| keeper.due(computer.mission.0, computer.onboard.as_ref()));
+        if let Some(due) = &due {
+            keeper.keep(snapshots_memory, due, snapshot);
         }
         SUPERVISOR.is_alive(Supervised::Report);
         let counts = counts.lock(|counts| *counts);

@@ -22,6 +22,10 @@ impl<Suite: Sensors> Sensors for Mutated<Suite> {
     fn wire(&self) -> Option<bool> {
         self.0.wire()
     }
+
+    fn decided(&mut self, has_left: bool) {
+        self.0.decided(has_left);
+    }
 }
 
 /// The input as it is.

@@ -1,44 +1,46 @@
 //! The memory that a reset leaves alone.
 
-use survival::{BOARD_WORDS, CrashCell, CrashRecord, HistoryCell, RetainedMemory, Slots, TickMarks};
+use core::ptr;
+
+use survival::{CrashRecord, RETAINED_WORDS, WordMemory, keep_crash};
 
 use crate::board;
 
-/// The parts of the retained memory, each for one owner.
-pub struct Retained {
-    /// For the tick.
-    pub marks: &'static mut TickMarks,
-    /// For the task that keeps snapshots.
-    pub slots: &'static mut Slots,
-    /// For the start alone: afterwards, [`keep_crash`] has it.
-    pub crash: &'static mut CrashCell,
-    /// For the start.
-    pub history: &'static mut HistoryCell,
+/// The board's retained memory. Each of its parts is for one owner: the marks for the tick, the snapshots for the task that
+/// keeps them, the crash and the history for the start, the board's own words for the board.
+pub struct RetainedWords(());
+
+impl RetainedWords {
+    /// One owner's way to its part.
+    ///
+    /// # Safety
+    /// After the board has made the memory accessible, and for one part alone at a time.
+    pub const unsafe fn claim() -> Self {
+        Self(())
+    }
 }
 
-/// Takes the memory apart; the words are the board's own.
-///
-/// # Safety
-/// Once only, after the board has made the memory accessible.
-pub unsafe fn claim() -> (Retained, &'static mut [u32; BOARD_WORDS]) {
-    let memory: *mut RetainedMemory = board::retained();
-    // SAFETY: the board's address is aligned RAM of that size which nothing else lies in, any bits are a
-    // value of the type, and the caller promises that there is no other reference.
-    unsafe {
-        let retained = Retained {
-            marks: &mut (*memory).marks,
-            slots: &mut (*memory).slots,
-            crash: &mut (*memory).crash,
-            history: &mut (*memory).history,
-        };
-        (retained, &mut (*memory).board)
+impl WordMemory for RetainedWords {
+    #[inline]
+    fn read(&self, word: usize) -> u32 {
+        if word >= RETAINED_WORDS {
+            return 0;
+        }
+        // SAFETY: an aligned word within the board's memory, in which there is no Rust object.
+        unsafe { ptr::read_volatile(board::retained().wrapping_add(word)) }
+    }
+
+    #[inline]
+    fn write(&mut self, word: usize, value: u32) {
+        if word < RETAINED_WORDS {
+            // SAFETY: as above.
+            unsafe { ptr::write_volatile(board::retained().wrapping_add(word), value) };
+        }
     }
 }
 
 /// Keeps a crash. For what never returns to what it interrupted.
-pub fn keep_crash(record: CrashRecord) {
-    let memory: *mut RetainedMemory = board::retained();
-    // SAFETY: as in `claim`; the cell's other owner is the start, which what crashes never goes back to.
-    let cell = unsafe { &mut (*memory).crash };
-    cell.keep(record);
+pub fn record_crash(record: CrashRecord) {
+    // SAFETY: the crash's other owner is the start, which what crashes never goes back to.
+    keep_crash(&mut unsafe { RetainedWords::claim() }, record);
 }

@@ -26,10 +26,10 @@ mod planted {
     use heapless::Vec;
     use semihosting::fs::File;
     use semihosting::io::Read;
-    use survival::{PAYLOAD_BYTES, Slots};
+    use survival::{BOARD, PAYLOAD_BYTES, SlotOrder, WordMemory};
 
-    use crate::board;
-    use crate::flown_model::FINGERPRINT;
+    use crate::retained::RetainedWords;
+    use flown_mission::FINGERPRINT;
 
     static STRIKES: Mutex<RefCell<(u64, Vec<Strike, 8>)>> = Mutex::new(RefCell::new((0, Vec::new())));
     static HANG_REPORT: AtomicBool = AtomicBool::new(false);
@@ -67,22 +67,20 @@ mod planted {
             Some(Blow::StackOverflow) => {
                 black_box(deeper(0));
             }
-            Some(Blow::FlipBit) => poison(|slots| {
-                let place = slots.recover(FINGERPRINT).places[0];
-                let bytes = core::ptr::from_mut(slots).cast::<u8>();
-                let copy = size_of::<Slots>() / 2;
-                // SAFETY: within the copies, of which any bits are a value.
-                unsafe { *bytes.add(place * copy + 100) ^= 0x10 };
+            Some(Blow::FlipBit) => poison(|memory| {
+                let newest = order(memory).newest_first[0];
+                // A word of its payload.
+                let word = 10 + newest * (6 + PAYLOAD_BYTES / 4) + 30;
+                memory.write(word, memory.read(word) ^ 0x10);
             }),
-            Some(Blow::Garbage) => poison(|slots| {
-                let bytes = core::ptr::from_mut(slots).cast::<u8>();
-                for offset in 0..size_of::<Slots>() {
-                    // SAFETY: as above.
-                    unsafe { *bytes.add(offset) = (offset * 31 + 7) as u8 };
+            Some(Blow::Garbage) => poison(|memory| {
+                // The copies, between the marks and what comes after them.
+                for word in 10..10 + 2 * (6 + PAYLOAD_BYTES / 4) {
+                    memory.write(word, (word as u32).wrapping_mul(0x9e37_79b9) | 1);
                 }
             }),
-            Some(Blow::OtherModel) => poison(|slots| fill(slots, FINGERPRINT ^ 1)),
-            Some(Blow::NoSnapshot) => poison(|slots| fill(slots, FINGERPRINT)),
+            Some(Blow::OtherModel) => poison(|memory| fill(memory, FINGERPRINT ^ 1)),
+            Some(Blow::NoSnapshot) => poison(|memory| fill(memory, FINGERPRINT)),
         }
     }
 
@@ -93,19 +91,21 @@ mod planted {
         }
     }
 
-    fn fill(slots: &mut Slots, model: u64) {
-        slots.clear();
+    fn order(memory: &RetainedWords) -> SlotOrder {
+        SlotOrder::find(memory, FINGERPRINT, &mut [0; PAYLOAD_BYTES])
+    }
+
+    fn fill(memory: &mut RetainedWords, model: u64) {
+        let mut order = order(memory);
         for _ in 0..2 {
-            let _ = slots.keep(model, |buffer| {
-                *buffer = [kf_core::snapshot::SNAPSHOT_VERSION; PAYLOAD_BYTES];
-                Some(1_500)
-            });
+            let _ = order.keep(memory, model, &[kf_core::snapshot::SNAPSHOT_VERSION; 1_500]);
         }
     }
 
-    fn poison(how: impl FnOnce(&mut Slots)) -> ! {
-        // SAFETY: nobody else looks at them any more.
-        how(unsafe { &mut (*board::retained()).slots });
+    fn poison(how: impl FnOnce(&mut RetainedWords)) -> ! {
+        const { assert!(BOARD > 10 + 2 * (6 + PAYLOAD_BYTES / 4)) };
+        // SAFETY: nobody else looks at it any more.
+        how(&mut unsafe { RetainedWords::claim() });
         SCB::sys_reset()
     }
 

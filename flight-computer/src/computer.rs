@@ -49,6 +49,7 @@ impl<Suite: Sensors, Mission: Estimation> FlightComputer<Suite, Mission> {
         let mut input = self.sensors.poll_each(now_us, &mut |device| done(device.into()));
         if let Some(onboard) = &mut self.onboard {
             onboard.complete(&mut input, self.sensors.wire());
+            self.sensors.decided(input.launch);
             done(Part::Onboard);
         }
         let output = self.mission.tick(&input);

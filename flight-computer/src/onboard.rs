@@ -4,13 +4,14 @@
 use kf_core::estimator::ConfigError;
 use kf_core::input::{LaunchDoubt, TickInput};
 use kf_core::launch::{LaunchConfig, LaunchDetector, LaunchInput};
-use kf_core::navigation::InertialAltitude;
+use kf_core::navigation::{InertialAltitude, KeptInertial};
 use kf_core::strapdown;
 
 /// See the module.
 #[derive(Clone, Debug)]
 pub struct Onboard {
     launch: LaunchDetector,
+    strapdown: strapdown::Config,
     /// None where the alignment was lost in a restart: in free flight there is nothing to align with.
     inertial: Option<InertialAltitude>,
     last_message_us: Option<u64>,
@@ -26,17 +27,39 @@ impl Onboard {
     pub fn new(launch: LaunchConfig, strapdown: strapdown::Config) -> Result<Self, ConfigError> {
         Ok(Self {
             launch: LaunchDetector::new(launch)?,
+            strapdown,
             inertial: Some(InertialAltitude::new(strapdown)),
             last_message_us: None,
             has_left: false,
         })
     }
 
-    /// After a restart in free flight: the vehicle has left, whatever the wire and the force say. The strapdown channel's
-    /// alignment is gone, so it says nothing any more, which leaves `imu_slave` without readings.
+    /// After a restart in free flight: the vehicle has left, whatever the wire and the force say. The inertial altitude goes on from what
+    /// was kept of it; without that it says nothing any more, which leaves `imu_slave` without readings.
     #[must_use]
-    pub fn in_free_flight(self) -> Self {
-        Self { inertial: None, has_left: true, ..self }
+    pub fn in_free_flight(self, kept: Option<&KeptInertial>, unknown_s: f32) -> Self {
+        let inertial = kept.and_then(|kept| InertialAltitude::resumed(self.strapdown, kept, unknown_s));
+        Self { inertial, has_left: true, ..self }
+    }
+
+    /// After a restart while a launch is suspected: the calibration is held, and the inertial altitude with it.
+    #[must_use]
+    pub fn suspecting(self, kept: Option<&KeptInertial>, unknown_s: f32) -> Self {
+        let kept = kept.and_then(|kept| InertialAltitude::resumed(self.strapdown, kept, unknown_s));
+        let interrupted = self.after_interruption();
+        Self { inertial: kept.or(interrupted.inertial), ..interrupted }
+    }
+
+    /// After a restart under the pylon, as far as is known.
+    #[must_use]
+    pub fn after_interruption(self) -> Self {
+        Self { launch: self.launch.after_interruption(), ..self }
+    }
+
+    /// What a restart goes on from.
+    #[must_use]
+    pub fn kept(&self) -> Option<KeptInertial> {
+        self.inertial.as_ref()?.kept()
     }
 
     /// The launch's decision, and what it counted.
@@ -62,6 +85,7 @@ impl Onboard {
             is_open: wire_is_open,
             force_mps2: input.imu.map(|imu| imu.accel_mps2),
             last_message_us: self.last_message_us,
+            climb_mps: input.gps.and_then(|fix| fix.velocity_down_mps).map(|down_mps| -down_mps),
         });
         input.launch = self.has_left || state.is_launched();
         input.launch_doubt = if self.has_left { LaunchDoubt::None } else { state.doubt() };
@@ -111,8 +135,8 @@ mod tests {
             }
         }
         assert_eq!(first_doubt, Some(4_000));
-        // The debounce of 20 ms is four ticks.
-        assert!(launched.is_some_and(|tick| (4_004..4_030).contains(&tick)), "{launched:?}");
+        // Silent for five intervals of 0.1 s, and no less: her messages could still have shown a broken wire.
+        assert!(launched.is_some_and(|tick| (4_080..4_110).contains(&tick)), "{launched:?}");
     }
 
     #[test]
@@ -126,9 +150,28 @@ mod tests {
         assert_eq!(onboard.launch().counts().broken_wires, 1);
     }
 
+    /// Nothing calibrated, nothing known of the force: the same open wire is a cable torn at power-on, or a release during a reset.
+    #[test]
+    fn a_wire_that_is_open_at_the_start_is_a_launch_only_after_an_interruption() {
+        for (mut onboard, is_launch) in [(onboard(), false), (onboard().after_interruption(), true)] {
+            let mut launched = false;
+            for tick in 0..1_000 {
+                let mut input = TickInput {
+                    // The clock of an interrupted flight goes on.
+                    time_us: 60_000_000 + tick * 5_000,
+                    imu_master_altitude_m: None,
+                    ..input(tick, false)
+                };
+                onboard.complete(&mut input, Some(true));
+                launched |= input.launch;
+            }
+            assert_eq!(launched, is_launch);
+        }
+    }
+
     #[test]
     fn after_a_restart_in_free_flight_there_is_no_altitude_and_it_has_left() {
-        let mut onboard = onboard().in_free_flight();
+        let mut onboard = onboard().in_free_flight(None, 0.0);
         assert!(onboard.inertial().is_none());
         for tick in 0..10 {
             let mut input = input(tick, false);

@@ -1,6 +1,6 @@
 //! One frame.
 
-use crate::payload::{Kind, Payload};
+use crate::payload::{Kind, MAGIC, Payload};
 
 /// Longest frame before stuffing, bytes. No payload of this crate comes near it.
 pub const MAX_FRAME: usize = 640;
@@ -51,6 +51,14 @@ pub enum PayloadError {
 }
 
 impl Frame<'_> {
+    /// The version of the format that a header of any version says; `None` for another frame, or a header that is none.
+    /// Magic and version are its first fields in every version.
+    #[must_use]
+    pub fn format_version(&self) -> Option<u16> {
+        let (magic, version): ([u8; 4], u16) = postcard::take_from_bytes(self.payload).ok()?.0;
+        (self.kind == Kind::Header && magic == MAGIC).then_some(version)
+    }
+
     /// The payload.
     ///
     /// # Errors

@@ -12,7 +12,7 @@ use crate::encoder::EncodeError;
 /// First bytes of a header's payload.
 pub const MAGIC: [u8; 4] = *b"PYFR";
 /// Version of this format; a reader refuses any other.
-pub const FORMAT_VERSION: u16 = 9;
+pub const FORMAT_VERSION: u16 = 11;
 /// Most parts that a tick's cost can be divided into.
 pub const MAX_PARTS: usize = 16;
 
@@ -111,13 +111,13 @@ pub enum Stream {
     Outputs,
 }
 
-/// How the inputs of a record come to the emulated flight computer's estimator.
+/// How the inputs of a record come, or came, to the flight computer's estimator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, serde::Deserialize)]
 pub enum SensorSource {
     /// As they are.
     #[default]
     Ideal,
-    /// Through models of the sensors' chips, and the drivers.
+    /// Through the sensors' chips, or models of them, and the drivers.
     Chips,
 }
 
@@ -156,8 +156,8 @@ impl Header {
 /// What one tick saw, what it said, and what it cost.
 #[derive(Clone, Debug, PartialEq, Serialize, serde::Deserialize)]
 pub struct TickRecord {
-    /// When its code began, by the clock of [`Summary::cost_unit`], wrapping; where that counts instructions, with those
-    /// of the chips' models.
+    /// When its code began, wrapping: where a record is flown, by the clock of [`Summary::cost_unit`], with the instructions of the
+    /// chips' models; on the board that flies, the low half of the mission's microseconds, by a timer.
     pub begun: u32,
     /// What the tick took, in the summary's [`Summary::cost_unit`].
     pub cost: u32,

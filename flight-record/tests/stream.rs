@@ -137,6 +137,28 @@ fn the_longest_payloads_fit_with_room_to_spare() {
     assert_eq!(read(&stream(&[longest_input()])), [Ok((0, Ok(longest_input())))]);
 }
 
+/// The results' line of the board (docs/bring-up.md): 921,600 baud, ten bits a byte, and a tick every 5 ms.
+#[test]
+fn the_longest_tick_fits_into_what_the_results_line_carries_in_5_ms() {
+    let longest = stream(&[longest_tick()]).len();
+    println!("the longest tick's frame has {longest} bytes");
+    assert!(longest < 921_600 / 10 / 200, "{longest}");
+}
+
+#[test]
+fn a_header_says_its_version_whichever_it_is_and_nothing_else_does() {
+    let version = |bytes: &[u8]| {
+        let mut decoder = Decoder::new();
+        let (last, bytes) = bytes.split_last().unwrap();
+        bytes.iter().for_each(|byte| assert_eq!(decoder.push(*byte), Ok(None)));
+        decoder.push(*last).unwrap().unwrap().format_version()
+    };
+    let header = Header { version: 1_234, ..Header::new(Stream::Outputs, 7, SensorSource::Chips) };
+    assert_eq!(version(&stream(&[header])), Some(1_234));
+    assert_eq!(version(&stream(&[Header { magic: *b"NONE", ..header }])), None);
+    assert_eq!(version(&stream(&[End { inputs: 1 }])), None);
+}
+
 #[test]
 fn nan_keeps_its_bits() {
     let bits = 0x7fa0_1234;

@@ -50,6 +50,19 @@ pub struct Budgets {
     pub chain_only: SymbolBudget,
     /// The benchmark.
     pub bench: BenchBudget,
+    /// What is known to be beyond its budget.
+    #[serde(default)]
+    pub known_excess: Vec<KnownExcess>,
+}
+
+/// A budget that is not kept, which is known and said: it may get no worse.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct KnownExcess {
+    /// What is measured, as [`Check::what`].
+    pub what: String,
+    /// How far it is off: nothing beyond this is accepted.
+    pub limit: f64,
 }
 
 /// Sizes of the flight computer's image.
@@ -179,6 +192,29 @@ impl Budgets {
         Ok(checks)
     }
 
+    /// What of these is not as it should be, a line each: a budget that is not kept and not known to be, and one that is further off than is
+    /// known.
+    #[must_use]
+    pub fn unexpected(&self, checks: &[Check]) -> Vec<String> {
+        let known = |check: &Check| self.known_excess.iter().find(|known| known.what == check.what);
+        let line = |check: &Check| match (check.kept, known(check)) {
+            (true, _) => None,
+            (false, None) => Some(check.line()),
+            (false, Some(known)) => {
+                let is_no_worse = check.measured.parse::<f64>().is_ok_and(|measured| {
+                    if check.budget.starts_with("<=") {
+                        measured <= known.limit
+                    } else {
+                        measured >= known.limit
+                    }
+                });
+                (!is_no_worse)
+                    .then(|| format!("{}: worse than the {} that is known", check.line(), known.limit))
+            }
+        };
+        checks.iter().filter_map(line).collect()
+    }
+
     fn image(&self, name: &str, image: &Image, flash_bytes: u64) -> [Check; 2] {
         [
             Check::at_most(format!("{name}: flash, bytes"), image.flash_bytes, flash_bytes),
@@ -218,6 +254,13 @@ impl Budgets {
                 budget.start_jitter_instructions,
             ),
         ]
+    }
+
+    /// Checks the dearest tick of a sample of the fault campaign.
+    #[must_use]
+    pub fn check_campaign(&self, instructions_worst: u32) -> Check {
+        let what = "fault campaign: instructions a tick, worst";
+        Check::at_most(what, instructions_worst, self.flight.instructions_worst)
     }
 
     /// Checks what a restart took: instructions from the reset until the first tick may come, and bytes of the stack, which the
@@ -307,6 +350,22 @@ mod tests {
             }
         );
         assert!(toml::from_str::<Budgets>("[image]\nflash_bytes = 1").is_err());
+    }
+
+    #[test]
+    fn a_known_excess_may_get_no_worse() {
+        let known = |what: &str, limit| KnownExcess { what: what.to_owned(), limit };
+        let budgets =
+            Budgets { known_excess: vec![known("a", 12.0), known("b", 2.0)], ..Budgets::read().unwrap() };
+        let unexpected = |what: &str, measured: u32| {
+            let least = what == "b";
+            let check =
+                if least { Check::at_least(what, measured, 3) } else { Check::at_most(what, measured, 10) };
+            !budgets.unexpected(&[check]).is_empty()
+        };
+        assert_eq!([10, 11, 12, 13].map(|measured| unexpected("a", measured)), [false, false, false, true]);
+        assert_eq!([1, 2, 3].map(|measured| unexpected("b", measured)), [true, false, false]);
+        assert_eq!([10, 11].map(|measured| unexpected("c", measured)), [false, true]);
     }
 
     #[test]

@@ -3,7 +3,9 @@
 pub mod bench;
 pub mod blind;
 pub mod budget;
+pub mod campaign;
 pub mod confusion;
 pub mod endurance;
+pub mod monitor_curves;
 pub mod real_logs;
 pub mod textbook;

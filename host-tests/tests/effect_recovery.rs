@@ -131,8 +131,10 @@ fn learn(
         estimator.climb(0.0, 1e4).unwrap();
         estimator.update_reference(fix_m, &on_reference, noise).unwrap();
         match sensor {
-            Sensor::Baro => estimator.update_sensor::<2>(reading_m, &on_sensor, noise).unwrap(),
-            _ => estimator.update_sensor::<1>(reading_m, &on_sensor, noise).unwrap(),
+            Sensor::Baro => {
+                estimator.update_sensor(Sensor::Baro, reading_m, &on_sensor, noise, None).unwrap()
+            }
+            _ => estimator.update_sensor(Sensor::ImuSlave, reading_m, &on_sensor, noise, None).unwrap(),
         };
         estimator.fold();
     }

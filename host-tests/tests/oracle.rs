@@ -72,7 +72,9 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Twins<HEAD, TAIL, E> 
         }
         let own = [[0.0; E], [0.0; E], regressors_m];
         let noise = [self.noise[1], self.noise[2], self.noise[3]];
-        self.ours.update_together(y[0], &[0.0; E], self.noise[0], &[y[1], y[2], y[3]], &own, &noise).unwrap();
+        self.ours
+            .update_together(y[0], &[0.0; E], self.noise[0], &[y[1], y[2], y[3]], &own, &noise, |_| true)
+            .unwrap();
         let h = Textbook::paper_observation(&own.map(|row| row.iter().map(|x| f64::from(*x)).collect()));
         let y = DVector::from_iterator(4, y.iter().map(|x| f64::from(*x)));
         self.textbook.update(&y, &h, &Textbook::paper_noise()).unwrap();

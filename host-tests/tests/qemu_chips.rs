@@ -56,8 +56,9 @@ fn check_healthy(name: &str, report: &FlyReport) {
         println!("{name}: {sensor:?}, difference {:+.4} m", sensor.difference_m());
         assert!(sensor.is_within_bound(), "{name}: {sensor:?}, difference {}", sensor.difference_m());
     }
-    let checks = Budgets::read().unwrap().check_flight(name, report);
-    assert!(checks.iter().all(|check| check.kept), "{checks:#?}");
+    let budgets = Budgets::read().unwrap();
+    let unexpected = budgets.unexpected(&budgets.check_flight(name, report));
+    assert!(unexpected.is_empty(), "{unexpected:#?}");
     // The bits were compared of ticks in which the drivers had something to do.
     for part in &report.parts {
         assert!(part.instructions_mean > 10.0, "{name}: {part:?}");
@@ -84,8 +85,10 @@ fn the_papers_flight_has_the_hosts_bits_and_the_ideal_sensors_calibration() {
 fn without_noise_the_calibration_is_the_ideal_one_to_the_quantum() {
     let inputs = flight().into_iter().enumerate().map(|(k, input)| TickInput {
         gps: input.gps.map(|mut fix| {
-            fix.altitude_m = 2_000.0;
-            fix.velocity_down_mps = Some(0.0);
+            // To a millimetre: a receiver that repeats every bit of its fixes is stuck.
+            fix.altitude_m = 2_000.0 + (k / 20 % 2) as f32 / 1_000.0;
+            // And falls then, or nothing tells a launch from a torn cable.
+            fix.velocity_down_mps = Some(if k >= LAUNCH { 30.0 } else { 0.0 });
             fix
         }),
         // Not quite constant, or it is stuck.
@@ -347,7 +350,8 @@ fn without_a_receiver_barometer_and_inertial_altitude_are_checked_against_each_o
     assert!((moved_m + 51.0).abs() < 2.0, "{moved_m}");
 }
 
-/// Longer than the reference may be gone, at launch: nobody is watched, and that is said; with fixes the watch begins.
+/// Longer than the reference may be gone, at launch: nobody is watched, and that is said; with fixes the watch begins. Without fixes the launch
+/// is decided late: nothing but the wire and the messages shows it here.
 #[test]
 fn without_a_receiver_in_free_flight_nobody_is_monitored_until_it_is_back() {
     let steps = fly_with(&["gps unplugged 15..27"]);
@@ -355,7 +359,7 @@ fn without_a_receiver_in_free_flight_nobody_is_monitored_until_it_is_back() {
         let (step, _) = &span(&steps, time_s, time_s + 0.01)[0];
         [1, BARO].map(|sensor| step.output.sensors[sensor].trust)
     };
-    for time_s in [21.5, 24.0, 26.9] {
+    for time_s in [24.2, 25.5, 26.9] {
         assert_eq!(trusts(time_s), [Trust::Unmonitored; 2], "{time_s}");
     }
     assert!(trusts(28.5).iter().all(|trust| *trust != Trust::Unmonitored));

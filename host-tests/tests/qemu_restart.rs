@@ -94,10 +94,11 @@ fn seconds(time_us: u64) -> String {
 fn assert_keeps_budget(flown: &RawFlight) {
     let instructions = flown.summary.as_ref().unwrap().start_cost.unwrap();
     let summary = flown.summary.as_ref().unwrap();
-    for check in Budgets::read().unwrap().check_restart(instructions, summary.stack_used_bytes) {
-        println!("{}", check.line());
-        assert!(check.kept, "{check:?}");
-    }
+    let budgets = Budgets::read().unwrap();
+    let checks = budgets.check_restart(instructions, summary.stack_used_bytes);
+    checks.iter().for_each(|check| println!("{}", check.line()));
+    let unexpected = budgets.unexpected(&checks);
+    assert!(unexpected.is_empty(), "{unexpected:#?}");
     // The stack alone, 28 KiB, takes more than that to paint: a counter that did not count.
     assert!(instructions > 10_000, "{instructions}");
 }
@@ -148,14 +149,14 @@ fn with_chips_the_drivers_begin_again_and_the_mission_goes_on() {
     let (report, _) = resumed(&flown);
     assert_eq!(report.restarts, 1);
     let after = &flown.ticks[flown.restarts[0].0..];
-    // The driver of the barometer reads its chip's constants anew, and then measures: 0.1 s are ten conversions.
+    // The driver of the barometer reads its chip's constants anew, a word a tick and all of them twice, and then measures.
     let first_reading = after.iter().position(|tick| tick.input.baro.is_some()).unwrap();
-    assert!(first_reading < 20, "{first_reading}");
+    assert!(first_reading < 2 * 8 + 10, "{first_reading}");
 }
 
-/// Where the inertial altitude is the strapdown channel's, its alignment is lost: it must not say an altitude any more.
+/// Where the inertial altitude is the strapdown channel's, it goes on as well.
 #[test]
-fn a_channel_whose_alignment_is_lost_is_silent() {
+fn a_channel_goes_on_after_a_reset() {
     // The channel needs 20 s to align: what is captive comes twice.
     const MORE: usize = 2_000;
     let longer = flight().into_iter().take(MORE).chain(flight());
@@ -170,7 +171,9 @@ fn a_channel_whose_alignment_is_lost_is_silent() {
     let has_altitude = |tick: &&TickRecord| tick.input.imu_slave_altitude_m.is_some();
     // Twenty a second.
     assert!(before[MORE + LAUNCH + 200..].iter().filter(has_altitude).count() >= 45);
-    assert!(!after.iter().any(|tick| has_altitude(&tick)));
+    // All but those of the outage and of what the unit takes to deliver again.
+    let spoken = after.iter().filter(has_altitude).count();
+    assert!(spoken >= after.len() / 10 - 20, "{spoken} of {}", after.len());
     // A detector that began anew would wait for an edge that has been.
     assert!(after.iter().all(|tick| tick.input.launch));
     // This dive, which no accelerometer feels, has the channel found out before the restart; that stays.
@@ -386,9 +389,9 @@ fn host_outputs(inputs: impl Iterator<Item = TickInput>) -> Vec<Vec<u8>> {
 
 #[test]
 fn flags_raised_before_the_restart_are_there_after_it() {
-    // The barometer jumps and is sound again a tick before the blow: only what is kept knows of it.
+    // The barometer is off for two seconds (an error must last) and sound again a tick before the blow: only what is kept knows of it.
     let mut inputs = flight();
-    for input in &mut inputs[LAUNCH + 690..LAUNCH + 699] {
+    for input in &mut inputs[LAUNCH + 290..LAUNCH + 699] {
         input.baro = input.baro.map(|_| BaroReading::AltitudeM(9_000.0));
     }
     let flown = struck_on(&inputs, &[(Blow::Reset, LAUNCH + 699)]);
@@ -498,7 +501,7 @@ fn garbage_another_models_copies_and_what_is_no_snapshot_are_refused_loudly() {
 }
 
 #[test]
-fn three_blows_apart_are_survived_and_four_at_once_end_the_mission() {
+fn three_blows_apart_are_survived_and_after_four_at_once_it_stands_by_and_goes_on() {
     let flown =
         struck(&[(Blow::Panic, LAUNCH + 400), (Blow::Fault, LAUNCH + 800), (Blow::Reset, LAUNCH + 1_200)]);
     assert!(flown.restarts.iter().all(|(_, report)| report.start == Start::Resumed));
@@ -509,16 +512,19 @@ fn three_blows_apart_are_survived_and_four_at_once_end_the_mission() {
         &flight(),
         &[(Blow::Fault, 400), (Blow::Fault, 800), (Blow::Fault, 1_200), (Blow::Fault, 1_600)],
     );
-    assert_eq!(looping.status, Some(ExitStatus::HardFault), "{:?}", looping.log);
-    assert_eq!(looping.restarts.last().unwrap().1.start, Start::Standby);
-    assert!(looping.summary.is_none());
-    assert!(looping.log.iter().any(|line| line.contains("there is no mission any more")));
-    let messages = decode(&looping.telemetry);
-    let last = messages.last().unwrap();
-    assert_eq!(whole(last, "severity"), 0);
-    let report = looping.restarts.last().unwrap().1;
-    assert_eq!(
-        texts(&messages).pop(),
-        Some(start_texts(&report, &[(0, "standby: a hard fault")]).remove(0).1)
-    );
+    assert_eq!(looping.status, Some(ExitStatus::Finished), "{:?}", looping.log);
+    let pauses: Vec<u64> = looping.restarts.iter().map(|(_, report)| report.pause_us).collect();
+    assert_eq!(pauses, [0, 0, 0, 1_000_000]);
+    let (ticks, report) = looping.restarts.last().unwrap();
+    assert_eq!((report.start, report.restarts), (Start::Captive, 4));
+    // The microsecond until the fault was recorded may be a tick's, as the record has one every 5 ms.
+    let late_us = looping.ticks[*ticks].output.time_us - (at(1_600) + OUTAGE_US + 1_000_000);
+    assert!(late_us <= TICK_US, "{late_us}");
+    assert!(looping.log.iter().any(|line| line.contains("standby of 1000000 us")), "{:?}", looping.log);
+    let told = texts(&decode(&looping.telemetry));
+    // While it stands by, and when it has gone on.
+    for at_us in [report.resumed_us - report.pause_us, report.resumed_us] {
+        let standby = format!("t={} standby 1s: a hard fault", seconds(at_us));
+        assert!(told.contains(&standby), "{told:?}");
+    }
 }

@@ -75,6 +75,7 @@ impl Line {
     };
 
     /// With one block more, if there is anything in it (Welford's update, in two dimensions).
+    #[inline]
     fn with(self, number: usize, block: Block) -> Self {
         if block.count == 0 {
             return self;
@@ -229,6 +230,7 @@ impl BlockStatistics {
     }
 
     /// The block of that number, whether or not it has been merged.
+    #[inline]
     fn block(&self, number: usize) -> Block {
         let kept = |place: usize| self.blocks.get(place).copied().unwrap_or_default();
         if number == self.open {
@@ -271,13 +273,14 @@ impl BlockStatistics {
 
     /// Least-squares line through the means of the blocks; `None` with fewer than five of them.
     #[must_use]
+    #[inline]
     pub fn trend(&self) -> Option<Trend> {
         self.trend_from(0, self.means())
     }
 
     /// The same of the later half of the blocks.
     #[must_use]
-    #[inline(never)]
+    #[inline]
     pub fn later_trend(&self) -> Option<Trend> {
         let from = usize::midpoint(self.open, 1);
         let line = (from..=self.open).fold(Line::EMPTY, |line, number| line.with(number, self.block(number)));
@@ -285,7 +288,8 @@ impl BlockStatistics {
     }
 
     /// Of the blocks from `from` on, whose means are `line`.
-    #[inline(never)]
+    // Not compiled here, for size, but with the mission, for speed; so is what it calls.
+    #[inline]
     fn trend_from(&self, from: usize, line: Line) -> Option<Trend> {
         if (line.count as usize) < FEWEST_FOR_TREND {
             return None;

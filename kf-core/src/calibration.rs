@@ -1,24 +1,34 @@
 //! Captive flight: the biases are estimated, and what their quality is judged by is gathered.
 
 use crate::block_statistics::BlockStatistics;
-use crate::config::{MissionConfig, SigmaSource};
+use crate::config::{ClimbRate, MissionConfig, SigmaSource};
 use crate::effect::{ActingEffects, EffectSubject};
 use crate::error::FilterError;
 use crate::estimator::{ConfigError, Estimator, MeasurementNoise};
 use crate::gauss_markov::mean_variance_factor;
+use crate::guard::Guard;
+use crate::input::GpsFix;
 use crate::latch::{LatchRecord, SensorLatch, collected};
 use crate::quality::{Check, FailedChecks};
 use crate::reference::{AcceptedFix, ReferenceTracker};
 use crate::sensor::{SENSORS, Sensor};
 use crate::time::seconds_between;
+use crate::ud::Innovation;
 
 pub(crate) use statistical_checks::StatisticalChecks;
+
+use gate::{GATE_SIGMAS, Outcome, SourceGate};
 
 /// Error of a climb rate that is not measured (1 sigma, m/s): the altitude may then do what an
 /// aircraft does.
 const UNKNOWN_CLIMB_RATE_MPS: f32 = 10.0;
 /// An innovation beyond this many sigmas is implausible.
 const IMPLAUSIBLE_SIGMAS: f32 = 3.0;
+/// What is known of a level that was given up (1 sigma), metres: nothing, within [`crate::plausible::altitude`]. With less, the
+/// altitude would have to bear a part of the step.
+const UNKNOWN_LEVEL_M: f32 = 1e5;
+/// No aircraft's vertical speed changes faster, m/s^2: three g.
+const FASTEST_CHANGE_MPS2: f32 = 30.0;
 
 /// An innovation in metres, and its normalised square with the innovation's sign.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,27 +59,31 @@ impl SourceNoise {
     }
 
     /// White noise that carries the same information over many correlation times, for a measurement
-    /// `interval_s` after the last one; the first one counts in full.
+    /// `interval_s` after the last one; the first one counts in full. `excess` is how much larger than the model's the
+    /// source's variance is.
     #[inline(always)]
-    fn equivalent(&self, interval_s: Option<f32>) -> MeasurementNoise {
-        match interval_s {
+    fn equivalent(&self, interval_s: Option<f32>, excess: f32) -> MeasurementNoise {
+        let variance_m2 = match interval_s {
             Some(interval_s) if self.density_m2_s > interval_s * self.single.variance_m2() => {
-                MeasurementNoise::from_variance_m2(self.density_m2_s / interval_s).unwrap_or(self.single)
+                self.density_m2_s / interval_s
             }
-            _ => self.single,
-        }
+            _ if excess == 1.0 => return self.single,
+            _ => self.single.variance_m2(),
+        };
+        MeasurementNoise::from_variance_m2(variance_m2 * excess).unwrap_or(self.single)
     }
 
     /// The innovation of one measurement is judged by the error of one measurement, not by the
     /// equivalent white noise that the gain is computed with.
     #[inline(always)]
-    fn surprise(&self, innovation: crate::ud::Innovation, used: MeasurementNoise) -> Surprise {
+    fn surprise(&self, innovation: Innovation, used: MeasurementNoise) -> Surprise {
         const UNIT: f32 = crate::estimator::UNIT_M;
         let innovation_m = innovation.value * UNIT;
-        let variance_m2 = if used == self.single {
+        let (used_m2, single_m2) = (used.variance_m2(), self.single.variance_m2());
+        let variance_m2 = if used_m2 == single_m2 {
             innovation.variance * (UNIT * UNIT)
         } else {
-            innovation.variance * (UNIT * UNIT) - used.variance_m2() + self.single.variance_m2()
+            innovation.variance * (UNIT * UNIT) - used_m2 + single_m2
         };
         Surprise { innovation_m, signed_nis: innovation_m * innovation_m.abs() / variance_m2 }
     }
@@ -93,6 +107,10 @@ pub(crate) struct Calibration<const HEAD: usize, const TAIL: usize, const E: usi
     has_fix: bool,
     reference_noise: SourceNoise,
     sensor_noise: [SourceNoise; SENSORS],
+    reference_gate: SourceGate,
+    sensor_gates: [SourceGate; SENSORS],
+    /// The reference's level was given up: the next fix makes it anew.
+    reference_is_void: bool,
     start_us: Option<u64>,
     propagated_us: u64,
     last_reading_us: [Option<u64>; SENSORS],
@@ -105,6 +123,8 @@ pub(crate) struct Calibration<const HEAD: usize, const TAIL: usize, const E: usi
     innovations: u32,
     implausible: u32,
     reference_was_lost: bool,
+    /// The square of the airspeed last seen, (m/s)^2.
+    last_airspeed_squared_m2ps2: f32,
 }
 
 impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAIL, E> {
@@ -124,6 +144,9 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
             has_fix: false,
             reference_noise: SourceNoise::new(reference.sigma_m, reference.correlation_time_s)?,
             sensor_noise,
+            reference_gate: SourceGate::NEW,
+            sensor_gates: [SourceGate::NEW; SENSORS],
+            reference_is_void: false,
             start_us: None,
             propagated_us: 0,
             last_reading_us: [None; SENSORS],
@@ -135,7 +158,85 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
             innovations: 0,
             implausible: 0,
             reference_was_lost: false,
+            last_airspeed_squared_m2ps2: 0.0,
         })
+    }
+
+    /// Begins anew, with the next fix: that of which everything so far was measured was an outlier.
+    #[cold]
+    #[inline(never)]
+    fn restart(&mut self, time_us: u64) {
+        self.has_altitude = false;
+        self.has_fix = false;
+        self.start_us = Some(time_us);
+        self.last_reading_us = [None; SENSORS];
+        self.sensor_gates = [SourceGate::NEW; SENSORS];
+        for residuals in &mut self.residuals {
+            *residuals = BlockStatistics::EMPTY;
+        }
+        self.altitude = BlockStatistics::EMPTY;
+        self.airspeed_squared = BlockStatistics::EMPTY;
+        self.reference_drift = BlockStatistics::EMPTY;
+        self.stagger();
+    }
+
+    /// Whether the filter takes that fix: false for an outlier. To be asked before anything else believes it: the tracker, the
+    /// signals and every residual go by the fixes. Effects on the reference are as at the last fix, metres and square metres.
+    pub(crate) fn admits(
+        &mut self,
+        config: &MissionConfig<E>,
+        time_us: u64,
+        fix: &GpsFix,
+        tracker: &ReferenceTracker,
+        (effects_m, effects_variance_m2): (f32, f32),
+    ) -> bool {
+        if !self.has_altitude || !gate::stands() {
+            return true;
+        }
+        let expected_m = self.estimator.altitude_m() + effects_m;
+        let mut variance_m2 = self.estimator.altitude_variance_m2()
+            + self.reference_noise.single.variance_m2()
+            + effects_variance_m2;
+        let mut climbed_m = 0.0;
+        let mut is_smooth = true;
+        if let Some(climb) = &config.reference.climb_rate {
+            if tracker.is_fresh(time_us) {
+                let seconds = seconds_between(self.propagated_us, time_us);
+                let (climb_m, climb_variance_m2) = climb_over(climb, tracker, seconds);
+                climbed_m = climb_m;
+                variance_m2 += climb_variance_m2;
+                if let (Some(last_mps), Some(down_mps)) = (tracker.climb_rate_mps(), fix.velocity_down_mps) {
+                    // Two fixes' errors, and what the aircraft may have done between them.
+                    let since_fix_s = seconds_between(tracker.last_fix_us(), time_us);
+                    let tolerated_mps =
+                        FASTEST_CHANGE_MPS2 * since_fix_s + 2.0 * GATE_SIGMAS * climb.sigma_mps;
+                    is_smooth = (last_mps + down_mps).abs() <= tolerated_mps;
+                }
+            } else {
+                variance_m2 += square(config.reference.prior_sigma_m);
+                self.reference_gate.believe_anew();
+            }
+        }
+        let innovation_m = fix.altitude_m - expected_m - climbed_m;
+        if is_smooth && square(innovation_m) <= self.reference_gate.limit() * variance_m2 {
+            return true;
+        }
+        self.innovations = self.innovations.saturating_add(1);
+        self.implausible = self.implausible.saturating_add(1);
+        let was_established = self.reference_gate.is_established();
+        if self.reference_gate.refuse(time_us, innovation_m > 0.0) == Outcome::Outlier {
+            return false;
+        }
+        // A filter that claims a constant altitude cannot let it move: it begins anew as well.
+        if was_established && HEAD == 0 {
+            self.reference_is_void = true;
+        } else {
+            if !was_established {
+                self.reference_gate = SourceGate::NEW;
+            }
+            self.restart(time_us);
+        }
+        true
     }
 
     /// One series a tick: no tick bears more of what is left to do for them.
@@ -161,6 +262,11 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         for (place, statistics) in (0..).zip(self.residuals.iter_mut().chain(others)) {
             statistics.stagger(place);
         }
+    }
+
+    /// There is an altitude to start from: a fix, or the configuration's.
+    pub(crate) const fn has_altitude(&self) -> bool {
+        self.has_altitude
     }
 
     pub(crate) const fn acting(&self) -> &ActingEffects {
@@ -196,8 +302,10 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         if fix.is_none() && readings_m.iter().all(Option::is_none) {
             return step;
         }
-        // The first fix that is used has none before it, whatever the settling time has seen.
-        let fix = fix.map(|fix| match self.has_fix {
+        let is_void = fix.is_some() && core::mem::take(&mut self.reference_is_void);
+        // The first fix that is used has none before it, whatever the settling time has seen; nor has one that overturns
+        // those before it.
+        let fix = fix.map(|fix| match self.has_fix && !is_void {
             true => fix,
             false => AcceptedFix { interval_s: None, ..fix },
         });
@@ -220,6 +328,10 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         }
         let was_lost = self.has_fix && fix.is_some_and(|fix| fix.interval_s.is_none());
         self.has_fix |= fix.is_some();
+        if is_void {
+            // Cannot fail: the variance is a constant, and the shape was asked for.
+            let _ = self.estimator.climb(0.0, square(UNKNOWN_LEVEL_M));
+        }
         if self.propagate(config, time_us, tracker, was_lost).is_err() {
             step.reference = Some(Err(FilterError::NotFinite));
             return step;
@@ -233,17 +345,20 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
             }
         }
         if let Some(fix) = fix {
-            let noise = self.reference_noise.equivalent(fix.interval_s);
+            let noise = self.reference_noise.equivalent(fix.interval_s, self.reference_gate.excess());
             let own_m = self.acting.own_regressors(EffectSubject::Gps, regressors_m);
             let result = self.estimator.update_reference(fix.altitude_m, &own_m, noise);
             let surprise = result.map(|innovation| self.reference_noise.surprise(innovation, noise));
             self.judge(surprise);
+            if let Ok(surprise) = surprise {
+                self.reference_gate.take(time_us, surprise.signed_nis.abs());
+            }
             step.reference = Some(surprise);
         }
         step.sensors = [
-            self.take_reading::<0>(time_us, readings_m, regressors_m),
-            self.take_reading::<1>(time_us, readings_m, regressors_m),
-            self.take_reading::<2>(time_us, readings_m, regressors_m),
+            self.take_reading(Sensor::ImuMaster, time_us, readings_m, regressors_m),
+            self.take_reading(Sensor::ImuSlave, time_us, readings_m, regressors_m),
+            self.take_reading(Sensor::Baro, time_us, readings_m, regressors_m),
         ];
         self.estimator.fold();
         step
@@ -259,20 +374,44 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         readings_m: &[f32; SENSORS],
         regressors_m: &[f32; E],
     ) -> Option<CaptiveStep> {
-        let reference_noise = self.reference_noise.equivalent(fix.interval_s);
+        if gate::stands() && self.sensor_gates.iter().any(SourceGate::is_on_probation) {
+            return None;
+        }
+        let reference_noise = self.reference_noise.equivalent(fix.interval_s, self.reference_gate.excess());
         let noise = core::array::from_fn(|i| self.noise_now(i, time_us));
         let reference_m = self.acting.own_regressors(EffectSubject::Gps, regressors_m);
         let own_m =
             Sensor::ALL.map(|sensor| self.acting.own_regressors(EffectSubject::Sensor(sensor), regressors_m));
+        let (gates, sources) = (&self.sensor_gates, &self.sensor_noise);
+        let admits = |innovations: &[Innovation; SENSORS]| {
+            !gate::stands()
+                || (0..SENSORS).all(|i| {
+                    noise[i].gate(gates[i].limit(), sources[i].single, false).admits(&innovations[i])
+                })
+        };
         let (reference, sensors) = self
             .estimator
-            .update_together(fix.altitude_m, &reference_m, reference_noise, readings_m, &own_m, &noise)
+            .update_together(
+                fix.altitude_m,
+                &reference_m,
+                reference_noise,
+                readings_m,
+                &own_m,
+                &noise,
+                admits,
+            )
             .ok()?;
         self.last_reading_us = [Some(time_us); SENSORS];
         let reference = Ok(self.reference_noise.surprise(reference, reference_noise));
         let sensors: [_; SENSORS] =
             core::array::from_fn(|i| Ok(self.sensor_noise[i].surprise(sensors[i], noise[i])));
         self.judge(reference);
+        let gates = core::iter::once(&mut self.reference_gate).chain(&mut self.sensor_gates);
+        for (gate, surprise) in gates.zip(core::iter::once(&reference).chain(&sensors)) {
+            if let Ok(surprise) = surprise {
+                gate.take(time_us, surprise.signed_nis.abs());
+            }
+        }
         for surprise in sensors {
             self.judge(surprise);
         }
@@ -282,8 +421,14 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
     /// Noise of a sensor's reading now.
     #[inline(always)]
     fn noise_now(&self, sensor: usize, time_us: u64) -> MeasurementNoise {
-        let interval_s = self.last_reading_us[sensor].map(|last_us| seconds_between(last_us, time_us));
-        self.sensor_noise[sensor].equivalent(interval_s)
+        let last_us = self.last_reading_us.get(sensor).copied().flatten();
+        let interval_s = last_us.map(|last_us| seconds_between(last_us, time_us));
+        let excess = match self.sensor_gates.get(sensor) {
+            Some(gate) if gate::stands() => gate.excess(),
+            _ => 1.0,
+        };
+        // There is no other sensor; what never happens must not be a panic.
+        self.sensor_noise.get(sensor).unwrap_or(&self.reference_noise).equivalent(interval_s, excess)
     }
 
     /// Eqs 4 and 5 up to now, where the configuration has them; `was_lost` until this tick's fix.
@@ -302,11 +447,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
                 // Meanwhile the altitude may have gone anywhere.
                 (0.0, config.reference.prior_sigma_m * config.reference.prior_sigma_m)
             } else {
-                let density = |sigma: f32| 2.0 * sigma * sigma * climb.correlation_time_s;
-                match tracker.climb_rate_mps() {
-                    Some(rate) => (rate * seconds, density(climb.sigma_mps) * seconds),
-                    None => (0.0, density(UNKNOWN_CLIMB_RATE_MPS) * seconds),
-                }
+                climb_over(climb, tracker, seconds)
             };
             self.estimator.climb(climb_m, variance_m2)?;
         }
@@ -319,32 +460,77 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         Ok(())
     }
 
+    // Unrolled for each sensor, whose row is then a constant: no bound is left to be checked.
     #[inline(always)]
-    fn take_reading<const SENSOR: usize>(
+    fn take_reading(
         &mut self,
+        sensor: Sensor,
         time_us: u64,
         readings_m: &[Option<f32>; SENSORS],
         regressors_m: &[f32; E],
     ) -> Option<Result<Surprise, FilterError>> {
-        let reading_m = readings_m[SENSOR]?;
-        let noise = self.noise_now(SENSOR, time_us);
-        let own_m = self.acting.own_regressors(EffectSubject::Sensor(Sensor::ALL[SENSOR]), regressors_m);
-        let result = self.estimator.update_sensor::<SENSOR>(reading_m, &own_m, noise);
-        let surprise = result.map(|innovation| self.sensor_noise[SENSOR].surprise(innovation, noise));
-        if surprise.is_ok() {
-            self.last_reading_us[SENSOR] = Some(time_us);
+        let i = sensor.index();
+        let reading_m = (*readings_m.get(i)?)?;
+        let noise = self.noise_now(i, time_us);
+        let own_m = self.acting.own_regressors(EffectSubject::Sensor(sensor), regressors_m);
+        let (source, single) = (self.sensor_gates.get(i)?, self.sensor_noise.get(i)?);
+        let gate =
+            gate::stands().then(|| noise.gate(source.limit(), single.single, source.is_on_probation()));
+        let result = self.estimator.update_sensor(sensor, reading_m, &own_m, noise, gate);
+        let surprise = result.map(|innovation| single.surprise(innovation, noise));
+        match surprise {
+            Ok(surprise) => {
+                let (gate, last_us) = (self.sensor_gates.get_mut(i)?, self.last_reading_us.get_mut(i)?);
+                if !(gate::stands() && gate.is_on_probation()) {
+                    *last_us = Some(time_us);
+                }
+                gate.take(time_us, surprise.signed_nis.abs());
+            }
+            Err(FilterError::Gated { above }) => self.refuse(sensor, time_us, above),
+            Err(_) => {}
         }
         self.judge(surprise);
         Some(surprise)
     }
 
-    fn judge(&mut self, surprise: Result<Surprise, FilterError>) {
-        if let Ok(surprise) = surprise {
-            self.innovations = self.innovations.saturating_add(1);
-            if surprise.signed_nis.abs() > IMPLAUSIBLE_SIGMAS * IMPLAUSIBLE_SIGMAS {
-                self.implausible = self.implausible.saturating_add(1);
-            }
+    /// Takes an outlier of a sensor: if it overturns what was believed, the next reading makes the bias anew, and the
+    /// statistics are of that.
+    #[cold]
+    #[inline(never)]
+    fn refuse(&mut self, sensor: Sensor, time_us: u64, above: bool) {
+        let i = sensor.index();
+        let Some(gate) = self.sensor_gates.get_mut(i) else { return };
+        if gate.refuse(time_us, above) == Outcome::Outlier {
+            return;
         }
+        // Cannot fail: the variance is a constant.
+        let _ = self.estimator.wander(sensor, square(UNKNOWN_LEVEL_M));
+        if let (Some(last_us), Some(residuals)) = (self.last_reading_us.get_mut(i), self.residuals.get_mut(i))
+        {
+            *last_us = None;
+            *residuals = BlockStatistics::EMPTY;
+        }
+    }
+
+    /// Counts a reading that never came as far as the filter: not what the source delivers when it is well.
+    pub(crate) fn note_implausible(&mut self, source: Option<Sensor>) {
+        let gate = match source {
+            Some(sensor) => self.sensor_gates.get_mut(sensor.index()),
+            None => Some(&mut self.reference_gate),
+        };
+        if let Some(gate) = gate {
+            gate.note_misfit();
+        }
+    }
+
+    fn judge(&mut self, surprise: Result<Surprise, FilterError>) {
+        let is_implausible = match surprise {
+            Ok(surprise) => surprise.signed_nis.abs() > IMPLAUSIBLE_SIGMAS * IMPLAUSIBLE_SIGMAS,
+            Err(FilterError::Gated { .. }) => true,
+            Err(_) => return,
+        };
+        self.innovations = self.innovations.saturating_add(1);
+        self.implausible = self.implausible.saturating_add(u32::from(is_implausible));
     }
 
     /// Notes a calibrated residual that still contains the bias (its spread does not care).
@@ -355,10 +541,30 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         }
     }
 
-    /// Notes the squared airspeed, (m/s)^2.
+    /// Notes the squared airspeed, (m/s)^2. No airspeed doubles or halves between two samples (beyond 10 m/s, where gusts are
+    /// not as large): a sample that does so, and the one after it, count for nothing.
     #[inline]
     pub(crate) fn note_airspeed(&mut self, time_us: u64, airspeed_squared_m2ps2: f32) {
-        self.airspeed_squared.add(time_us, airspeed_squared_m2ps2);
+        const SLACK_M2PS2: f32 = 100.0;
+        let last_m2ps2 = core::mem::replace(&mut self.last_airspeed_squared_m2ps2, airspeed_squared_m2ps2);
+        if !Guard::RobustSigma.stands()
+            || (airspeed_squared_m2ps2 <= 4.0 * last_m2ps2 + SLACK_M2PS2
+                && last_m2ps2 <= 4.0 * airspeed_squared_m2ps2 + SLACK_M2PS2)
+        {
+            self.airspeed_squared.add(time_us, airspeed_squared_m2ps2);
+        }
+    }
+
+    /// Whether every source has been consistent, and every bias is one that its prior allows.
+    fn is_consistent(&self, config: &MissionConfig<E>) -> bool {
+        let share = config.quality.implausible_share;
+        let sensors = Sensor::ALL.iter().zip(&config.sensors).zip(&self.sensor_gates);
+        !gate::stands()
+            || self.reference_gate.is_consistent(share)
+                && sensors.into_iter().all(|((sensor, config), gate)| {
+                    let off_m = self.estimator.bias_m(*sensor) - config.prior_bias_m;
+                    gate.is_consistent(share) && square(off_m) <= square(GATE_SIGMAS * config.prior_sigma_m)
+                })
     }
 
     /// Copies the calibration at launch. Its failed checks are without those of [`StatisticalChecks`].
@@ -401,6 +607,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         failed.note(Check::SensorsAlive, sensors_alive);
         let is_fresh = tracker.is_fresh(time_us) && !self.reference_was_lost;
         failed.note(Check::ReferenceFresh, is_fresh);
+        failed.note(Check::ReadingsConsistent, self.is_consistent(config));
 
         let biases = Sensor::ALL.map(|sensor| self.estimator.bias_m(sensor));
         let coefficients = self.estimator.coefficients();
@@ -411,8 +618,19 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
     }
 }
 
+/// How far the altitude climbs in `seconds`, metres, and the variance of that.
+#[inline]
+fn climb_over(climb: &ClimbRate, tracker: &ReferenceTracker, seconds: f32) -> (f32, f32) {
+    let density = |sigma: f32| 2.0 * sigma * sigma * climb.correlation_time_s;
+    match tracker.climb_rate_mps() {
+        Some(rate) => (rate * seconds, density(climb.sigma_mps) * seconds),
+        None => (0.0, density(UNKNOWN_CLIMB_RATE_MPS) * seconds),
+    }
+}
+
 const fn square(x: f32) -> f32 {
     x * x
 }
 
+mod gate;
 mod statistical_checks;

@@ -76,6 +76,10 @@ pub struct MonitorConfig {
     pub multiplier: f32,
     /// Length of the moving average, seconds.
     pub window_s: f32,
+    /// For how long the error must have been beyond the threshold before a sensor is untrustworthy, seconds; the paper's: 0.
+    pub persistence_s: f32,
+    /// Whether an error that may be the reference's is held against no sensor (`reference_check.rs`); the paper's is.
+    pub reference_check: bool,
 }
 
 /// The paper's section 4: a second correction of the sensors in free flight.

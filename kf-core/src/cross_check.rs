@@ -1,11 +1,11 @@
 //! Without a reference: whether the two sensors that fly free agree with each other.
 //!
-//! Eq. 16 needs the reference. While that is lost, the difference of the two calibrated altitudes is
+//! Eq. 16 needs the reference. While that is lost, or suspect ([`crate::free_flight`]), the difference of the two calibrated altitudes is
 //! still known: each reading less its effects and its latched bias is an estimate of the same altitude. A
 //! difference beyond both bounds says that one of them is wrong, not which.
 
 use crate::latch::LatchRecord;
-use crate::monitor::Monitor;
+use crate::monitor::{Monitor, longest_step_us};
 use crate::output::{Agreement, CrossCheckOutput, Trust};
 use crate::sensor::Sensor;
 
@@ -37,7 +37,11 @@ impl CrossCheck {
         let (slave_m2, baro_m2) = (bound_m2(Sensor::ImuSlave), bound_m2(Sensor::Baro));
         let sum_m2 = slave_m2 + baro_m2;
         self.is_bounded = slave_m2 > 0.0 && baro_m2 > 0.0 && sum_m2.is_finite();
-        self.monitor.restart(sum_m2);
+        // There are as many pairs as the slower of the two has readings.
+        let readings =
+            |sensor: Sensor| latch.sensors.get(sensor.index()).map_or(0, |latched| latched.readings);
+        let pairs = readings(Sensor::ImuSlave).min(readings(Sensor::Baro));
+        self.monitor.restart(sum_m2, latch.time_us, longest_step_us(latch.duration_s, pairs));
         self.last = [None; 2];
     }
 
@@ -98,7 +102,7 @@ mod tests {
     use crate::latch::SensorLatch;
 
     fn check(slave_m2: f32, baro_m2: f32) -> CrossCheck {
-        let sensor = |bound_m2| SensorLatch { bound_m2, ..SensorLatch::default() };
+        let sensor = |bound_m2| SensorLatch { bound_m2, readings: 3_500, ..SensorLatch::default() };
         let latch = LatchRecord {
             time_us: 0,
             duration_s: 70.0,
@@ -123,9 +127,16 @@ mod tests {
         assert_eq!(check.take(Sensor::Baro, 20_000, 106.0), None, "its partner has been used");
         let said = check.take(Sensor::ImuSlave, 30_000, 100.0).unwrap();
         assert_eq!((said.difference_m, said.agreement), (6.0, Agreement::Doubtful));
-        check.take(Sensor::Baro, 40_000, 106.0);
-        check.take(Sensor::ImuSlave, 40_000, 100.0);
-        assert_eq!(check.trust(), Trust::Untrustworthy);
+        // 6 m over 5/6 of the window of 2 s are the bound.
+        let disagrees_us = (2..200)
+            .map(|k| k * 20_000)
+            .find(|time_us| {
+                check.take(Sensor::Baro, *time_us, 106.0);
+                check.take(Sensor::ImuSlave, *time_us, 100.0);
+                check.trust() == Trust::Untrustworthy
+            })
+            .unwrap();
+        assert!((1_640_000..=1_740_000).contains(&disagrees_us), "{disagrees_us}");
     }
 
     #[test]

@@ -10,4 +10,11 @@ pub enum FilterError {
     /// The operation would couple states that this filter's shape keeps uncoupled
     /// (process noise on a tail state while there are head states).
     Shape,
+    /// The innovation is beyond its gate.
+    Gated {
+        /// It is positive: the measurement lies above its prediction.
+        above: bool,
+    },
+    /// The caller did not admit the innovations.
+    Refused,
 }

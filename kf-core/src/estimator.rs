@@ -9,7 +9,7 @@ use crate::config::MissionConfig;
 use crate::error::FilterError;
 use crate::latch::{MAX_COVARIANCE, collected, place_in_triangle};
 use crate::sensor::{SENSORS, Sensor};
-use crate::ud::{Innovation, NoiseVariance, Row, UdFilter};
+use crate::ud::{Gate, Innovation, NoiseVariance, Row, UdFilter};
 
 /// Unit of the filter's altitudes, metres: biases of tens to hundreds of metres become O(1). A power
 /// of two, so that scaling rounds nothing.
@@ -113,27 +113,40 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimator<HEAD, TAIL,
         let altitude = self.scaled(altitude_m);
         if has_any(regressors_m) {
             let row = self.affected_reference_row(regressors_m);
-            return self.filter.update(&row, altitude, noise.0);
+            return self.take(&row, altitude, noise, None);
         }
-        self.filter.update(&Self::reference_row(), altitude, noise.0)
+        self.take(&Self::reference_row(), altitude, noise, None)
     }
 
-    /// Takes a reading of sensor number `SENSOR`: `y = h + b + sum_j theta_j phi_j + v`.
+    #[inline(always)]
+    fn take(
+        &mut self,
+        row: &Row<TAIL>,
+        measurement: f32,
+        noise: MeasurementNoise,
+        gate: Option<Gate>,
+    ) -> Result<Innovation, FilterError> {
+        self.filter.take::<true>(row, measurement, noise.0, gate)
+    }
+
+    /// Takes a reading of a sensor: `y = h + b + sum_j theta_j phi_j + v`.
     ///
     /// `regressors_m` are the phi of this sensor, metres per unit of coefficient; zero for an effect
-    /// on another sensor. (The sensor is a type parameter so that each has its own sparse row.)
+    /// on another sensor. Without a gate no innovation is too large.
     ///
     /// # Errors
-    /// As [`Self::update_reference`].
+    /// [`FilterError::NotFinite`], [`FilterError::Gated`]; the state is then unchanged.
     #[inline(always)]
-    pub fn update_sensor<const SENSOR: usize>(
+    pub fn update_sensor(
         &mut self,
+        sensor: Sensor,
         reading_m: f32,
         regressors_m: &[f32; E],
         noise: MeasurementNoise,
+        gate: Option<Gate>,
     ) -> Result<Innovation, FilterError> {
-        let row = self.sensor_row::<SENSOR>(regressors_m);
-        self.filter.update(&row, self.scaled(reading_m), noise.0)
+        let row = self.sensor_row(sensor.index(), regressors_m);
+        self.take(&row, self.scaled(reading_m), noise, gate)
     }
 
     /// Takes a tick at which the reference and every sensor are new, and folds: what
@@ -141,11 +154,12 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimator<HEAD, TAIL,
     /// nothing, which lets the state stay in registers.
     ///
     /// `reference_regressors_m[effect]` as for [`Self::update_reference`], `regressors_m[sensor][effect]` as
-    /// for [`Self::update_sensor`].
+    /// for [`Self::update_sensor`]. `admits` is asked last, with the sensors' innovations.
     ///
     /// # Errors
-    /// As [`Self::update_reference`]; nothing of the tick has then been taken.
+    /// [`FilterError::NotFinite`], [`FilterError::Refused`]; nothing of the tick has then been taken.
     #[inline(always)]
+    #[allow(clippy::too_many_arguments)] // Eq. 6 with everything in it.
     pub fn update_together(
         &mut self,
         altitude_m: f32,
@@ -154,25 +168,29 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimator<HEAD, TAIL,
         readings_m: &[f32; SENSORS],
         regressors_m: &[[f32; E]; SENSORS],
         noise: &[MeasurementNoise; SENSORS],
+        admits: impl FnOnce(&[Innovation; SENSORS]) -> bool,
     ) -> Result<(Innovation, [Innovation; SENSORS]), FilterError> {
         let mut filter = self.filter.clone();
         let scaled = readings_m.map(|reading_m| self.scaled(reading_m));
         let altitude = self.scaled(altitude_m);
         let reference = if has_any(reference_regressors_m) {
             let row = self.affected_reference_row(reference_regressors_m);
-            filter.take::<false>(&row, altitude, altitude_noise.0)?
+            filter.take::<false>(&row, altitude, altitude_noise.0, None)?
         } else {
-            filter.take::<false>(&Self::reference_row(), altitude, altitude_noise.0)?
+            filter.take::<false>(&Self::reference_row(), altitude, altitude_noise.0, None)?
         };
         let sensors = [
-            filter.take::<false>(&self.sensor_row::<0>(&regressors_m[0]), scaled[0], noise[0].0)?,
-            filter.take::<false>(&self.sensor_row::<1>(&regressors_m[1]), scaled[1], noise[1].0)?,
-            filter.take::<false>(&self.sensor_row::<2>(&regressors_m[2]), scaled[2], noise[2].0)?,
+            filter.take::<false>(&self.sensor_row(0, &regressors_m[0]), scaled[0], noise[0].0, None)?,
+            filter.take::<false>(&self.sensor_row(1, &regressors_m[1]), scaled[1], noise[1].0, None)?,
+            filter.take::<false>(&self.sensor_row(2, &regressors_m[2]), scaled[2], noise[2].0, None)?,
         ];
         filter.fold();
         let variances = sensors.iter().fold(reference.variance, |sum, sensor| sum + sensor.variance);
         if !filter.is_finite_after(variances) {
             return Err(FilterError::NotFinite);
+        }
+        if !admits(&sensors) {
+            return Err(FilterError::Refused);
         }
         self.filter = filter;
         Ok((reference, sensors))
@@ -197,14 +215,13 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimator<HEAD, TAIL,
     }
 
     #[inline(always)]
-    fn sensor_row<const SENSOR: usize>(&self, regressors_m: &[f32; E]) -> Row<TAIL> {
-        const { assert!(SENSOR < SENSORS) };
+    fn sensor_row(&self, sensor: usize, regressors_m: &[f32; E]) -> Row<TAIL> {
         let mut tail = [0.0; TAIL];
         let (head, first) = if HEAD == 0 {
-            tail[Self::bias_index(SENSOR)] = 1.0;
-            (None, Self::bias_index(SENSOR))
+            set(&mut tail, Self::bias_index(sensor), 1.0);
+            (None, Self::bias_index(sensor))
         } else {
-            (Some(SENSOR), 0)
+            (Some(sensor), 0)
         };
         for j in 0..E {
             tail[Self::coefficient_index(j)] = regressors_m[j] * self.coefficient_unit[j] * (1.0 / UNIT_M);
@@ -353,6 +370,13 @@ impl MeasurementNoise {
     /// [`FilterError`] if it is not positive and finite.
     pub fn from_variance_m2(variance_m2: f32) -> Result<Self, FilterError> {
         NoiseVariance::new(variance_m2 / square(UNIT_M)).map(Self)
+    }
+
+    /// The gate of a measurement that is weighted by this noise and judged by that of `single`: its normalised innovation
+    /// squared is at most `limit`.
+    #[inline(always)]
+    pub(crate) fn gate(self, limit: f32, single: Self, only_judges: bool) -> Gate {
+        Gate { limit, excess: self.0.get() - single.0.get(), only_judges }
     }
 
     /// The variance in square metres.

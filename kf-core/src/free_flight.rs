@@ -4,9 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::config::{MissionConfig, SecondCorrection};
 use crate::latch::{LatchRecord, SensorLatch};
-use crate::monitor::Monitor;
-use crate::moving_average::MovingAverage;
+use crate::monitor::{KeptMonitor, Monitor, longest_step_us};
+use crate::moving_average::{KeptAverage, MovingAverage};
 use crate::output::Trust;
+use crate::reference_check::{ReferenceCheck, Standing};
 use crate::sensor::Sensor;
 use crate::time::{microseconds, seconds_between};
 use crate::ud::{NoiseVariance, Row, UdFilter};
@@ -16,8 +17,8 @@ use crate::ud::{NoiseVariance, Row, UdFilter};
 pub(crate) struct WatchedError {
     /// Error of eq. 16 less the second correction, metres.
     pub error_m: f32,
-    /// Its moving average, metres.
-    pub moving_average_m: f32,
+    /// Its moving average, metres; `None` where the error was not judged, because it may be the reference's.
+    pub moving_average_m: Option<f32>,
 }
 
 /// The second correction of one sensor.
@@ -99,7 +100,7 @@ impl Correction {
 #[expect(clippy::large_enum_variant, reason = "there is no heap to box the window on")]
 enum KeptCorrection {
     Off,
-    MovingAverage { average: MovingAverage, value_m: f32 },
+    MovingAverage(KeptAverage),
     Kalman { state_m: f32, pending_m: f32, variance_m2: f32, last_us: u64 },
 }
 
@@ -107,9 +108,7 @@ impl Correction {
     fn kept(&self) -> KeptCorrection {
         match self {
             Self::Off => KeptCorrection::Off,
-            Self::MovingAverage { average, value_m } => {
-                KeptCorrection::MovingAverage { average: average.clone(), value_m: *value_m }
-            }
+            Self::MovingAverage { average, .. } => KeptCorrection::MovingAverage(average.kept()),
             Self::Kalman { filter, last_us, .. } => KeptCorrection::Kalman {
                 state_m: filter.tail()[0],
                 pending_m: filter.pending_tail()[0],
@@ -123,12 +122,11 @@ impl Correction {
     fn restore(&mut self, kept: &KeptCorrection) -> bool {
         match (self, kept) {
             (Self::Off, KeptCorrection::Off) => true,
-            (
-                Self::MovingAverage { average, value_m },
-                KeptCorrection::MovingAverage { average: kept, value_m: kept_m },
-            ) => {
-                average.clone_from(kept);
-                *value_m = *kept_m;
+            (Self::MovingAverage { average, value_m }, KeptCorrection::MovingAverage(kept)) => {
+                average.restore(kept);
+                // Nothing before the first sample, which has no mean.
+                let mean_m = average.mean();
+                *value_m = if mean_m.is_nan() { 0.0 } else { mean_m };
                 true
             }
             (
@@ -153,22 +151,46 @@ struct Watch {
     is_on: bool,
     monitor: Monitor,
     correction: Correction,
-    last_us: u64,
     /// The sensor's effects could not be continued over a restart: its error is not known any more.
     stopped: bool,
+    testimony: Testimony,
+    /// The last reading was not judged.
+    is_unjudged: bool,
+}
+
+/// What a sensor last said of the reference.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Testimony {
+    /// Error of its last reading against the reference as it is now, metres.
+    error_m: f32,
+    time_us: u64,
+}
+
+impl Watch {
+    /// Whether the sensor may be asked about the reference.
+    fn can_testify(&self, time_us: u64, silent_after_us: u64) -> bool {
+        self.is_on
+            && !self.stopped
+            && self.monitor.trust() != Trust::Untrustworthy
+            && time_us.saturating_sub(self.testimony.time_us) <= silent_after_us
+    }
+
+    fn is_within_bound(&self, error_m: f32) -> bool {
+        error_m * error_m <= self.monitor.bound_m2()
+    }
 }
 
 /// What of a watch can not be had again from configuration and latch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct KeptWatch {
-    monitor: Monitor,
+    monitor: KeptMonitor,
     correction: KeptCorrection,
-    last_us: u64,
     stopped: bool,
+    testimony: Testimony,
 }
 
 /// What of free flight can not be had again from configuration and latch.
-pub(crate) type KeptFreeFlight = [Option<KeptWatch>; WATCHED.len()];
+pub(crate) type KeptFreeFlight = (Standing, [Option<KeptWatch>; WATCHED.len()]);
 
 /// The sensors that fly free. There is no room kept for one that does not: a watch is over half a kilobyte.
 const WATCHED: [Sensor; 2] = [Sensor::ImuSlave, Sensor::Baro];
@@ -187,6 +209,7 @@ const fn position(sensor: Sensor) -> Option<usize> {
 pub(crate) struct FreeFlight {
     /// Of [`WATCHED`].
     watches: [Watch; WATCHED.len()],
+    reference: ReferenceCheck,
     silent_after_us: u64,
 }
 
@@ -196,25 +219,35 @@ impl FreeFlight {
         let window_us = microseconds(config.monitor.window_s);
         let watch = |_| Watch {
             is_on: false,
-            monitor: Monitor::new(0.0, window_us),
+            monitor: Monitor::new(0.0, window_us)
+                .with_persistence(microseconds(config.monitor.persistence_s)),
             correction: Correction::new(&config.second_correction, window_us),
-            last_us: 0,
             stopped: false,
+            testimony: Testimony { error_m: 0.0, time_us: 0 },
+            is_unjudged: false,
         };
-        Self { watches: WATCHED.map(watch), silent_after_us: microseconds(config.reference.lost_after_s) }
+        Self {
+            watches: WATCHED.map(watch),
+            reference: ReferenceCheck::new(config),
+            silent_after_us: microseconds(config.reference.lost_after_s),
+        }
     }
 
     /// Launch, or a suspicion of it.
     #[inline(never)]
     pub(crate) fn begin<const E: usize>(&mut self, config: &MissionConfig<E>, latch: &LatchRecord) {
+        self.reference.begin(latch.time_us);
         for (watch, sensor) in self.watches.iter_mut().zip(WATCHED) {
             let latched = latch.sensors.get(sensor.index());
             let latched = latched.filter(|latched| latched.bound_m2 > 0.0 && latched.bound_m2.is_finite());
             watch.is_on = latched.is_some();
-            watch.last_us = latch.time_us;
             watch.stopped = false;
+            // It will say something soon; until then it vouches for nothing.
+            watch.testimony = Testimony { error_m: f32::NAN, time_us: latch.time_us };
+            watch.is_unjudged = false;
             if let Some(latched) = latched {
-                watch.monitor.restart(latched.bound_m2);
+                let longest_step_us = longest_step_us(latch.duration_s, latched.readings);
+                watch.monitor.restart(latched.bound_m2, latch.time_us, longest_step_us);
                 watch.correction.begin(&config.second_correction, latched, latch.time_us);
             }
         }
@@ -224,24 +257,26 @@ impl FreeFlight {
     pub(crate) fn kept(&self) -> KeptFreeFlight {
         let kept = |watch: &Watch| {
             watch.is_on.then(|| KeptWatch {
-                monitor: watch.monitor.clone(),
+                monitor: watch.monitor.kept(),
                 correction: watch.correction.kept(),
-                last_us: watch.last_us,
                 stopped: watch.stopped,
+                testimony: watch.testimony,
             })
         };
         let [slave, baro] = &self.watches;
-        [kept(slave), kept(baro)]
+        (self.reference.standing(), [kept(slave), kept(baro)])
     }
 
     /// Goes on from a snapshot; false where that is not of this configuration and latch.
     pub(crate) fn restore(&mut self, kept: &KeptFreeFlight) -> bool {
+        let (standing, kept) = kept;
+        self.reference.restore(*standing);
         self.watches.iter_mut().zip(kept).all(|(watch, kept)| match kept {
             None => !watch.is_on,
-            Some(kept) if watch.is_on && watch.monitor.bound_m2() == kept.monitor.bound_m2() => {
-                watch.monitor.clone_from(&kept.monitor);
-                watch.last_us = kept.last_us;
+            Some(kept) if watch.is_on => {
+                watch.monitor.restore(&kept.monitor);
                 watch.stopped = kept.stopped;
+                watch.testimony = kept.testimony;
                 watch.correction.restore(&kept.correction)
             }
             Some(_) => false,
@@ -278,29 +313,91 @@ impl FreeFlight {
         self.watches.get_mut(position(sensor)?).filter(|watch| watch.is_on)
     }
 
+    /// The altitude that takes the last fix's place, metres, at that fix's time; `None` where the fix is good.
+    #[inline]
+    pub(crate) const fn carried_m(&self) -> Option<f32> {
+        self.reference.carried_m()
+    }
+
+    /// Takes a fix: the altitude that was carried on to it, if there was one, and the fix's own, metres, free of effects. True if it is
+    /// good; otherwise [`Self::carried_m`] is the reference.
+    #[inline(never)]
+    pub(crate) fn take_fix(&mut self, time_us: u64, carried_m: Option<f32>, altitude_m: f32) -> bool {
+        if !self.reference.is_on() {
+            return true;
+        }
+        let departure_m = carried_m.map_or(0.0, |carried_m| altitude_m - carried_m);
+        let Self { watches, reference, silent_after_us } = self;
+        let can_testify = |watch: &&Watch| watch.can_testify(time_us, *silent_after_us);
+        let agree = |departure_m: f32| {
+            let mut witnesses = watches.iter().filter(can_testify);
+            witnesses.all(|watch| watch.is_within_bound(watch.testimony.error_m - departure_m))
+        };
+        // With nobody to ask both are true.
+        let is_good = reference.take(time_us, carried_m, departure_m, || agree(departure_m) && !agree(0.0));
+        if is_good {
+            self.move_reference(departure_m);
+        }
+        is_good
+    }
+
+    /// The reference has moved by so much, metres, and what was said of it with it.
+    pub(crate) fn move_reference(&mut self, by_m: f32) {
+        self.watches.iter_mut().for_each(|watch| watch.testimony.error_m -= by_m);
+    }
+
     /// Takes the error of eq. 16 of one sensor, metres; `None` if the sensor is not watched or the
     /// error overflows.
     #[inline]
     pub(crate) fn take(&mut self, sensor: Sensor, time_us: u64, error_m: f32) -> Option<WatchedError> {
-        let watch = self.watch_mut(sensor).filter(|watch| !watch.stopped)?;
+        let place = position(sensor)?;
+        let watch = self.watches.get(place).filter(|watch| watch.is_on && !watch.stopped)?;
         let corrected_m = error_m - watch.correction.value_m();
         if !corrected_m.is_finite() {
             return None;
         }
+        let is_unjudged = self.reference.is_on() && self.may_be_the_references(place, time_us, corrected_m);
+        let watch = self.watches.get_mut(place)?;
+        watch.testimony = Testimony { error_m: corrected_m, time_us };
+        watch.is_unjudged = is_unjudged;
+        if is_unjudged {
+            return Some(WatchedError { error_m: corrected_m, moving_average_m: None });
+        }
         watch.correction.learn(time_us, error_m);
-        watch.last_us = time_us;
-        let moving_average_m = watch.monitor.update(time_us, corrected_m);
+        let moving_average_m = Some(watch.monitor.update(time_us, corrected_m));
         Some(WatchedError { error_m: corrected_m, moving_average_m })
     }
 
-    /// What a sensor is worth. A flag that was raised stays; otherwise, a sensor without a reference,
-    /// or one that has gone silent, is not known.
+    /// Whether an error is not to be held against the sensor at that place.
+    #[inline]
+    fn may_be_the_references(&self, place: usize, time_us: u64, error_m: f32) -> bool {
+        let (own, other) = match (&self.watches, place) {
+            ([slave, baro], 0) => (slave, baro),
+            ([slave, baro], _) => (baro, slave),
+        };
+        if own.monitor.trust() == Trust::Untrustworthy {
+            return false;
+        }
+        if self.reference.is_lost(time_us) {
+            return true;
+        }
+        if own.is_within_bound(error_m) || !other.can_testify(time_us, self.silent_after_us) {
+            return false;
+        }
+        let others_m = other.testimony.error_m;
+        !(other.is_within_bound(others_m) && others_m.abs() < (error_m - others_m).abs())
+    }
+
+    /// What a sensor is worth. A flag that was raised stays; otherwise, a sensor without a reference that may be
+    /// believed, or one that has gone silent, is not known.
     #[inline]
     pub(crate) fn trust(&self, sensor: Sensor, time_us: u64, has_reference: bool) -> Trust {
         let Some(watch) = self.watch(sensor) else { return Trust::Unmonitored };
-        let is_silent = time_us.saturating_sub(watch.last_us) > self.silent_after_us;
+        let is_silent = time_us.saturating_sub(watch.monitor.last_us()) > self.silent_after_us;
         match watch.monitor.trust() {
-            Trust::Trusted if !has_reference || is_silent || watch.stopped => Trust::Unmonitored,
+            Trust::Trusted if !has_reference || is_silent || watch.stopped || watch.is_unjudged => {
+                Trust::Unmonitored
+            }
             trust => trust,
         }
     }

@@ -10,16 +10,16 @@ use crate::effect::{EffectSubject, SignalTracker};
 use crate::error::FilterError;
 use crate::estimator::ConfigError;
 use crate::free_flight::FreeFlight;
-use crate::input::{BaroReading, LaunchDoubt, TickInput};
+use crate::guard::Guard;
+use crate::input::{BaroReading, GpsFix, LaunchDoubt, TickInput};
 use crate::latch::LatchRecord;
 use crate::output::{CrossCheckOutput, Phase, Rejection, SensorOutput, TickOutput, Trust};
+use crate::plausible;
 use crate::quality::{Check, FailedChecks};
-use crate::reading::StuckDetector;
+use crate::reading::{StuckDetector, is_held};
 use crate::reference::{AcceptedFix, ReferenceTracker};
 use crate::sensor::{SENSORS, Sensor};
 use crate::time::microseconds;
-
-pub use resume::ResumeError;
 
 use calibrated::Calibrated;
 use effects::{EffectUse, effect_sum};
@@ -37,6 +37,10 @@ pub struct SourceCounters {
     pub stuck: u32,
     /// Updates that the filter refused.
     pub variance: u32,
+    /// Outliers: too far from what the filter expected; in free flight, fixes that the receiver's own climb rate denies.
+    pub gated: u32,
+    /// Finite, and no aircraft can be there or do that.
+    pub implausible: u32,
 }
 
 impl SourceCounters {
@@ -47,6 +51,8 @@ impl SourceCounters {
             Some(Rejection::Held) => &mut self.held,
             Some(Rejection::Stuck) => &mut self.stuck,
             Some(Rejection::Variance) => &mut self.variance,
+            Some(Rejection::Gated) => &mut self.gated,
+            Some(Rejection::Implausible) => &mut self.implausible,
         };
         *counter = counter.saturating_add(1);
     }
@@ -63,7 +69,7 @@ pub struct Counters {
     pub gps: SourceCounters,
     /// The sensors, in the order of [`Sensor`].
     pub sensors: [SourceCounters; SENSORS],
-    /// Signals that were not finite.
+    /// Signals that were not finite, or that no aircraft can have.
     pub signals_not_finite: u32,
     /// Readings taken without an effect that the model has, because its signal was not there.
     pub effects_without_signal: u32,
@@ -76,6 +82,8 @@ pub struct Counters {
     pub restarts: u32,
     /// Times that a launch was suspected and was none.
     pub launch_suspicions: u32,
+    /// Readings in free flight that were not judged, because their error may be the reference's.
+    pub readings_unjudged: u32,
 }
 
 /// A mission from the first tick on. See the crate's documentation for `HEAD` and `TAIL`; `E`
@@ -91,6 +99,8 @@ pub struct Mission<const HEAD: usize, const TAIL: usize, const E: usize> {
     signals: SignalTracker,
     /// Regressors of the estimated effects on the reference, at the last fix.
     fix_regressors_m: [f32; E],
+    /// The last fix that was an outlier: it may be held.
+    gated_fix: Option<GpsFix>,
     stuck: [StuckDetector; SENSORS],
     last_accepted_us: [Option<u64>; SENSORS],
     calibration: Calibration<HEAD, TAIL, E>,
@@ -129,6 +139,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             tracker: ReferenceTracker::new(&config.reference),
             signals: SignalTracker::for_effects(effects.map(|effect| effect.id()), config.latitude_deg),
             fix_regressors_m: [0.0; E],
+            gated_fix: None,
             stuck: core::array::from_fn(|_| StuckDetector::default()),
             last_accepted_us: [None; SENSORS],
             calibration: Calibration::new(config)?,
@@ -191,7 +202,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             self.signals.begin_calibration();
         }
 
-        let (accepted, gps_rejection) = match input.gps.as_ref().map(|fix| self.tracker.take(time_us, fix)) {
+        let carried = if input.gps.is_some() { self.carried(time_us) } else { None };
+        let (accepted, gps_rejection) = match input.gps.as_ref().map(|fix| self.take_fix(time_us, fix)) {
             None => (None, None),
             Some(Ok(accepted)) => (Some(accepted), None),
             Some(Err(rejection)) => (None, Some(rejection)),
@@ -201,13 +213,14 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         let mut use_of_effects = EffectUse::new(self.regressors());
         let regressors_m = use_of_effects.regressors_m();
         let fix = accepted.map(|accepted| self.correct_fix(accepted, &mut use_of_effects));
+        let gps_rejection = gps_rejection.or(fix.and_then(|fix| self.check_fix(time_us, fix, carried)));
         let reference_m = self.reference_m(time_us);
         let (readings_m, mut rejections) =
             self.take_readings(time_us, input, reference_m, &mut use_of_effects);
         self.count_effects(&use_of_effects);
 
         self.has_reacquired |= self.is_held() && accepted.is_some_and(|fix| fix.interval_s.is_none());
-        let step = if self.phase == Phase::Calibrating && !self.is_held() {
+        let step = if self.is_calibrating() {
             let fix = match fix {
                 Some(fix) if core::mem::take(&mut self.has_reacquired) => {
                     Some(AcceptedFix { interval_s: None, ..fix })
@@ -245,19 +258,24 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             rejections[i] = rejections[i].or(refused);
             if readings_m[i].is_some() || rejections[i].is_some() {
                 self.counters.sensors[i].count(rejections[i]);
+                if rejections[i].is_none() {
+                    self.last_accepted_us[i] = Some(time_us);
+                }
             }
             let out = &mut output.sensors[i];
             out.rejection = rejections[i];
             out.innovation_m = surprise.map(|surprise| surprise.innovation_m);
             out.signed_nis = surprise.map(|surprise| surprise.signed_nis);
-            if let (Some(reading_m), None) = (readings_m[i], refused) {
+            // Outliers are no part of the residual's spread.
+            let is_residual =
+                refused.is_none() || (refused == Some(Rejection::Gated) && !Guard::RobustSigma.stands());
+            if let (Some(reading_m), true) = (readings_m[i], is_residual) {
                 let subject = EffectSubject::Sensor(sensor);
                 let effects_m = effect_sum(self.calibration.acting(), subject, &coefficients, &regressors_m);
                 match reference_m {
-                    Some(reference_m) => {
-                        self.watch(sensor, time_us, reading_m - effects_m - reference_m, out);
-                    }
-                    None => {
+                    Some(reference_m)
+                        if self.watch(sensor, time_us, reading_m - effects_m - reference_m, out) => {}
+                    _ => {
                         let said = self.check_each_other(sensor, time_us, reading_m - effects_m);
                         output.cross_check = said.filter(|_| self.is_launched).or(output.cross_check);
                     }
@@ -268,6 +286,42 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             }
         }
         output
+    }
+
+    /// Whether the filter takes data.
+    fn is_calibrating(&self) -> bool {
+        self.phase == Phase::Calibrating && !self.is_held()
+    }
+
+    /// Takes a fix if it is a measurement, and no outlier.
+    #[inline]
+    fn take_fix(&mut self, time_us: u64, fix: &GpsFix) -> Result<AcceptedFix, Rejection> {
+        if let Err(rejection) = self.tracker.check(fix) {
+            self.note_implausible(None, rejection);
+            return Err(rejection);
+        }
+        if self.is_calibrating() {
+            if self.gated_fix.as_ref().is_some_and(|gated| is_held(fix, gated)) {
+                return Err(Rejection::Held);
+            }
+            let effects = self.effects_on_fix();
+            if !self.calibration.admits(&self.config, time_us, fix, &self.tracker, effects) {
+                self.gated_fix = Some(*fix);
+                return Err(Rejection::Gated);
+            }
+            if !self.calibration.has_altitude() {
+                // What heights are counted from may have been an outlier.
+                self.signals.begin_calibration();
+            }
+        }
+        Ok(self.tracker.accept(time_us, fix))
+    }
+
+    /// Counts against a source, in captive flight, what no aircraft can have.
+    fn note_implausible(&mut self, source: Option<Sensor>, rejection: Rejection) {
+        if rejection == Rejection::Implausible && self.is_calibrating() {
+            self.calibration.note_implausible(source);
+        }
     }
 
     /// Follows the launch discrete and the suspicion of a launch; true at the tick at which the calibration is latched.
@@ -376,8 +430,9 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         for sensor in Sensor::ALL {
             let i = sensor.index();
             let Some(raw_m) = raw_m[i] else { continue };
-            if !raw_m.is_finite() {
-                rejections[i] = Some(Rejection::NotFinite);
+            if let Some(rejection) = plausible::altitude(raw_m) {
+                rejections[i] = Some(rejection);
+                self.note_implausible(Some(sensor), rejection);
                 continue;
             }
             let sigma_m = self.config.sensors[i].sigma_m;
@@ -387,23 +442,28 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
                 continue;
             }
             let correction_m = self.correction_m(EffectSubject::Sensor(sensor), use_of_effects);
-            self.last_accepted_us[i] = Some(time_us);
             readings_m[i] = Some(raw_m - correction_m);
         }
         (readings_m, rejections)
     }
 
-    /// Eq. 16 for one sensor: `residual_m` is the reading less effects and reference.
-    fn watch(&mut self, sensor: Sensor, time_us: u64, residual_m: f32, output: &mut SensorOutput) {
+    /// Eq. 16 for one sensor: `residual_m` is the reading less effects and reference. False where the error was not judged,
+    /// because it may be the reference's.
+    fn watch(&mut self, sensor: Sensor, time_us: u64, residual_m: f32, output: &mut SensorOutput) -> bool {
         match &self.latch {
             Some(latch) => {
                 let error_m = residual_m - latch.sensors[sensor.index()].bias_m;
-                match self.free_flight.take(sensor, time_us, error_m) {
+                let watched = self.free_flight.take(sensor, time_us, error_m);
+                match watched {
                     Some(watched) if self.is_launched => {
                         output.error_m = Some(watched.error_m);
-                        output.moving_average_m = Some(watched.moving_average_m);
+                        output.moving_average_m = watched.moving_average_m;
                     }
                     _ => output.error_m = error_m.is_finite().then_some(error_m),
+                }
+                if watched.is_some_and(|watched| watched.moving_average_m.is_none()) {
+                    self.counters.readings_unjudged = self.counters.readings_unjudged.saturating_add(1);
+                    return false;
                 }
             }
             None => {
@@ -414,9 +474,10 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
                 }
             }
         }
+        true
     }
 
-    /// Eq. 16 without its reference: `altitude_m` is the reading less effects.
+    /// Eq. 16 without a reference that may be believed: `altitude_m` is the reading less effects.
     #[cold]
     fn check_each_other(
         &mut self,
@@ -488,6 +549,7 @@ fn split(result: Option<Result<Surprise, FilterError>>) -> (Option<Surprise>, Op
     match result {
         None => (None, None),
         Some(Ok(surprise)) => (Some(surprise), None),
+        Some(Err(FilterError::Gated { .. })) => (None, Some(Rejection::Gated)),
         Some(Err(_)) => (None, Some(Rejection::Variance)),
     }
 }
@@ -508,6 +570,7 @@ fn check<const E: usize>(config: &MissionConfig<E>) -> Result<(), ConfigError> {
         && climb.is_none_or(|c| positive(c.sigma_mps) && positive(c.correlation_time_s))
         && positive(monitor.multiplier)
         && positive(monitor.window_s)
+        && not_negative(monitor.persistence_s)
         && correction_is_valid
         && config.sensors.iter().all(|sensor| not_negative(sensor.wander_m_per_sqrt_s))
         && (-90.0..=90.0).contains(&config.latitude_deg)
@@ -522,6 +585,7 @@ fn check<const E: usize>(config: &MissionConfig<E>) -> Result<(), ConfigError> {
 
 mod calibrated;
 mod effects;
+mod reference;
 mod resume;
 #[cfg(test)]
 mod tests;

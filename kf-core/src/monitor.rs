@@ -1,46 +1,139 @@
 //! The monitor of eqs 16 and 17.
+//!
+//! The second criterion weighs the moving average by the share of its window that readings cover. The latched
+//! calibration says that the error was nothing before: what is not covered counts as no error. So a release transient
+//! needs as long for `untrustworthy` as one in the middle of a flight, and so does a failure: a step is flagged at the
+//! same delay whenever it comes. It asks as well that the error has been beyond the bound for some time: one flipped bit is
+//! kilometres, and would carry any average with it.
 
 use serde::{Deserialize, Serialize};
 
-use crate::moving_average::MovingAverage;
+use crate::guard::Guard;
+use crate::moving_average::{KeptAverage, MovingAverage};
 use crate::output::Trust;
 
+/// A reading covers the time since the one before it, up to this many of the sensor's intervals in captive flight. With 4 a
+/// chip that loses three conversions in four still covers its window, and is judged as before.
+const INTERVALS_COVERED: f32 = 4.0;
+
+/// For how long one reading covers its window, microseconds, by how many there were in a calibration of `duration_s` (at
+/// least one).
+#[must_use]
+pub fn longest_step_us(duration_s: f32, readings: u32) -> u32 {
+    // `as` saturates.
+    (INTERVALS_COVERED * 1e6 * duration_s / readings.max(1) as f32) as u32
+}
+
 /// Watches one sensor's error in free flight. Flags latch: doubt is not taken back.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Monitor {
     /// Square of the bound: squares are compared, so that a variance needs no root.
     bound_m2: f32,
     average: MovingAverage,
+    window_us: u32,
+    /// See [`longest_step_us`].
+    longest_step_us: u32,
+    /// How much of the window readings cover, microseconds.
+    covered_us: u32,
+    /// For how long the error must have been beyond the bound before a sensor is untrustworthy, microseconds.
+    persistence_us: u32,
+    /// For how long it has been: what it is within the bound counts back.
+    beyond_us: u32,
+    last_us: u64,
+    trust: Trust,
+}
+
+/// What of a monitor can not be had again from its bound, window and sensor.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct KeptMonitor {
+    average: KeptAverage,
+    covered_us: u32,
+    beyond_us: u32,
+    last_us: u64,
     trust: Trust,
 }
 
 impl Monitor {
     /// A monitor with the squared bound `(multiplier * sigma)^2` in square metres, positive and
-    /// finite, and a moving average over `window_us`.
+    /// finite, and a moving average over `window_us`, from time 0 on.
     #[must_use]
     pub fn new(bound_m2: f32, window_us: u64) -> Self {
-        Self { bound_m2, average: MovingAverage::new(window_us), trust: Trust::Trusted }
+        Self {
+            bound_m2,
+            average: MovingAverage::new(window_us),
+            window_us: u32::try_from(window_us).unwrap_or(u32::MAX),
+            longest_step_us: u32::MAX,
+            covered_us: 0,
+            persistence_us: 0,
+            beyond_us: 0,
+            last_us: 0,
+            trust: Trust::Trusted,
+        }
     }
 
-    /// Begins anew with another bound, where it is.
-    pub fn restart(&mut self, bound_m2: f32) {
+    /// With a time for which the error must be beyond the bound before a sensor is untrustworthy, microseconds: one reading that is
+    /// kilometres off moves the average as far as any failure.
+    #[must_use]
+    pub fn with_persistence(self, persistence_us: u64) -> Self {
+        Self { persistence_us: u32::try_from(persistence_us).unwrap_or(u32::MAX), ..self }
+    }
+
+    /// Begins anew at `time_us` with another bound, where it is. A reading covers at most `longest_step_us`.
+    pub fn restart(&mut self, bound_m2: f32, time_us: u64, longest_step_us: u32) {
         self.bound_m2 = bound_m2;
         self.average.restart();
+        self.longest_step_us = longest_step_us;
+        self.covered_us = 0;
+        self.beyond_us = 0;
+        self.last_us = time_us;
         self.trust = Trust::Trusted;
     }
 
     /// Takes the error of eq. 16 (finite, metres) and returns its moving average, metres.
     ///
-    /// `doubtful` once `|error|` exceeds the bound; `untrustworthy` once, after that, `|average|` does.
+    /// `doubtful` once `|error|` exceeds the bound; `untrustworthy` once, after that, `|average|`, weighted by the share of
+    /// the window that readings cover, does, and the error has been beyond the bound for the persistence.
     #[inline(always)]
     pub fn update(&mut self, time_us: u64, error_m: f32) -> f32 {
         let average_m = self.average.add(time_us, error_m);
+        let is_beyond = error_m * error_m > self.bound_m2;
+        self.cover(time_us, is_beyond);
         match self.trust {
-            Trust::Trusted if error_m * error_m > self.bound_m2 => self.trust = Trust::Doubtful,
-            Trust::Doubtful if average_m * average_m > self.bound_m2 => self.trust = Trust::Untrustworthy,
+            Trust::Trusted if is_beyond => self.trust = Trust::Doubtful,
+            Trust::Doubtful => {
+                let weighted_m = average_m * self.share_covered();
+                if weighted_m * weighted_m > self.bound_m2 && self.has_persisted() {
+                    self.trust = Trust::Untrustworthy;
+                }
+            }
             _ => {}
         }
         average_m
+    }
+
+    /// The window moves on to `time_us`; its newest part is what this reading covers.
+    #[inline(always)]
+    fn cover(&mut self, time_us: u64, is_beyond: bool) {
+        let step_us = u32::try_from(time_us.saturating_sub(self.last_us)).unwrap_or(u32::MAX);
+        self.last_us = time_us;
+        let still_in_us = self.covered_us.min(self.window_us.saturating_sub(step_us));
+        let new_us = step_us.min(self.longest_step_us);
+        self.covered_us = still_in_us.saturating_add(new_us).min(self.window_us);
+        self.beyond_us = match is_beyond {
+            true => self.beyond_us.saturating_add(new_us).min(self.persistence_us),
+            false => self.beyond_us.saturating_sub(new_us),
+        };
+    }
+
+    #[inline(always)]
+    fn has_persisted(&self) -> bool {
+        self.beyond_us >= self.persistence_us || !Guard::FilledWindow.stands()
+    }
+
+    /// From 0 to 1, and exactly 1 for a window without a gap.
+    #[inline(always)]
+    fn share_covered(&self) -> f32 {
+        if Guard::FilledWindow.stands() { self.covered_us as f32 / self.window_us as f32 } else { 1.0 }
     }
 
     /// What the sensor is worth so far.
@@ -55,6 +148,32 @@ impl Monitor {
             (_, Trust::Untrustworthy) | (Trust::Trusted, Trust::Doubtful) => self.trust = trust,
             _ => {}
         }
+    }
+
+    /// Time of the last reading, or of the beginning, microseconds.
+    #[must_use]
+    #[inline]
+    pub const fn last_us(&self) -> u64 {
+        self.last_us
+    }
+
+    pub(crate) fn kept(&self) -> KeptMonitor {
+        KeptMonitor {
+            average: self.average.kept(),
+            covered_us: self.covered_us,
+            beyond_us: self.beyond_us,
+            last_us: self.last_us,
+            trust: self.trust,
+        }
+    }
+
+    /// Goes on from what was kept, with the bound and window that it has.
+    pub(crate) fn restore(&mut self, kept: &KeptMonitor) {
+        self.average.restore(&kept.average);
+        self.covered_us = kept.covered_us;
+        self.beyond_us = kept.beyond_us;
+        self.last_us = kept.last_us;
+        self.trust = kept.trust;
     }
 
     /// The squared bound, square metres.
@@ -94,6 +213,108 @@ mod tests {
         let trusts = fly(&mut Monitor::new(16.0, 2_000_000), errors);
         assert_eq!(trusts[99], Trust::Trusted);
         assert!(trusts[100..].iter().all(|t| *t == Trust::Doubtful));
+    }
+
+    /// Of 50 readings a second over a window of 2 s, from 1 s on.
+    fn launched() -> Monitor {
+        let mut monitor = Monitor::new(0.0, 2_000_000);
+        monitor.restart(81.0, 1_000_000, longest_step_us(60.0, 3_000));
+        monitor
+    }
+
+    /// Flies the launched monitor at these times (seconds after launch) with an error by the time; says when each flag rose.
+    fn flags(times_s: impl Iterator<Item = f64>, error_m: impl Fn(f64) -> f32) -> [Option<f64>; 2] {
+        let mut monitor = launched();
+        let mut flags = [None; 2];
+        for time_s in times_s {
+            monitor.update(1_000_000 + (time_s * 1e6).round() as u64, error_m(time_s));
+            let level = match monitor.trust() {
+                Trust::Doubtful => 1,
+                Trust::Untrustworthy => 2,
+                _ => 0,
+            };
+            flags[..level].iter_mut().for_each(|flag| *flag = flag.or(Some(time_s)));
+        }
+        flags
+    }
+
+    fn steadily() -> impl Iterator<Item = f64> {
+        (1..1_000).map(|k| f64::from(k) * 0.02)
+    }
+
+    #[test]
+    fn three_readings_of_a_transient_make_doubtful_only_whenever_they_come() {
+        for start_s in [0.0, 0.05, 2.3] {
+            let error = |time_s: f64| if (start_s..start_s + 0.06).contains(&time_s) { 20.0 } else { 0.1 };
+            let [doubtful, untrustworthy] = flags(steadily(), error);
+            assert!(doubtful.is_some(), "{start_s}");
+            assert_eq!(untrustworthy, None, "{start_s}");
+        }
+        // After a gap of any length too.
+        for gap_s in [0.5, 1.0, 1.9, 2.1, 5.0] {
+            let times = steadily().filter(|time_s| !(4.0..4.0 + gap_s).contains(time_s));
+            let error = |time_s: f64| if (3.99..4.0 + gap_s + 0.06).contains(&time_s) { 20.0 } else { 0.1 };
+            assert_eq!(flags(times, error)[1], None, "{gap_s}");
+        }
+    }
+
+    #[test]
+    fn a_failure_is_flagged_with_the_same_delay_at_launch_later_and_after_a_gap() {
+        let step = |start_s: f64| move |time_s: f64| if time_s > start_s { 30.0_f32 } else { 0.0 };
+        // 30 m in a share of 0.3 of the window are the bound of 9 m: 0.6 s.
+        for start_s in [0.0, 0.3, 1.0, 7.0] {
+            let delay_s = flags(steadily(), step(start_s))[1].unwrap() - start_s;
+            assert!((0.58..=0.64).contains(&delay_s), "{start_s}: {delay_s}");
+        }
+        for gap_s in [0.5, 1.0, 1.9, 3.0] {
+            let times = steadily().filter(|time_s| !(4.0..4.0 + gap_s).contains(time_s));
+            let delay_s = flags(times, step(4.0 + gap_s))[1].unwrap() - 4.0 - gap_s;
+            // The share counts a gap until as much again is covered, the average until it has left the window: sooner, by a
+            // third at most.
+            assert!((0.4..=0.64).contains(&delay_s), "{gap_s}: {delay_s}");
+        }
+        // A sensor that delivers a quarter of its readings only is as quick.
+        let delay_s = flags((1..250).map(|k| f64::from(k) * 0.08), step(7.0))[1].unwrap() - 7.0;
+        assert!((0.58..=0.72).contains(&delay_s), "{delay_s}");
+    }
+
+    #[test]
+    fn a_sensor_slower_than_the_window_is_covered_by_what_it_delivers() {
+        assert_eq!(longest_step_us(60.0, 0), 240_000_000);
+        assert_eq!(longest_step_us(1e9, 1), u32::MAX);
+        let mut slow = Monitor::new(0.0, 2_000_000);
+        slow.restart(81.0, 0, longest_step_us(60.0, 15));
+        slow.update(4_000_000, 20.0);
+        slow.update(8_000_000, 20.0);
+        assert_eq!(slow.trust(), Trust::Untrustworthy);
+    }
+
+    #[test]
+    fn a_transient_of_a_second_makes_doubtful_only_however_large_and_a_failure_is_flagged_when_it_has_lasted()
+    {
+        let flags = |error_m: &dyn Fn(u64) -> f32| {
+            let mut monitor = launched().with_persistence(1_250_000);
+            let trusts: Vec<Trust> = (1..1_000)
+                .map(|k| {
+                    monitor.update(1_000_000 + k * 20_000, error_m(k));
+                    monitor.trust()
+                })
+                .collect();
+            trusts.iter().position(|trust| *trust == Trust::Untrustworthy).map(|k| (k + 1) as u64)
+        };
+        for size_m in [20.0, 1e3, 1e6] {
+            for (from, to) in [(1, 2), (1, 51), (300, 301), (300, 350)] {
+                let transient = |k: u64| if (from..to).contains(&k) { size_m } else { 0.5 };
+                assert_eq!(flags(&transient), None, "{size_m} {from} {to}");
+            }
+        }
+        for start in [1, 300] {
+            let flagged = flags(&|k| if k >= start { 30.0 } else { 0.5 }).unwrap();
+            assert!((62..=63).contains(&(flagged - start)), "{start} {flagged}");
+        }
+        // 2 m/s: beyond the bound from 4.5 s on, the average from 5.5 s on.
+        let flagged = flags(&|k| k as f32 * 0.04).unwrap();
+        assert!((275..=290).contains(&flagged), "{flagged}");
     }
 
     #[test]

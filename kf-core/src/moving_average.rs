@@ -11,7 +11,7 @@ const PARTS: u64 = 32;
 const CLOSED: usize = 31;
 
 /// Sum of the samples that fell into one part of the window, or into several.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Bin {
     sum: f32,
     /// A whole number; f32 counts exactly to 2^24, 16 million samples a window.
@@ -45,7 +45,7 @@ fn bins<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[Bin; CLOSED], D::
         }
 
         fn visit_seq<A: SeqAccess<'de>>(self, mut sequence: A) -> Result<Self::Value, A::Error> {
-            let mut bins = [Bin::default(); CLOSED];
+            let mut bins = [Bin::EMPTY; CLOSED];
             for (place, bin) in bins.iter_mut().enumerate() {
                 *bin = sequence.next_element()?.ok_or_else(|| A::Error::invalid_length(place, &self))?;
             }
@@ -57,6 +57,8 @@ fn bins<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[Bin; CLOSED], D::
 }
 
 impl Bin {
+    const EMPTY: Self = Self { sum: 0.0, count: 0.0 };
+
     fn add(&mut self, other: Self) {
         self.sum += other.sum;
         self.count += other.count;
@@ -74,8 +76,15 @@ impl Bin {
 /// the window and all of it. The running total of the closed bins is replaced, each time that the
 /// ring has gone round, by a sum that was begun when it last had: f32 rounding lives for two windows
 /// at most, however long it runs.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct MovingAverage {
+    bins: KeptAverage,
+    bin_us: u64,
+}
+
+/// What of a moving average can not be had again from its window.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct KeptAverage {
     open: Bin,
     /// Total of the closed bins.
     closed: Bin,
@@ -85,51 +94,69 @@ pub struct MovingAverage {
     #[serde(deserialize_with = "bins")]
     ring: [Bin; CLOSED],
     /// Where the next bin to close goes; below `CLOSED`.
-    next: usize,
-    bin_us: u64,
+    next: u8,
+}
+
+impl KeptAverage {
+    const EMPTY: Self = Self {
+        open: Bin::EMPTY,
+        closed: Bin::EMPTY,
+        open_ends_us: 0,
+        fresh: Bin::EMPTY,
+        ring: [Bin::EMPTY; CLOSED],
+        next: 0,
+    };
 }
 
 impl MovingAverage {
     /// A moving average over `window_us` microseconds (at least 32).
     #[must_use]
     pub fn new(window_us: u64) -> Self {
-        Self {
-            open: Bin::default(),
-            closed: Bin::default(),
-            open_ends_us: 0,
-            fresh: Bin::default(),
-            ring: [Bin::default(); CLOSED],
-            next: 0,
-            bin_us: (window_us / PARTS).max(1),
-        }
+        Self { bins: KeptAverage::EMPTY, bin_us: (window_us / PARTS).max(1) }
     }
 
     /// Forgets every sample, where it is.
     pub fn restart(&mut self) {
-        self.open = Bin::default();
-        self.closed = Bin::default();
-        self.open_ends_us = 0;
-        self.fresh = Bin::default();
-        self.ring.fill(Bin::default());
-        self.next = 0;
+        let bins = &mut self.bins;
+        bins.open = Bin::EMPTY;
+        bins.closed = Bin::EMPTY;
+        bins.open_ends_us = 0;
+        bins.fresh = Bin::EMPTY;
+        bins.ring.fill(Bin::EMPTY);
+        bins.next = 0;
+    }
+
+    pub(crate) fn kept(&self) -> KeptAverage {
+        self.bins.clone()
+    }
+
+    pub(crate) fn restore(&mut self, kept: &KeptAverage) {
+        self.bins.clone_from(kept);
     }
 
     /// Adds a sample (finite, times increasing) and returns the mean of the window.
     #[inline(always)]
     pub fn add(&mut self, time_us: u64, sample: f32) -> f32 {
-        if time_us >= self.open_ends_us {
+        if time_us >= self.bins.open_ends_us {
             self.close_bins(time_us);
         }
-        self.open.sum += sample;
-        self.open.count += 1.0;
-        (self.closed.sum + self.open.sum) / (self.closed.count + self.open.count)
+        self.bins.open.sum += sample;
+        self.bins.open.count += 1.0;
+        self.mean()
+    }
+
+    /// Mean of the window's samples; NaN where there is none.
+    #[inline(always)]
+    pub(crate) fn mean(&self) -> f32 {
+        let KeptAverage { open, closed, .. } = &self.bins;
+        (closed.sum + open.sum) / (closed.count + open.count)
     }
 
     /// Moves on to the bin that holds `time_us`: the next one, but after a gap.
     #[inline(never)]
     fn close_bins(&mut self, time_us: u64) {
         self.close_bin();
-        if time_us >= self.open_ends_us {
+        if time_us >= self.bins.open_ends_us {
             self.catch_up(time_us);
         }
     }
@@ -138,34 +165,35 @@ impl MovingAverage {
     fn catch_up(&mut self, time_us: u64) {
         for _ in 1..PARTS {
             self.close_bin();
-            if time_us < self.open_ends_us {
+            if time_us < self.bins.open_ends_us {
                 return;
             }
         }
         // The first sample, or the first after nothing for longer than the window: every bin is empty
         // by now, and what rounding left in the total goes with them.
-        self.closed = Bin::default();
-        self.fresh = Bin::default();
-        self.open_ends_us = time_us.wrapping_add(self.bin_us);
+        self.bins.closed = Bin::EMPTY;
+        self.bins.fresh = Bin::EMPTY;
+        self.bins.open_ends_us = time_us.wrapping_add(self.bin_us);
     }
 
     #[inline(always)]
     fn close_bin(&mut self) {
-        if let Some(oldest) = self.ring.get_mut(self.next) {
-            self.closed.add(self.open);
-            self.closed.take_off(*oldest);
-            *oldest = self.open;
+        let bins = &mut self.bins;
+        if let Some(oldest) = bins.ring.get_mut(usize::from(bins.next)) {
+            bins.closed.add(bins.open);
+            bins.closed.take_off(*oldest);
+            *oldest = bins.open;
         }
-        self.fresh.add(self.open);
-        self.next += 1;
-        if self.next >= CLOSED {
-            self.next = 0;
-            self.closed = self.fresh;
-            self.fresh = Bin::default();
+        bins.fresh.add(bins.open);
+        bins.next = bins.next.wrapping_add(1);
+        if usize::from(bins.next) >= CLOSED {
+            bins.next = 0;
+            bins.closed = bins.fresh;
+            bins.fresh = Bin::EMPTY;
         }
-        self.open = Bin::default();
+        bins.open = Bin::EMPTY;
         // 64 bits of microseconds wrap after half a million years.
-        self.open_ends_us = self.open_ends_us.wrapping_add(self.bin_us);
+        bins.open_ends_us = bins.open_ends_us.wrapping_add(self.bin_us);
     }
 }
 

@@ -2,8 +2,8 @@
 //!
 //! Sits between the sensors and the mission: [`InertialAltitude::tick`] takes a tick's input and fills
 //! [`TickInput::imu_slave_altitude_m`] from the strapdown vertical channel, which it levels and ties to the reference
-//! in captive flight. From the first tick of a suspected launch on the channel takes no reference; if it was no launch it
-//! goes on as before.
+//! in captive flight. From the first tick of a suspected launch on the channel takes no reference, but to mend a gap between its
+//! samples; if it was no launch it goes on as before.
 //!
 //! One calibration is of one source. Where an altitude comes from outside before the channel is aligned, the channel is
 //! never asked; where the channel has spoken first, an altitude from outside is not used any more, and counted.
@@ -14,7 +14,8 @@
 
 use crate::input::{GpsFix, LaunchDoubt, TickInput};
 use crate::reading::is_held;
-use crate::strapdown::{Config, VerticalChannel};
+use crate::strapdown::{Config, KeptChannel, VerticalChannel};
+use serde::{Deserialize, Serialize};
 
 /// Time between two altitudes of the channel, microseconds. Neighbouring ones differ by the integral of the same noise:
 /// more often would only look like more information.
@@ -43,6 +44,14 @@ pub struct NavigationCounts {
     pub fixes_refused: u32,
 }
 
+/// What is kept over a restart from the first suspicion of a launch on.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct KeptInertial {
+    channel: KeptChannel,
+    said_us: Option<u64>,
+    is_launched: bool,
+}
+
 /// Makes the altitude; see the module.
 #[derive(Clone, Debug)]
 pub struct InertialAltitude {
@@ -69,6 +78,33 @@ impl InertialAltitude {
             is_off: false,
             counts: NavigationCounts::default(),
         }
+    }
+
+    /// What a restart goes on from; `None` in captive flight, and where there is nothing to keep.
+    #[must_use]
+    pub fn kept(&self) -> Option<KeptInertial> {
+        match self.source {
+            AltitudeSource::Channel if self.is_off => Some(KeptInertial {
+                channel: self.channel.kept()?,
+                said_us: self.said_us,
+                is_launched: self.is_launched,
+            }),
+            _ => None,
+        }
+    }
+
+    /// As it was kept; `unknown_s` is how much longer than the clock has it the interruption may have been, seconds. `None` if what was
+    /// kept is no channel.
+    #[must_use]
+    pub fn resumed(config: Config, kept: &KeptInertial, unknown_s: f32) -> Option<Self> {
+        Some(Self {
+            channel: VerticalChannel::resumed(config, &kept.channel, unknown_s)?,
+            source: AltitudeSource::Channel,
+            said_us: kept.said_us,
+            is_launched: kept.is_launched,
+            is_off: true,
+            ..Self::new(config)
+        })
     }
 
     /// Who delivers the altitude.
@@ -131,17 +167,18 @@ impl InertialAltitude {
         self.is_off = is_off;
     }
 
-    /// A fix is the reference in captive flight: new, not held, and of finite numbers.
+    /// A fix is the reference in captive flight, and while a gap is mended: new, not held, and of finite numbers.
     fn take_fix(&mut self, time_us: u64, fix: &GpsFix) {
         if self.last_fix.as_ref().is_some_and(|last| is_held(fix, last)) {
             return;
         }
         self.last_fix = Some(*fix);
-        if self.is_off {
+        if self.is_off && !self.channel.is_mending() {
             return;
         }
         let mut is_taken = self.channel.reference(time_us, fix.altitude_m).is_ok();
-        if let (Some(north), Some(east)) = (fix.velocity_north_mps, fix.velocity_east_mps) {
+        if let (Some(north), Some(east), false) = (fix.velocity_north_mps, fix.velocity_east_mps, self.is_off)
+        {
             is_taken &= self.channel.velocity(time_us, [north, east]).is_ok();
         }
         if !is_taken {

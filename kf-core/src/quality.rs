@@ -29,11 +29,14 @@ pub enum Check {
     SensorsAlive = 9,
     /// The launch itself was confirmed by more than the umbilical's wire.
     LaunchConfirmed = 10,
+    /// No source had more of its readings refused as implausible or as outliers than may be implausible, none has settled on
+    /// another level in mid-calibration, and no bias is beyond what its prior allows.
+    ReadingsConsistent = 11,
 }
 
 impl Check {
     /// Every check, in the order of its bit.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Settled,
         Self::LongEnough,
         Self::TrimmedAltitude,
@@ -45,6 +48,7 @@ impl Check {
         Self::InputsValid,
         Self::SensorsAlive,
         Self::LaunchConfirmed,
+        Self::ReadingsConsistent,
     ];
 
     /// The name used in files and reports.
@@ -62,6 +66,7 @@ impl Check {
             Self::InputsValid => "inputs_valid",
             Self::SensorsAlive => "sensors_alive",
             Self::LaunchConfirmed => "launch_confirmed",
+            Self::ReadingsConsistent => "readings_consistent",
         }
     }
 }

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::config::ReferenceConfig;
 use crate::input::GpsFix;
 use crate::output::Rejection;
+use crate::plausible;
 use crate::reading::is_held;
 use crate::time::seconds_between;
 
@@ -31,6 +32,19 @@ pub struct ReferenceTracker {
     correction_m: f32,
     /// Integral of the climb rate since the first fix, metres.
     climbed_m: f32,
+    /// Fixes in a row that repeat every bit of altitude and velocity.
+    repeats: u8,
+}
+
+/// So many repeats are a receiver that stands still: a fix has its altitude in millimetres and three velocities in mm/s, all of
+/// them with noise of many times that.
+const MOST_REPEATS: u8 = 5;
+
+/// Whether a later fix repeats altitude and velocity. Without velocities there is no telling: an altitude in whole metres repeats honestly.
+fn repeats(fix: &GpsFix, last: &GpsFix) -> bool {
+    let velocity =
+        |fix: &GpsFix| Some([fix.velocity_north_mps?, fix.velocity_east_mps?, fix.velocity_down_mps?]);
+    velocity(fix).is_some_and(|now| velocity(last) == Some(now)) && fix.altitude_m == last.altitude_m
 }
 
 impl ReferenceTracker {
@@ -44,24 +58,43 @@ impl ReferenceTracker {
             last: None,
             correction_m: 0.0,
             climbed_m: 0.0,
+            repeats: 0,
+        }
+    }
+
+    /// Whether a fix is a measurement at all.
+    ///
+    /// # Errors
+    /// [`Rejection::NotFinite`] or [`Rejection::Implausible`] if any of its numbers is, [`Rejection::Held`] if it is the last
+    /// fix again, [`Rejection::Stuck`] if it is a later one and the receiver has repeated itself for some fixes.
+    #[inline]
+    pub fn check(&self, fix: &GpsFix) -> Result<(), Rejection> {
+        if let Some(rejection) = plausible::fix(fix) {
+            return Err(rejection);
+        }
+        let Some((_, last)) = &self.last else { return Ok(()) };
+        if is_held(fix, last) {
+            Err(Rejection::Held)
+        } else if self.repeats >= MOST_REPEATS && repeats(fix, last) {
+            Err(Rejection::Stuck)
+        } else {
+            Ok(())
         }
     }
 
     /// Takes a fix.
     ///
     /// # Errors
-    /// [`Rejection::NotFinite`] if any of its numbers is not, [`Rejection::Held`] if it is the last
-    /// fix again.
+    /// As [`Self::check`].
     #[inline]
     pub fn take(&mut self, time_us: u64, fix: &GpsFix) -> Result<AcceptedFix, Rejection> {
-        let numbers = [fix.velocity_north_mps, fix.velocity_east_mps, fix.velocity_down_mps];
-        let finite = fix.altitude_m.is_finite() && numbers.iter().flatten().all(|x| x.is_finite());
-        if !finite || fix.vertical_accuracy_m.is_some_and(|x| !x.is_finite()) {
-            return Err(Rejection::NotFinite);
-        }
-        if self.last.as_ref().is_some_and(|(_, last)| is_held(fix, last)) {
-            return Err(Rejection::Held);
-        }
+        self.check(fix)?;
+        Ok(self.accept(time_us, fix))
+    }
+
+    /// Takes a fix that [`Self::check`] has nothing against.
+    #[inline]
+    pub(crate) fn accept(&mut self, time_us: u64, fix: &GpsFix) -> AcceptedFix {
         let fresh = self.is_fresh(time_us);
         let mut interval_s = None;
         if let Some((last_us, last)) = &self.last {
@@ -70,11 +103,12 @@ impl ReferenceTracker {
                 self.climbed_m -= 0.5 * (before + now) * seconds;
             }
             interval_s = fresh.then_some(seconds);
+            self.repeats = if repeats(fix, last) { self.repeats.saturating_add(1) } else { 0 };
         }
         self.last = Some((time_us, *fix));
         self.correction_m = 0.0;
         let altitude_minus_climb_m = fix.velocity_down_mps.map(|_| fix.altitude_m - self.climbed_m);
-        Ok(AcceptedFix { altitude_m: fix.altitude_m, interval_s, altitude_minus_climb_m })
+        AcceptedFix { altitude_m: fix.altitude_m, interval_s, altitude_minus_climb_m }
     }
 
     /// Takes the reference's constant effects, metres, off the fix that was just accepted.
@@ -94,6 +128,18 @@ impl ReferenceTracker {
     #[inline]
     pub fn is_fresh(&self, time_us: u64) -> bool {
         self.last.as_ref().is_some_and(|(last_us, _)| time_us.saturating_sub(*last_us) <= self.lost_after_us)
+    }
+
+    /// What was taken off the last fix's altitude, metres.
+    #[must_use]
+    pub fn correction_m(&self) -> f32 {
+        self.correction_m
+    }
+
+    /// Time of the last fix, microseconds; 0 without one.
+    #[must_use]
+    pub fn last_fix_us(&self) -> u64 {
+        self.last.as_ref().map_or(0, |(last_us, _)| *last_us)
     }
 
     /// The last fix.
@@ -124,8 +170,25 @@ impl ReferenceTracker {
         if age_us == 0 || !self.carries_climb {
             return Some(altitude_m);
         }
-        let climbed_m = self.climb_rate_mps().unwrap_or(0.0) * seconds_between(*last_us, time_us);
-        Some(altitude_m + climbed_m)
+        Some(altitude_m + self.climbed_m(time_us))
+    }
+
+    /// What was climbed since the last fix by its climb rate, metres; nothing where none carries the altitude.
+    #[must_use]
+    #[inline]
+    pub fn climbed_m(&self, time_us: u64) -> f32 {
+        match &self.last {
+            Some((last_us, _)) if self.carries_climb => {
+                self.climb_rate_mps().unwrap_or(0.0) * seconds_between(*last_us, time_us)
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// Climb rate by the last fix, m/s, up positive, where it carries the altitude.
+    #[must_use]
+    pub fn carrying_rate_mps(&self) -> Option<f32> {
+        self.climb_rate_mps().filter(|_| self.carries_climb)
     }
 }
 
@@ -158,6 +221,28 @@ mod tests {
             assert_eq!(tracker.altitude_m(1_500_000), Some(expected));
             assert_eq!(tracker.altitude_m(3_000_001), None);
         }
+    }
+
+    #[test]
+    fn a_receiver_that_repeats_itself_is_stuck_until_it_moves() {
+        let at = |k: u64, altitude_m, has_velocity: bool| GpsFix {
+            altitude_m,
+            velocity_north_mps: has_velocity.then_some(60.0),
+            velocity_east_mps: has_velocity.then_some(1.0),
+            velocity_down_mps: has_velocity.then_some(0.5),
+            fix_time_us: Some(k * 200_000),
+            ..GpsFix::default()
+        };
+        let mut tracker = ReferenceTracker::new(&config(true));
+        let outcome: Vec<_> =
+            (0..10).map(|k| tracker.take(k * 200_000, &at(k, 100.0, true)).is_ok()).collect();
+        assert_eq!(outcome, [true, true, true, true, true, true, false, false, false, false]);
+        assert_eq!(tracker.take(2_000_000, &at(10, 100.0, true)), Err(Rejection::Stuck));
+        assert!(tracker.take(2_200_000, &at(11, 100.001, true)).is_ok());
+        assert!(tracker.take(2_400_000, &at(12, 100.001, true)).is_ok());
+        // A log's altitudes in whole metres, without velocities.
+        let mut tracker = ReferenceTracker::new(&config(true));
+        assert!((0..60).all(|k| tracker.take(k * 200_000, &at(k, 100.0, false)).is_ok()));
     }
 
     #[test]

@@ -20,7 +20,7 @@ use crate::reference::ReferenceTracker;
 use crate::sensor::{SENSORS, Sensor};
 
 /// Version of the layout: of this struct, of every type in it, and of the [`MissionMark`] that it goes with.
-pub const SNAPSHOT_VERSION: u8 = 2;
+pub const SNAPSHOT_VERSION: u8 = 6;
 /// Longest snapshot, bytes: two of them fit into the 4 KiB of an STM32F405's backup SRAM. The largest
 /// model's do, with windows of up to 2^14 samples a part and a month after power-on (`mission::tests::resume`).
 pub const MAX_SNAPSHOT_BYTES: usize = 1_920;
@@ -76,17 +76,6 @@ impl MissionSnapshot {
             .map(|bytes| bytes.len())
             .map_err(|_| SnapshotError::BufferTooShort)
     }
-
-    /// Reads a snapshot from bytes that have been checked.
-    ///
-    /// # Errors
-    /// [`SnapshotError::Format`], [`SnapshotError::Version`].
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, SnapshotError> {
-        let mut fields = Fields::of(bytes)?;
-        let snapshot = fields.whole()?;
-        fields.end()?;
-        Ok(snapshot)
-    }
 }
 
 /// A snapshot's bytes, to be read a field at a time in the order of [`MissionSnapshot`]: as a whole it takes six kilobytes of the stack
@@ -141,8 +130,6 @@ fields! {
     stuck: [StuckDetector; SENSORS];
     last_accepted_us: [Option<u64>; SENSORS];
     counters: Counters;
-    /// All of them.
-    whole: MissionSnapshot;
 }
 
 /// How far the launch had come.

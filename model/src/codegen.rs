@@ -95,7 +95,8 @@ fn mission_source(model: &Model) -> Result<String, ModelError> {
          lost_after_s: {lost_after},\n}},\n\
          latitude_deg: {latitude},\n\
          sensors: [\n{sensors}],\n\
-         monitor: MonitorConfig {{ sigma: SigmaSource::{sigma}, multiplier: {multiplier}, window_s: {window} }},\n\
+         monitor: MonitorConfig {{ sigma: SigmaSource::{sigma}, multiplier: {multiplier}, window_s: {window}, \
+         persistence_s: {persistence}, reference_check: {reference_check} }},\n\
          second_correction: SecondCorrection::{second_correction},\n\
          quality: QualityConfig {{\nminimum_duration_s: {duration},\ntrimmed_altitude_m: {trimmed_altitude},\n\
          trimmed_airspeed_mps: {trimmed_airspeed},\nreference_drift_m: {reference_drift},\n\
@@ -115,6 +116,8 @@ fn mission_source(model: &Model) -> Result<String, ModelError> {
         latitude = float(model.latitude_deg),
         multiplier = float(monitor.multiplier),
         window = float(monitor.window_s),
+        persistence = float(monitor.persistence_s),
+        reference_check = monitor.reference_check,
         duration = float(quality.minimum_duration_s),
         trimmed_altitude = float(quality.trimmed_altitude_m),
         trimmed_airspeed = float(quality.trimmed_airspeed_mps),

@@ -113,6 +113,8 @@ struct Monitor {
     sigma: Option<Sigma>,
     multiplier: Option<f32>,
     window_s: Option<f32>,
+    persistence_s: Option<f32>,
+    reference_check: Option<bool>,
 }
 
 #[derive(Clone, Copy, Deserialize)]
@@ -227,6 +229,8 @@ impl ModelFile {
             put(&mut model.monitor.sigma, sigma);
             put(&mut model.monitor.multiplier, monitor.multiplier);
             put(&mut model.monitor.window_s, monitor.window_s);
+            put(&mut model.monitor.persistence_s, monitor.persistence_s);
+            put(&mut model.monitor.reference_check, monitor.reference_check);
         }
         if let Some(quality) = self.quality {
             let slots = &mut model.quality;

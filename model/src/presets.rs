@@ -64,7 +64,15 @@ impl Default for Model {
                 },
             ],
             // One sigma would raise `doubtful` on every healthy sensor within a second or two.
-            monitor: MonitorConfig { sigma: SigmaSource::Residual, multiplier: 3.0, window_s: 2.0 },
+            monitor: MonitorConfig {
+                sigma: SigmaSource::Residual,
+                multiplier: 3.0,
+                window_s: 2.0,
+                // A transient of a second passes, with a quarter for what a chip takes to deliver again. A drift does not
+                // notice: its average comes a second after its error.
+                persistence_s: 1.25,
+                reference_check: true,
+            },
             second_correction: SecondCorrection::Off,
             quality: QualityConfig {
                 // Half a correlation time of the reference: shorter, its wander is the bias's error.
@@ -118,7 +126,14 @@ impl Model {
             },
             latitude_deg: kf_core::effect::DEFAULT_LATITUDE_DEG,
             sensors: [sensor(50.0, 100.0), sensor(70.0, 150.0), sensor(150.0, 300.0)],
-            monitor: MonitorConfig { sigma: SigmaSource::Residual, multiplier: 1.0, window_s: 2.5 },
+            // Its two sensors drift away from the reference alike, and it holds that against them.
+            monitor: MonitorConfig {
+                sigma: SigmaSource::Residual,
+                multiplier: 1.0,
+                window_s: 2.5,
+                persistence_s: 0.0,
+                reference_check: false,
+            },
             second_correction: SecondCorrection::Off,
             quality: QualityConfig {
                 minimum_duration_s: 30.0,

@@ -44,6 +44,7 @@ impl Model {
         self.validate_sensors()?;
         positive("monitor.multiplier", self.monitor.multiplier)?;
         positive("monitor.window_s", self.monitor.window_s)?;
+        not_negative("monitor.persistence_s", self.monitor.persistence_s)?;
         let quality = &self.quality;
         not_negative("quality.minimum_duration_s", quality.minimum_duration_s)?;
         for (key, value) in [

@@ -3,6 +3,7 @@
 pub mod compare;
 pub mod diagnose;
 pub mod downlink;
+pub mod effect_guide;
 pub mod export;
 pub mod flight;
 pub mod fly;

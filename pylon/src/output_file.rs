@@ -1,6 +1,6 @@
-//! Output files that appear whole or not at all.
+//! Output files that appear whole or not at all, and never in the place of something that would be lost.
 
-use std::fs::{self, File};
+use std::fs::{self, File, Metadata};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -17,70 +17,212 @@ pub struct OutputError {
     pub reason: io::Error,
 }
 
-/// Writes a file through `content`: without a name (elsewhere than on Linux: under a temporary one) in
-/// the same directory, and named `path` only once all of it is on the disk.
-///
-/// A `path` that exists and is not a regular file (`/dev/stdout`, a pipe) is written to directly. A
-/// symbolic link stays; the file that it leads to is replaced.
+/// Writes a file through `content`, whole or not at all: [`prepare`] and [`Prepared::publish`] at once.
 ///
 /// # Errors
-/// [`OutputError`] when the directory is missing or read-only, the disk is full, or `content` failed.
+/// As these two.
 pub fn write_atomically<F>(path: &Path, content: F) -> Result<(), OutputError>
 where
     F: FnOnce(&mut dyn Write) -> io::Result<()>,
 {
-    write(path, content).map_err(|reason| OutputError { path: path.to_path_buf(), reason })
+    prepare(path, content)?.publish()
 }
 
-fn write<F>(path: &Path, content: F) -> io::Result<()>
+/// An output file that is complete and on the disk, and does not have its name yet. Dropped, it leaves nothing behind.
+#[must_use = "the file has no name before it is published"]
+#[derive(Debug)]
+pub struct Prepared {
+    /// The name that the user gave, for errors.
+    path: PathBuf,
+    kind: Kind,
+}
+
+#[derive(Debug)]
+enum Kind {
+    /// What is written to is no regular file (`/dev/stdout`, a pipe), so it can not be replaced: the text waits here.
+    Device(Vec<u8>),
+    /// A file with a temporary name in the directory of `target`, or without any.
+    File { target: PathBuf, temporary: Temporary },
+}
+
+#[derive(Debug)]
+enum Temporary {
+    #[cfg(target_os = "linux")]
+    Unnamed(File),
+    Named(tempfile::NamedTempFile),
+}
+
+/// Writes all of a file through `content` to the disk, in the directory of `path` and without that name: on Linux
+/// without any name, elsewhere under a temporary one.
+///
+/// A file that it will replace keeps its mode and its owner. A `path` that exists and is not a regular file
+/// (`/dev/stdout`, a pipe) is written to directly by [`Prepared::publish`]. A symbolic link stays; the file that it
+/// leads to is replaced.
+///
+/// # Errors
+/// [`OutputError`] when the directory is missing or read-only, the disk is full, `content` failed, or `path` is a
+/// file that must not be replaced: one that is read-only, or one with a second hard link, which would go on
+/// leading to the old text.
+pub fn prepare<F>(path: &Path, content: F) -> Result<Prepared, OutputError>
 where
     F: FnOnce(&mut dyn Write) -> io::Result<()>,
 {
-    let target = match fs::metadata(path) {
+    let kind = prepare_kind(path, content);
+    kind.map(|kind| Prepared { path: path.to_path_buf(), kind })
+        .map_err(|reason| OutputError { path: path.to_path_buf(), reason })
+}
+
+fn prepare_kind<F>(path: &Path, content: F) -> io::Result<Kind>
+where
+    F: FnOnce(&mut dyn Write) -> io::Result<()>,
+{
+    let (target, replaced) = match fs::metadata(path) {
         Ok(existing) if existing.is_dir() => return Err(io::Error::other("it is a directory")),
         Ok(existing) if !existing.is_file() => {
-            let mut device = BufWriter::new(File::options().write(true).open(path)?);
-            content(&mut device)?;
-            return device.flush();
+            let mut text = Vec::new();
+            content(&mut text)?;
+            return Ok(Kind::Device(text));
         }
-        Ok(_) => fs::canonicalize(path)?,
-        Err(_) => path.to_path_buf(),
+        Ok(existing) => {
+            check_replaceable(&existing)?;
+            (fs::canonicalize(path)?, Some(existing))
+        }
+        Err(_) => (path.to_path_buf(), None),
     };
-    let directory = match target.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
+    let directory = directory_of(&target);
     #[cfg(target_os = "linux")]
     if let Some(file) = unnamed::create(directory) {
-        fill(&file, content)?;
-        return unnamed::name(&file, directory, &target);
+        fill(&file, replaced.as_ref(), content)?;
+        return Ok(Kind::File { target, temporary: Temporary::Unnamed(file) });
     }
     let temporary = temporary_file(directory)?;
-    fill(temporary.as_file(), content)?;
-    temporary.persist(&target).map_err(|error| error.error)?;
+    fill(temporary.as_file(), replaced.as_ref(), content)?;
+    Ok(Kind::File { target, temporary: Temporary::Named(temporary) })
+}
+
+impl Prepared {
+    /// Gives the file its name, in place of what had it.
+    ///
+    /// # Errors
+    /// [`OutputError`]; what had the name still has it.
+    pub fn publish(self) -> Result<(), OutputError> {
+        let Self { path, kind } = self;
+        let published = match kind {
+            Kind::Device(text) => write_to_device(&path, &text),
+            Kind::File { target, temporary } => temporary.replace(&target),
+        };
+        published.map_err(|reason| OutputError { path, reason })
+    }
+
+    /// Gives the file its name, which nothing may have yet.
+    ///
+    /// # Errors
+    /// [`OutputError`], of the kind [`io::ErrorKind::AlreadyExists`] where something has the name.
+    pub fn publish_new(self) -> Result<(), OutputError> {
+        let Self { path, kind } = self;
+        let published = match kind {
+            Kind::Device(text) => write_to_device(&path, &text),
+            Kind::File { target, temporary } => temporary.name(&target),
+        };
+        published.map_err(|reason| OutputError { path, reason })
+    }
+}
+
+impl Temporary {
+    fn replace(self, target: &Path) -> io::Result<()> {
+        match self {
+            #[cfg(target_os = "linux")]
+            Self::Unnamed(file) => unnamed::replace(&file, target),
+            Self::Named(file) => file.persist(target).map(drop).map_err(|error| error.error),
+        }
+    }
+
+    fn name(self, target: &Path) -> io::Result<()> {
+        match self {
+            #[cfg(target_os = "linux")]
+            Self::Unnamed(file) => unnamed::name(&file, target),
+            Self::Named(file) => file.persist_noclobber(target).map(drop).map_err(|error| error.error),
+        }
+    }
+}
+
+fn write_to_device(path: &Path, text: &[u8]) -> io::Result<()> {
+    let mut device = File::options().write(true).open(path)?;
+    device.write_all(text)?;
+    device.flush()
+}
+
+fn directory_of(target: &Path) -> &Path {
+    match target.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}
+
+/// Refuses to replace a file where that would undo what somebody meant by it.
+fn check_replaceable(existing: &Metadata) -> io::Result<()> {
+    if existing.permissions().readonly() {
+        return Err(io::Error::new(io::ErrorKind::PermissionDenied, "it is read-only"));
+    }
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt as _;
+        if existing.nlink() > 1 {
+            let names = existing.nlink();
+            return Err(io::Error::other(format!(
+                "it has {names} names (hard links), and the others would keep the old text; write to another file"
+            )));
+        }
+    }
     Ok(())
 }
 
-fn fill<F>(file: &File, content: F) -> io::Result<()>
+fn fill<F>(file: &File, replaced: Option<&Metadata>, content: F) -> io::Result<()>
 where
     F: FnOnce(&mut dyn Write) -> io::Result<()>,
 {
     let mut buffered = BufWriter::with_capacity(1 << 16, file);
     content(&mut buffered)?;
     buffered.flush()?;
+    if let Some(replaced) = replaced {
+        take_over(file, replaced)?;
+    }
     // A rename can reach the disk before the data does; without this a power cut leaves an empty file.
     file.sync_all()
+}
+
+/// Gives a file the owner and the mode of the one that it will replace.
+#[cfg(unix)]
+fn take_over(file: &File, replaced: &Metadata) -> io::Result<()> {
+    use std::os::unix::fs::{MetadataExt as _, fchown};
+    let own = file.metadata()?;
+    if (own.uid(), own.gid()) != (replaced.uid(), replaced.gid()) {
+        fchown(file, Some(replaced.uid()), Some(replaced.gid())).map_err(|error| {
+            io::Error::new(
+                error.kind(),
+                format!("it belongs to another user or group, which would be lost: {error}"),
+            )
+        })?;
+    }
+    // After the owner: changing that takes set-user-id bits away.
+    file.set_permissions(replaced.permissions())
+}
+
+#[cfg(not(unix))]
+fn take_over(_file: &File, _replaced: &Metadata) -> io::Result<()> {
+    Ok(())
 }
 
 /// Linux can write a file that has no name yet: killed at any moment, the program leaves nothing behind.
 #[cfg(target_os = "linux")]
 mod unnamed {
+    use std::ffi::{OsStr, OsString};
     use std::fs::{self, File};
     use std::io;
     use std::os::fd::AsRawFd as _;
     use std::path::Path;
 
-    use rustix::fs::{AtFlags, CWD, Mode, OFlags};
+    use rustix::fs::{AtFlags, CWD, FlockOperation, Mode, OFlags};
 
     /// A file without a name in the directory, or `None` where the file system has no such thing or
     /// `/proc`, which it is named through, is not there.
@@ -96,13 +238,36 @@ mod unnamed {
         format!("/proc/self/fd/{}", file.as_raw_fd())
     }
 
-    /// Gives the file its name, in place of what had it. A name can only be given where none is, so
-    /// that the whole file has another one in between.
-    pub fn name(file: &File, directory: &Path, target: &Path) -> io::Result<()> {
-        let between = tempfile::Builder::new().prefix(".pylon-").make_in(directory, |path| {
-            Ok(rustix::fs::linkat(CWD, link(file), CWD, path, AtFlags::SYMLINK_FOLLOW)?)
-        })?;
-        between.into_temp_path().persist(target).map_err(|error| error.error)
+    /// Gives the file a name that nothing has.
+    pub fn name(file: &File, target: &Path) -> io::Result<()> {
+        Ok(rustix::fs::linkat(CWD, link(file), CWD, target, AtFlags::SYMLINK_FOLLOW)?)
+    }
+
+    /// Gives the file a name, in place of what had it. The system names a file only where no other is, so a name that
+    /// is taken needs another one in between. That is always the same: killed at this moment, the program leaves it
+    /// behind, and the next one that writes the file takes it away.
+    pub fn replace(file: &File, target: &Path) -> io::Result<()> {
+        match name(file, target) {
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+            named => return named,
+        }
+        // One at a time: another program that replaces a file here would take away the name in between.
+        let directory = File::open(super::directory_of(target))?;
+        rustix::fs::flock(&directory, FlockOperation::LockExclusive)?;
+        let between = target.with_file_name(between_name(target.file_name().unwrap_or_default()));
+        match fs::remove_file(&between) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+            _ => {}
+        }
+        name(file, &between)?;
+        fs::rename(&between, target)
+    }
+
+    pub fn between_name(name: &OsStr) -> OsString {
+        let mut between = OsString::from(".");
+        between.push(name);
+        between.push(".pylon-new");
+        between
     }
 }
 
@@ -219,5 +384,76 @@ mod tests {
         fs::write(&reference, "").unwrap();
         let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
         assert_eq!(mode(&file), mode(&reference));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_replaced_file_keeps_its_mode_and_owner() {
+        use std::os::unix::fs::{MetadataExt as _, PermissionsExt as _, chown};
+        let directory = tempfile::tempdir().unwrap();
+        let file = directory.path().join("ours.toml");
+        fs::write(&file, "old").unwrap();
+        fs::set_permissions(&file, fs::Permissions::from_mode(0o640)).unwrap();
+        let may_give_away = chown(&file, Some(12_345), Some(54_321)).is_ok();
+        if !may_give_away {
+            println!("skipped: another owner (only root may give files away)");
+        }
+        let before = fs::metadata(&file).unwrap();
+        write_atomically(&file, |out| out.write_all(b"new")).unwrap();
+        let after = fs::metadata(&file).unwrap();
+        assert_eq!(fs::read(&file).unwrap(), b"new");
+        assert_eq!(after.permissions().mode() & 0o7777, 0o640);
+        assert_eq!((after.uid(), after.gid()), (before.uid(), before.gid()));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_read_only_file_and_one_with_two_names_are_not_replaced() {
+        use std::os::unix::fs::PermissionsExt as _;
+        let directory = tempfile::tempdir().unwrap();
+        let file = directory.path().join("ours.toml");
+        fs::write(&file, "old").unwrap();
+        fs::set_permissions(&file, fs::Permissions::from_mode(0o444)).unwrap();
+        let refused = write_atomically(&file, |out| out.write_all(b"new")).unwrap_err().to_string();
+        assert!(refused.ends_with("ours.toml: can not be written: it is read-only"), "{refused}");
+        fs::set_permissions(&file, fs::Permissions::from_mode(0o644)).unwrap();
+        fs::hard_link(&file, directory.path().join("theirs.toml")).unwrap();
+        let refused = write_atomically(&file, |out| out.write_all(b"new")).unwrap_err().to_string();
+        assert!(refused.contains("it has 2 names (hard links)"), "{refused}");
+        assert_eq!(fs::read(&file).unwrap(), b"old");
+        assert_eq!(names(directory.path()), ["ours.toml", "theirs.toml"]);
+    }
+
+    #[test]
+    fn what_is_prepared_and_dropped_was_never_there() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("out.csv");
+        drop(prepare(&path, |out| out.write_all(b"x")).unwrap());
+        assert!(names(directory.path()).is_empty());
+    }
+
+    #[test]
+    fn a_new_file_takes_no_name_that_another_was_given_meanwhile() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("ours.toml");
+        let [first, second] =
+            ["first", "second"].map(|text| prepare(&path, |out| out.write_all(text.as_bytes())).unwrap());
+        first.publish_new().unwrap();
+        let refused = second.publish_new().unwrap_err();
+        assert_eq!(refused.reason.kind(), io::ErrorKind::AlreadyExists);
+        assert_eq!(fs::read(&path).unwrap(), b"first");
+        assert_eq!(names(directory.path()), ["ours.toml"]);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn what_a_killed_program_left_is_taken_away_by_the_next() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("out.csv");
+        fs::write(&path, "old").unwrap();
+        fs::write(directory.path().join(unnamed::between_name(path.file_name().unwrap())), "left").unwrap();
+        write_atomically(&path, |out| out.write_all(b"new")).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert_eq!(names(directory.path()), ["out.csv"]);
     }
 }

@@ -10,30 +10,31 @@ use serde_json::Value;
 #[test]
 fn bits_that_are_the_same_are_status_0_and_others_status_1() {
     let directory = tempfile::tempdir().unwrap();
-    Recipe { captive_s: 14.0, free_s: 3.0, ..Recipe::default() }.write(directory.path());
+    // Without inertial samples it takes 3 s of free flight to decide that there was a launch.
+    Recipe { captive_s: 14.0, free_s: 8.0, ..Recipe::default() }.write(directory.path());
     let text = stdout(directory.path(), &["fly", "made.csv"]);
     assert!(
         text.starts_with("made.csv: the emulated flight computer and the host agree to the bit"),
         "{text}"
     );
-    // 850 rows of 20 ms, the last at 16.98 s, on ticks of 5 ms.
+    // 1,100 rows of 20 ms, the last at 21.98 s, on ticks of 5 ms.
     for part in [
-        "all 3397 ticks",
+        "all 4397 ticks",
         "instructions a tick",
         "mission",
         "stack",
         "latched              at 14.000 s",
-        "on chips: 850 rows on 3397 ticks",
+        "on chips: 1100 rows on 4397 ticks",
         "m from ideal sensors (within",
     ] {
         assert!(text.contains(part), "{part}: {text}");
     }
     let ideal = stdout(directory.path(), &["fly", "made.csv", "--ideal-sensors"]);
-    assert!(ideal.contains("all 850 ticks") && ideal.contains("sensors              ideal"), "{ideal}");
+    assert!(ideal.contains("all 1100 ticks") && ideal.contains("sensors              ideal"), "{ideal}");
     let same: Value =
         serde_json::from_str(&stdout(directory.path(), &["fly", "made.csv", "--json"])).unwrap();
     assert_eq!(same["bit_for_bit"], true);
-    assert_eq!(same["ticks"], 3397);
+    assert_eq!(same["ticks"], 4397);
     assert_eq!(same["chips"]["agreement"]["baro"]["within_bound"], true);
     assert!(same["instructions_mean"].as_f64().unwrap() > 100.0);
 

@@ -225,7 +225,7 @@ fn a_refused_report_leaves_no_file() {
         .unwrap();
     let before = files(directory.path());
     for arguments in [
-        &["report", "made.csv", "cut.csv", "-o", "report.html"][..],
+        &["report", "made.csv", "cut.csv", "--strict", "-o", "report.html"][..],
         &["report", "absent.csv", "-o", "report.html"],
         &["report", "made.csv", "--calibrate", "900..950", "-o", "report.html"],
         &["report", "made.csv", "--model", "absent.toml", "-o", "report.html"],

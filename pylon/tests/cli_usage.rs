@@ -22,7 +22,7 @@ fn bad_usage_is_one_line_and_status_2() {
     );
     assert!(refused(&["compare", "x.csv", "--step=-3"]).contains("expected a positive number"));
     assert!(
-        refused(&["simulate", "x.toml", "-o", "a", "--truth", "a"]).contains("would overwrite the flight")
+        refused(&["simulate", "x.toml", "-o", "a", "--truth", "a"]).contains("would both be written to it")
     );
 }
 

@@ -2,8 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::check::{opened, sealed};
-
 /// Bytes kept of the name of a panic's source file: its end.
 pub const PLACE_BYTES: usize = 16;
 
@@ -89,7 +87,7 @@ pub struct CrashRecord {
     pub place: [u8; PLACE_BYTES],
 }
 
-const WORDS: usize = 9 + PLACE_BYTES / 4;
+pub(crate) const WORDS: usize = 9 + PLACE_BYTES / 4;
 /// A record with its check.
 pub(crate) const SEALED_WORDS: usize = WORDS + 1;
 
@@ -132,22 +130,21 @@ impl CrashRecord {
         self.place.get(..length).and_then(|name| core::str::from_utf8(name).ok()).unwrap_or_default()
     }
 
-    pub(crate) fn to_words(self) -> [u32; SEALED_WORDS] {
+    pub(crate) fn to_words(self) -> [u32; WORDS] {
         let cause = u32::from(self.cause as u8) | u32::from(self.late) << 8 | u32::from(self.exception) << 16;
         let mut place = [0; PLACE_BYTES / 4];
         for (word, bytes) in place.iter_mut().zip(self.place.chunks_exact(4)) {
             *word = bytes.iter().rev().fold(0, |word, byte| word << 8 | u32::from(*byte));
         }
         let [one, two, three, four] = place;
-        sealed([
+        [
             cause, self.pc, self.lr, self.cfsr, self.hfsr, self.mmfar, self.bfar, self.count, self.line, one,
             two, three, four,
-        ])
+        ]
     }
 
-    pub(crate) fn from_words(words: &[u32; SEALED_WORDS]) -> Option<Self> {
-        let [first, pc, lr, cfsr, hfsr, mmfar, bfar, count, line, name @ ..] =
-            opened::<WORDS, SEALED_WORDS>(words)?;
+    pub(crate) fn from_words(words: [u32; WORDS]) -> Option<Self> {
+        let [first, pc, lr, cfsr, hfsr, mmfar, bfar, count, line, name @ ..] = words;
         let mut bytes = name.iter().flat_map(|word| word.to_le_bytes());
         Some(Self {
             cause: Cause::from_byte(first as u8)?,
@@ -171,7 +168,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn comes_back_as_it_went_and_not_otherwise() {
+    fn comes_back_as_it_went() {
         for cause in (0..=u8::MAX).filter_map(Cause::from_byte) {
             let record = CrashRecord {
                 late: 5,
@@ -185,17 +182,10 @@ mod tests {
                 count: u32::MAX,
                 ..CrashRecord::new(cause).at("firmware/src/mutation.rs", 77)
             };
-            let words = record.to_words();
-            assert_eq!(CrashRecord::from_words(&words), Some(record));
+            assert_eq!(CrashRecord::from_words(record.to_words()), Some(record));
             assert_eq!(record.file(), "/src/mutation.rs");
-            for bit in 0..SEALED_WORDS * 32 {
-                let mut changed = words;
-                changed[bit / 32] ^= 1 << (bit % 32);
-                assert_eq!(CrashRecord::from_words(&changed), None);
-            }
         }
         assert_eq!((0..=u8::MAX).filter_map(Cause::from_byte).count(), 8);
-        assert_eq!(CrashRecord::from_words(&[0; SEALED_WORDS]), None);
         assert_eq!(CrashRecord::new(Cause::Panic).at("a.rs", 1).file(), "a.rs");
     }
 }

@@ -1,14 +1,16 @@
-//! How often the flight computer has restarted lately: a crash that comes back at once must not keep it
-//! busy with restarts for good.
+//! How often the flight computer has restarted, and whether it crashes again as soon as it runs.
 
-use crate::check::{opened, sealed};
+/// So many crashes in a row are borne without a pause.
+pub const CRASHES_AT_ONCE: u32 = 3;
+/// A run of this length ends a row of crashes, microseconds: four crashes within ten seconds are one.
+pub const STEADY_US: u64 = 3_333_333;
+/// The first pause, microseconds: longer than the watchdog's 0.25 s and than the transients, of up to a second, that a crash may come
+/// from; each next one is twice as long.
+pub const FIRST_PAUSE_US: u64 = 1_000_000;
+/// The longest: a flight computer that crashes at once is tried again more than three times a minute.
+pub const LONGEST_PAUSE_US: u64 = 16_000_000;
 
-/// So many restarts...
-pub const LOOP_RESTARTS: usize = 4;
-/// ... within this time of the mission are a loop, microseconds.
-pub const LOOP_US: u64 = 10_000_000;
-
-const WORDS: usize = 1 + 2 * LOOP_RESTARTS;
+pub(crate) const WORDS: usize = 4;
 pub(crate) const SEALED_WORDS: usize = WORDS + 1;
 
 /// The restarts since power-on.
@@ -16,45 +18,42 @@ pub(crate) const SEALED_WORDS: usize = WORDS + 1;
 pub struct History {
     /// How many there were.
     pub restarts: u32,
-    /// When the last ones were, by the mission's clock, microseconds; the newest last.
-    times_us: [u64; LOOP_RESTARTS],
+    /// How many of the last ones were crashes, each after a run shorter than [`STEADY_US`].
+    pub crashes: u32,
+    /// Where the mission's clock went on at the last one, microseconds.
+    pub resumed_us: u64,
 }
 
 impl History {
-    /// Notes one more.
+    /// Counts one more, of a run that ended at `ended_us` of the mission's clock; the next begins at `resumed_us`. Only what
+    /// `is_crash` counts towards a pause.
     #[must_use]
-    pub fn with_restart(self, time_us: u64) -> Self {
-        let [_, older @ ..] = self.times_us;
-        let mut times = older.into_iter().chain([time_us]);
-        Self {
-            restarts: self.restarts.saturating_add(1),
-            times_us: core::array::from_fn(|_| times.next().unwrap_or(0)),
+    pub const fn with_restart(self, is_crash: bool, ended_us: u64, resumed_us: u64) -> Self {
+        let ran_us = ended_us.saturating_sub(self.resumed_us);
+        let crashes = match is_crash {
+            false => self.crashes,
+            true if ran_us >= STEADY_US => 1,
+            true => self.crashes.saturating_add(1),
+        };
+        Self { restarts: self.restarts.saturating_add(1), crashes, resumed_us }
+    }
+
+    /// How long to stand by before the mission goes on, microseconds, after a crash that is the last of [`Self::crashes`].
+    #[must_use]
+    pub const fn pause_us(&self) -> u64 {
+        match self.crashes.checked_sub(CRASHES_AT_ONCE + 1) {
+            None => 0,
+            Some(doublings @ 0..4) => FIRST_PAUSE_US << doublings,
+            Some(_) => LONGEST_PAUSE_US,
         }
     }
 
-    /// Whether the last [`LOOP_RESTARTS`] restarts lie within [`LOOP_US`].
-    #[must_use]
-    pub fn is_loop(&self) -> bool {
-        let [first, .., last] = self.times_us;
-        self.restarts as usize >= LOOP_RESTARTS && last.saturating_sub(first) <= LOOP_US
+    pub(crate) const fn to_words(self) -> [u32; WORDS] {
+        [self.restarts, self.crashes, self.resumed_us as u32, (self.resumed_us >> 32) as u32]
     }
 
-    pub(crate) fn to_words(self) -> [u32; SEALED_WORDS] {
-        let mut words = [self.restarts; WORDS];
-        let times = self.times_us.iter().flat_map(|time_us| [*time_us as u32, (time_us >> 32) as u32]);
-        for (word, half) in words.iter_mut().skip(1).zip(times) {
-            *word = half;
-        }
-        sealed(words)
-    }
-
-    pub(crate) fn from_words(words: &[u32; SEALED_WORDS]) -> Option<Self> {
-        let [restarts, times @ ..] = opened::<WORDS, SEALED_WORDS>(words)?;
-        let mut pairs = times.chunks_exact(2).map(|pair| match pair {
-            [low, high] => u64::from(*low) | u64::from(*high) << 32,
-            _ => 0,
-        });
-        Some(Self { restarts, times_us: core::array::from_fn(|_| pairs.next().unwrap_or(0)) })
+    pub(crate) const fn from_words([restarts, crashes, low, high]: [u32; WORDS]) -> Self {
+        Self { restarts, crashes, resumed_us: low as u64 | (high as u64) << 32 }
     }
 }
 
@@ -62,25 +61,44 @@ impl History {
 mod tests {
     use super::*;
 
+    /// Crashes after runs of these lengths.
+    fn after(runs_us: &[u64]) -> History {
+        runs_us.iter().fold(History::default(), |history, ran_us| {
+            let ended_us = history.resumed_us + ran_us;
+            history.with_restart(true, ended_us, ended_us + 100_000)
+        })
+    }
+
     #[test]
-    fn the_fourth_restart_within_ten_seconds_is_a_loop() {
-        let at = |times: &[u64]| times.iter().fold(History::default(), |history, t| history.with_restart(*t));
-        assert!(!at(&[1_000, 2_000, 3_000]).is_loop());
-        assert!(at(&[1_000, 2_000, 3_000, 4_000]).is_loop());
-        assert!(at(&[0, 0, 0, LOOP_US]).is_loop());
-        assert!(!at(&[0, 1, 2, LOOP_US + 1]).is_loop());
-        assert!(at(&[0, 90_000_000, 91_000_000, 92_000_000, 93_000_000]).is_loop());
-        assert!(!at(&[0, 1, 2, 90_000_000, 91_000_000, 92_000_000]).is_loop());
+    fn the_fourth_crash_in_a_row_pauses_and_each_next_one_twice_as_long() {
+        let pauses =
+            |runs| (1..=runs).map(|k| after(&vec![1_000; k]).pause_us() / 1_000_000).collect::<Vec<_>>();
+        assert_eq!(pauses(10), [0, 0, 0, 1, 2, 4, 8, 16, 16, 16]);
+        assert_eq!(History { crashes: u32::MAX, ..after(&[1]) }.pause_us(), LONGEST_PAUSE_US);
+    }
+
+    #[test]
+    fn a_steady_run_ends_the_row() {
+        assert_eq!(
+            after(&[9_000_000, STEADY_US - 1, STEADY_US - 1, STEADY_US - 1]).pause_us(),
+            FIRST_PAUSE_US
+        );
+        assert_eq!(after(&[1, 1, 1, STEADY_US]).crashes, 1);
+        assert_eq!(after(&[1, 1, 1, 1, 1, STEADY_US, 1]).pause_us(), 0);
+    }
+
+    #[test]
+    fn what_is_no_crash_counts_as_a_restart_only() {
+        let dips = (1..=20).fold(History::default(), |history, k| history.with_restart(false, k, k));
+        assert_eq!((dips.restarts, dips.crashes, dips.pause_us()), (20, 0, 0));
+        let between =
+            after(&[1, 1, 1]).with_restart(false, 400_000, 400_000).with_restart(true, 400_001, 400_002);
+        assert_eq!((between.restarts, between.crashes), (5, 4));
     }
 
     #[test]
     fn comes_back_as_it_went() {
-        let history = History::default().with_restart(1 << 40).with_restart(u64::MAX);
-        let words = history.to_words();
-        assert_eq!(History::from_words(&words), Some(history));
-        let mut changed = words;
-        changed[3] ^= 1;
-        assert_eq!(History::from_words(&changed), None);
-        assert_eq!(History::from_words(&[0; SEALED_WORDS]), None);
+        let history = History { restarts: 7, crashes: 3, resumed_us: (1 << 40) + 5 };
+        assert_eq!(History::from_words(history.to_words()), history);
     }
 }

@@ -1,7 +1,6 @@
 //! What the flight computer keeps over a reset, how it knows that it is alive, and how it starts again.
 //!
-//! Nothing here knows a chip: memory comes as plain words and bytes, time as numbers. The firmware lays
-//! [`RetainedMemory`] over memory that a reset leaves alone (`firmware/src/retained.rs`).
+//! Nothing here knows a chip: memory comes as plain words ([`WordMemory`]), time as numbers.
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 
@@ -10,6 +9,7 @@ mod clock;
 mod crash;
 mod history;
 mod memory;
+mod oscillator;
 mod report;
 mod slots;
 mod start;
@@ -18,10 +18,14 @@ mod tick_mark;
 
 pub use clock::WideClock;
 pub use crash::{Cause, CrashRecord, PLACE_BYTES};
-pub use history::{History, LOOP_RESTARTS, LOOP_US};
-pub use memory::{BOARD_WORDS, CrashCell, HistoryCell, RETAINED_BYTES, RetainedMemory};
+pub use history::{CRASHES_AT_ONCE, FIRST_PAUSE_US, History, LONGEST_PAUSE_US, STEADY_US};
+pub use memory::{
+    BOARD, BOARD_WORDS, RETAINED_WORDS, RetainedImage, WordMemory, history, keep_crash, keep_history,
+    take_crash,
+};
+pub use oscillator::{ClockTree, NoClock, Oscillator, start_clock};
 pub use report::RestartReport;
-pub use slots::{PAYLOAD_BYTES, Recovered, Refusal, SlotError, Slots};
+pub use slots::{PAYLOAD_BYTES, Refusal, Slot, SlotError, SlotOrder, clear_slots, read_slot};
 pub use start::{Found, ResetSource, Start};
 pub use supervisor::{Late, Supervised, Supervisor};
-pub use tick_mark::{Flight, TickMark, TickMarks};
+pub use tick_mark::{Flight, MarkWriter, TickMark, clear_marks, newest_mark};

@@ -26,4 +26,6 @@ pub struct RestartReport {
     pub resumed_us: u64,
     /// Restarts since power-on.
     pub restarts: u32,
+    /// How long the flight computer has stood by before it went on, because it kept crashing, microseconds.
+    pub pause_us: u64,
 }

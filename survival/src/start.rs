@@ -16,7 +16,8 @@ pub enum Start {
     Resumed,
     /// It was reset in free flight, and no snapshot can be believed: the calibration is lost.
     Lost,
-    /// It has restarted too often within too short a time: there is no mission any more.
+    /// It has crashed too often within too short a time, and there is no mission any more: only with
+    /// `Guard::StandbyEnds` taken out.
     Standby,
     /// It was reset while a launch was suspected: the calibration is held, and the launch still to be decided.
     Suspected,
@@ -89,13 +90,13 @@ impl Found {
         (self.mark.is_some() || self.crash.is_some()) && (by_itself || self.umbilical_is_open != Some(false))
     }
 
-    /// How to start: [`Start::Resumed`] and [`Start::Suspected`] if there is a snapshot that can be believed. `is_loop` is
-    /// [`crate::History::is_loop`] with this restart in it.
+    /// How to start: [`Start::Resumed`] and [`Start::Suspected`] if there is a snapshot that can be believed.
+    /// `stands_by_for_ever`: with standby's end taken out.
     #[must_use]
-    pub fn start(&self, is_loop: bool) -> Start {
+    pub fn start(&self, stands_by_for_ever: bool) -> Start {
         match self.mark.map(|mark| mark.flight) {
             _ if !self.is_interrupted() => Start::Cold,
-            _ if is_loop => Start::Standby,
+            _ if stands_by_for_ever => Start::Standby,
             Some(Flight::Free) => Start::Resumed,
             Some(Flight::Suspected) => Start::Suspected,
             Some(Flight::Captive) | None => Start::Captive,

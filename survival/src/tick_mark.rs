@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::check::{opened, sealed};
+use crate::memory::{MARKS, WordMemory, read_sealed, write_sealed};
 
 /// How far the flight had come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -43,50 +43,63 @@ pub struct TickMark {
     pub flight: Flight,
 }
 
-const WORDS: usize = 5;
+const WORDS: usize = 4;
+const SEALED_WORDS: usize = WORDS + 1;
+pub(crate) const MARKS_WORDS: usize = 2 * SEALED_WORDS;
 
-/// Two marks, written in turn: a reset while one is written leaves the other.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(C)]
-pub struct TickMarks {
-    marks: [[u32; WORDS]; 2],
+const fn start(place: usize) -> usize {
+    MARKS + place * SEALED_WORDS
 }
 
-impl TickMarks {
-    /// None.
-    pub const EMPTY: Self = Self { marks: [[0; WORDS]; 2] };
+/// Writes marks into two places in turn: a reset while one is written leaves the other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MarkWriter {
+    /// The place of the older mark.
+    next: usize,
+}
+
+impl MarkWriter {
+    /// Goes on from what there is.
+    #[must_use]
+    pub fn find(memory: &impl WordMemory) -> Self {
+        let [first, second] = [0, 1].map(|place| read(memory, place));
+        Self { next: usize::from(is_first_newest(first, second)) }
+    }
 
     /// Keeps a mark in the place of the older one.
     #[inline]
-    pub fn keep(&mut self, mark: &TickMark) {
-        let [first, second] = &mut self.marks;
-        // The newest must stay whole while the other is written, whether or not the other is sound.
-        let place = match (read(first), read(second)) {
-            (Some(one), Some(other)) if one.time_us > other.time_us => second,
-            (Some(_), None) => second,
-            _ => first,
-        };
+    pub fn keep(&mut self, memory: &mut impl WordMemory, mark: &TickMark) {
         let bits = u32::from(mark.flags)
             | (mark.flight as u32) << 8
             | u32::from(mark.suspicions & 63) << 10
             | u32::from(mark.failed_checks) << 16;
-        *place = sealed([mark.time_us as u32, (mark.time_us >> 32) as u32, mark.count, bits]);
-    }
-
-    /// The newest mark whose check is right.
-    #[must_use]
-    pub fn newest(&self) -> Option<TickMark> {
-        let [first, second] = &self.marks;
-        match (read(first), read(second)) {
-            (Some(first), Some(second)) if second.time_us > first.time_us => Some(second),
-            (None, second) => second,
-            (first, _) => first,
-        }
+        let words = [mark.time_us as u32, (mark.time_us >> 32) as u32, mark.count, bits];
+        write_sealed(memory, start(self.next), words);
+        self.next ^= 1;
     }
 }
 
-fn read(words: &[u32; WORDS]) -> Option<TickMark> {
-    let [low, high, count, bits] = opened(words)?;
+/// The newest mark whose check is right.
+#[must_use]
+pub fn newest_mark(memory: &impl WordMemory) -> Option<TickMark> {
+    let [first, second] = [0, 1].map(|place| read(memory, place));
+    if is_first_newest(first, second) { first } else { second }
+}
+
+/// Empties both places.
+pub fn clear_marks(memory: &mut impl WordMemory) {
+    (MARKS..MARKS + MARKS_WORDS).for_each(|word| memory.write(word, 0));
+}
+
+fn is_first_newest(first: Option<TickMark>, second: Option<TickMark>) -> bool {
+    match (first, second) {
+        (Some(first), Some(second)) => first.time_us >= second.time_us,
+        (first, _) => first.is_some(),
+    }
+}
+
+fn read(memory: &impl WordMemory, place: usize) -> Option<TickMark> {
+    let [low, high, count, bits] = read_sealed(memory, start(place))?;
     Some(TickMark {
         time_us: u64::from(low) | u64::from(high) << 32,
         count,
@@ -100,6 +113,7 @@ fn read(words: &[u32; WORDS]) -> Option<TickMark> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::RetainedImage;
     use proptest::prelude::*;
 
     fn mark(time_us: u64) -> TickMark {
@@ -116,30 +130,33 @@ mod tests {
 
     #[test]
     fn nothing_and_garbage_are_no_mark() {
-        assert_eq!(TickMarks::EMPTY.newest(), None);
-        assert_eq!(TickMarks { marks: [[u32::MAX; WORDS]; 2] }.newest(), None);
+        let mut memory = RetainedImage::default();
+        assert_eq!(newest_mark(&memory), None);
+        memory.words_mut().fill(u32::MAX);
+        assert_eq!(newest_mark(&memory), None);
     }
 
     proptest! {
         #[test]
-        fn any_word_of_the_write_torn_leaves_this_mark_or_the_last(
-            ticks in 1_u64..20, word in 0_usize..2 * WORDS, garbage in any::<u32>(),
+        fn a_write_cut_at_any_word_leaves_this_mark_or_the_last_and_the_next_start_goes_on_from_it(
+            ticks in 1_u64..20, cut in 0_u32..=SEALED_WORDS as u32,
         ) {
-            let mut marks = TickMarks::EMPTY;
-            let mut before = marks;
+            let mut memory = RetainedImage::default();
+            let mut writer = MarkWriter::find(&memory);
             for tick in 1..=ticks {
-                before = marks;
-                marks.keep(&mark(tick << 30));
-                prop_assert_eq!(marks.newest(), Some(mark(tick << 30)));
+                writer.keep(&mut memory, &mark(tick << 30));
+                prop_assert_eq!(newest_mark(&memory), Some(mark(tick << 30)));
             }
-            // One word of what the last write changed has not come through.
-            let (copy, word) = (word / WORDS, word % WORDS);
-            if marks.marks[copy] != before.marks[copy] {
-                marks.marks[copy][word] = garbage;
-            }
-            let newest = marks.newest();
-            let last = (ticks > 1).then(|| mark((ticks - 1) << 30));
-            prop_assert!(newest == Some(mark(ticks << 30)) || newest == last, "{:?}", newest);
+            memory.cut_after(cut);
+            writer.keep(&mut memory, &mark((ticks + 1) << 30));
+            let last = if cut == SEALED_WORDS as u32 { ticks + 1 } else { ticks };
+            prop_assert_eq!(newest_mark(&memory), Some(mark(last << 30)));
+            memory.restore_supply();
+            // The next start writes over the torn one: cut again, the same mark is left.
+            let mut writer = MarkWriter::find(&memory);
+            memory.cut_after(2);
+            writer.keep(&mut memory, &mark((ticks + 2) << 30));
+            prop_assert_eq!(newest_mark(&memory), Some(mark(last << 30)));
         }
     }
 }

@@ -3,6 +3,7 @@
 use heapless::Deque;
 use kf_core::effect::EffectId;
 use kf_core::input::LaunchDoubt;
+use kf_core::launch::WireCondition;
 use kf_core::output::{Agreement, Trust};
 use kf_core::quality::{Check, FailedChecks};
 use kf_core::sensor::Sensor;
@@ -47,8 +48,10 @@ pub enum Event {
         /// The bound, metres.
         bound_m: f32,
     },
-    /// What stands behind the launch discrete changed.
+    /// What stands behind the launch changed.
     Launch(LaunchDoubt),
+    /// The umbilical's wire is no witness any more, or is one again.
+    Wire(WireCondition),
     /// The flight computer was restarted, after that.
     Restarted(Cause),
     /// A copy of what was kept was not believed.
@@ -69,8 +72,15 @@ pub enum Event {
     Captive,
     /// The flight computer started after that, and uses nothing of what was kept.
     Cold(Cause),
-    /// It has restarted too often, the last time after that: there is no mission any more.
-    Standby(Cause),
+    /// It keeps crashing, the last time so, and stands by before the mission goes on.
+    Standby {
+        /// After what.
+        cause: Cause,
+        /// For how long, microseconds.
+        pause_us: u64,
+    },
+    /// It runs on its internal oscillator, because the crystal did not start.
+    InternalClock,
     /// Which effect a coefficient belongs to.
     Effect {
         /// The number in the name of the coefficient.
@@ -95,14 +105,17 @@ impl Event {
     /// | both sensors, without a reference | notice, warning, error | `t=160.000 baro-imu_slave doubtful 30.2>29.9m`, `agree`, `disagree` (moving average) |
     /// | launch suspected | warning | `t=129.995 launch suspected, calibration held` |
     /// | and was none | notice | `t=130.105 launch not confirmed, calibrating` |
-    /// | launched, by the wire alone | warning | `t=130.105 launched, by the wire alone` |
+    /// | launched, and nothing confirms it | warning | `t=130.105 launched, not confirmed` |
+    /// | the wire was found broken; unreadable | warning | `t=130.400 umbilical's wire broken` |
+    /// | and is whole again | notice | `t=131.000 umbilical's wire closed` |
     /// | restart, and after what | error | `t=140.000 restart: a panic` |
     /// | a copy that was not believed, and why | critical | `t=140.000 copy 0 refused: corrupt` |
     /// | restart in free flight, and of how long nothing is known | error | `t=140.000 resumed, 0.150s not known` |
     /// | the same without a copy that could be believed | critical | `t=140.000 calibration lost in the restart` |
     /// | restart in captive flight | warning | `t=140.000 calibration starts again` |
     /// | start that uses nothing of what was kept, and after what | notice | `t=0.000 cold start: a loss of power` |
-    /// | too many restarts | emergency | `t=140.000 standby: a hard fault` |
+    /// | too many crashes | emergency | `t=140.000 standby 2s: a hard fault` |
+    /// | no crystal | error | `t=0.000 no crystal: clock 1% to 4% off` |
     /// | coefficient's effect | info | `c_0 is baro.dynamic_pressure` |
     #[inline(never)]
     pub fn message(&self, time_us: u64) -> STATUSTEXT_DATA {
@@ -158,6 +171,13 @@ impl Event {
                     .metres(bound_m)
                     .text("m"),
             ),
+            Self::Wire(wire) => {
+                let severity = match wire {
+                    WireCondition::Closed | WireCondition::Open => MavSeverity::MAV_SEVERITY_NOTICE,
+                    WireCondition::Broken | WireCondition::Unreadable => MavSeverity::MAV_SEVERITY_WARNING,
+                };
+                (severity, *at().text("umbilical's wire ").text(wire.name()))
+            }
             Self::Launch(LaunchDoubt::Suspected) => {
                 (MavSeverity::MAV_SEVERITY_WARNING, *at().text("launch suspected, calibration held"))
             }
@@ -165,7 +185,7 @@ impl Event {
                 (MavSeverity::MAV_SEVERITY_NOTICE, *at().text("launch not confirmed, calibrating"))
             }
             Self::Launch(LaunchDoubt::Unconfirmed) => {
-                (MavSeverity::MAV_SEVERITY_WARNING, *at().text("launched, by the wire alone"))
+                (MavSeverity::MAV_SEVERITY_WARNING, *at().text("launched, not confirmed"))
             }
             Self::Restarted(cause) => {
                 (MavSeverity::MAV_SEVERITY_ERROR, *at().text("restart: ").text(cause.name()))
@@ -183,8 +203,12 @@ impl Event {
             Self::Cold(cause) => {
                 (MavSeverity::MAV_SEVERITY_NOTICE, *at().text("cold start: ").text(cause.name()))
             }
-            Self::Standby(cause) => {
-                (MavSeverity::MAV_SEVERITY_EMERGENCY, *at().text("standby: ").text(cause.name()))
+            Self::Standby { cause, pause_us } => (
+                MavSeverity::MAV_SEVERITY_EMERGENCY,
+                *at().text("standby ").number(pause_us / 1_000_000).text("s: ").text(cause.name()),
+            ),
+            Self::InternalClock => {
+                (MavSeverity::MAV_SEVERITY_ERROR, *at().text("no crystal: clock 1% to 4% off"))
             }
             Self::Effect { number, id } => (
                 MavSeverity::MAV_SEVERITY_INFO,
@@ -260,14 +284,21 @@ mod tests {
             ),
             (Event::Launch(LaunchDoubt::Suspected), 4, "t=130.000 launch suspected, calibration held"),
             (Event::Launch(LaunchDoubt::None), 5, "t=130.000 launch not confirmed, calibrating"),
-            (Event::Launch(LaunchDoubt::Unconfirmed), 4, "t=130.000 launched, by the wire alone"),
+            (Event::Launch(LaunchDoubt::Unconfirmed), 4, "t=130.000 launched, not confirmed"),
+            (Event::Wire(WireCondition::Broken), 4, "t=130.000 umbilical's wire broken"),
+            (Event::Wire(WireCondition::Closed), 5, "t=130.000 umbilical's wire closed"),
             (Event::Restarted(Cause::Panic), 3, "t=130.000 restart: a panic"),
             (Event::Refused { copy: 1, refusal: Refusal::Corrupt }, 2, "t=130.000 copy 1 refused: corrupt"),
             (Event::Resumed { gap_ms: 150 }, 3, "t=130.000 resumed, 0.150s not known"),
             (Event::Lost, 2, "t=130.000 calibration lost in the restart"),
             (Event::Captive, 4, "t=130.000 calibration starts again"),
             (Event::Cold(Cause::Supply), 5, "t=130.000 cold start: a loss of power"),
-            (Event::Standby(Cause::HardFault), 0, "t=130.000 standby: a hard fault"),
+            (
+                Event::Standby { cause: Cause::HardFault, pause_us: 16_000_000 },
+                0,
+                "t=130.000 standby 16s: a hard fault",
+            ),
+            (Event::InternalClock, 3, "t=130.000 no crystal: clock 1% to 4% off"),
             (Event::Monitored(Sensor::ImuSlave), 5, "t=130.000 imu_slave monitored again"),
             (
                 Event::Effect { number: 0, id: EffectId::BaroDynamicPressure },
@@ -313,10 +344,15 @@ mod tests {
         for doubt in [LaunchDoubt::None, LaunchDoubt::Suspected, LaunchDoubt::Unconfirmed] {
             take(Event::Launch(doubt));
         }
+        for wire in
+            [WireCondition::Closed, WireCondition::Open, WireCondition::Broken, WireCondition::Unreadable]
+        {
+            take(Event::Wire(wire));
+        }
         for cause in CAUSES {
             take(Event::Restarted(cause));
             take(Event::Cold(cause));
-            take(Event::Standby(cause));
+            take(Event::Standby { cause, pause_us: 16_000_000 });
         }
         for refusal in REFUSALS {
             take(Event::Refused { copy: 1, refusal });

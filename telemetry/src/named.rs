@@ -10,7 +10,8 @@
 //! | `tas`, `aoa`, `sideslip` | true airspeed, angle of attack, sideslip | m/s, rad, rad |
 //! | `throttle` | throttle, 0 to 1 | 1 |
 //! | `oat` | outside air temperature | degrees Celsius |
-//! | `launch` | the launch discrete: 0, or 1 once it is open; at once when it changes | 1 |
+//! | `launch` | 0, or 1 once the launch is decided; at once when it changes | 1 |
+//! | `wire` | the umbilical's wire: 0 closed, 1 open, 2 broken (open, and no launch), 3 unreadable | 1 |
 //!
 //! Of each sensor (`_master`, `_slave`, `_baro`):
 //!
@@ -38,6 +39,7 @@
 
 use mavlink::types::CharArray;
 
+use kf_core::launch::WireCondition;
 use kf_core::output::Trust;
 use kf_core::sensor::{SENSORS, Sensor};
 
@@ -110,6 +112,8 @@ names! {
     FAILED_CHECKS = "checks",
     /// See the table.
     TICKS = "ticks",
+    /// See the table.
+    WIRE = "wire",
 }
 
 /// Names of one value of every sensor, in the order of [`Sensor`].
@@ -187,6 +191,17 @@ pub const fn trust_number(trust: Trust) -> f32 {
         Trust::Doubtful => 2.0,
         Trust::Untrustworthy => 3.0,
         Trust::Unmonitored => 4.0,
+    }
+}
+
+/// The number that stands for what the umbilical's wire is taken for.
+#[must_use]
+pub const fn wire_number(wire: WireCondition) -> f32 {
+    match wire {
+        WireCondition::Closed => 0.0,
+        WireCondition::Open => 1.0,
+        WireCondition::Broken => 2.0,
+        WireCondition::Unreadable => 3.0,
     }
 }
 

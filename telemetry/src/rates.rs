@@ -86,7 +86,7 @@ impl Rates {
         text_us: SECOND_US / 5,
     };
 
-    /// HEARTBEAT, SYS_STATUS, the launch discrete, the outside air temperature.
+    /// HEARTBEAT, SYS_STATUS, the launch, the outside air temperature.
     pub const SECOND_US: u32 = SECOND_US;
     /// The names of the effects, for who joins late.
     pub const ANNOUNCE_US: u32 = 60 * SECOND_US;

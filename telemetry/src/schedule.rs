@@ -31,7 +31,7 @@ impl Due {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Slot {
-    /// The launch discrete.
+    /// Whether the vehicle has left.
     Launch,
     /// HEARTBEAT.
     Heartbeat,

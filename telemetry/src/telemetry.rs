@@ -6,6 +6,7 @@ use kf_core::config::MAX_ESTIMATED_EFFECTS;
 use kf_core::effect::EffectId;
 use kf_core::input::{BaroReading, LaunchDoubt, TickInput};
 use kf_core::latch::LatchRecord;
+use kf_core::launch::WireCondition;
 use kf_core::mission::Counters;
 use kf_core::output::{Agreement, Phase, Rejection, TickOutput, Trust};
 use kf_core::sensor::SENSORS;
@@ -59,12 +60,14 @@ pub struct Telemetry<'a> {
     fix_due: Due,
     first_source: u8,
     announcement_due: Due,
+    clock_is_internal: bool,
     events: Events,
     watch: Watch,
     turns: [Turn; 2],
     counts_at_status: LinkCounts,
     launch: Option<bool>,
     launch_doubt: LaunchDoubt,
+    wire: Option<WireCondition>,
     agreement: Agreement,
     phase: Option<Phase>,
     trust: [Trust; SENSORS],
@@ -103,11 +106,13 @@ impl<'a> Telemetry<'a> {
             fix_due: Due::NOW,
             first_source: 0,
             announcement_due: Due::NOW,
+            clock_is_internal: false,
             events: Events::new(),
             watch: Watch::new(),
             turns: [Turn::ERRORS, Turn::SLOW],
             launch: None,
             launch_doubt: LaunchDoubt::None,
+            wire: None,
             agreement: Agreement::Agree,
             phase: None,
             trust: [Trust::Calibrating; SENSORS],
@@ -142,6 +147,7 @@ impl<'a> Telemetry<'a> {
         let now_ms = boot_ms(now_us);
         self.hold(said, now_ms);
         self.note_events(said, now_us);
+        self.note_wire(computer.wire, now_us);
         // In turn, or on a full line the first of them would have all of it.
         for k in 0..SOURCES {
             self.send_source((self.first_source + k) % SOURCES, said, now_us, now_ms);
@@ -254,8 +260,8 @@ impl<'a> Telemetry<'a> {
     fn send_slot(&mut self, slot: Slot, said: &Said<'_>, computer: &ComputerStatus, now_ms: u32) -> bool {
         match slot {
             Slot::Launch => {
-                let open = if said.input.launch { 1.0 } else { 0.0 };
-                let message = message::named_value_float(now_ms, named::LAUNCH, open);
+                let launched = if said.input.launch { 1.0 } else { 0.0 };
+                let message = message::named_value_float(now_ms, named::LAUNCH, launched);
                 return self.link.offer(MessageKind::NamedValueFloat, &message);
             }
             Slot::Text => {

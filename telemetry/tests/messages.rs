@@ -325,7 +325,8 @@ fn the_status_has_bits_and_counts() {
     flight.counters.sensors[2] = SourceCounters { not_finite: 3, stuck: 4, ..SourceCounters::default() };
     flight.counters.signals_not_finite = 5;
     flight.counters.out_of_order = 6;
-    flight.computer = ComputerStatus { sensor_faults: 70_000, lost_results: 8, load_permille: Some(17) };
+    flight.computer =
+        ComputerStatus { wire: None, sensor_faults: 70_000, lost_results: 8, load_permille: Some(17) };
     second(&mut flight, START_US, |_, _| ());
     // For the next four seconds the barometer is stuck, and there is no fix.
     for k in 1..5 {
@@ -512,7 +513,7 @@ fn doubts_about_the_launch_and_the_cross_check_are_said_with_time_and_cause() {
         (4, "t=7.200 launch suspected, calibration held"),
         (5, "t=7.215 launch not confirmed, calibrating"),
         (4, "t=8.200 launch suspected, calibration held"),
-        (4, "t=9.000 launched, by the wire alone"),
+        (4, "t=9.000 launched, not confirmed"),
         (4, "t=10.400 baro-imu_slave doubtful -4.5>3.4m"),
         (3, "t=10.600 baro-imu_slave disagree -3.9>3.4m"),
     ];
@@ -531,11 +532,20 @@ fn a_start_that_is_no_power_on_is_said_before_all_else() {
         refused: [None; 2],
         resumed_us: START_US,
         restarts: 1,
+        pause_us: 0,
     };
     let none_left = RestartReport { start: Start::Lost, snapshot_us: None, ..resumed };
     let refused = [Some(Refusal::Corrupt), Some(Refusal::OtherModel)];
     for (report, expected) in [
         (resumed, vec![(3, "t=7.000 restart: something stuck"), (3, "t=7.000 resumed, 0.150s not known")]),
+        (
+            RestartReport { pause_us: 2_000_000, ..resumed },
+            vec![
+                (0, "t=7.000 standby 2s: something stuck"),
+                (3, "t=7.000 restart: something stuck"),
+                (3, "t=7.000 resumed, 0.150s not known"),
+            ],
+        ),
         (
             RestartReport { refused: [None, Some(Refusal::NotUnderstood)], ..resumed },
             vec![
@@ -574,7 +584,7 @@ fn a_start_that_is_no_power_on_is_said_before_all_else() {
         let mut texts: Vec<(u8, String)> =
             flight.texts().into_iter().map(|(severity, text)| (severity as u8, text)).collect();
         let last = texts.pop();
-        assert_eq!(last, Some((4, "t=7.000 launched, by the wire alone".to_owned())), "{report:?}");
+        assert_eq!(last, Some((4, "t=7.000 launched, not confirmed".to_owned())), "{report:?}");
         assert_eq!(
             texts,
             expected.iter().map(|(severity, text)| (*severity, (*text).to_owned())).collect::<Vec<_>>()
@@ -583,9 +593,22 @@ fn a_start_that_is_no_power_on_is_said_before_all_else() {
 }
 
 #[test]
-fn without_a_mission_the_cause_is_told_and_nothing_else() {
+fn an_internal_clock_is_said_from_the_start_on_and_again() {
+    let mut queue = FrameQueue::new();
+    let mut flight = Flight::new(&mut queue, Rates::FULL, &[]);
+    flight.telemetry.note_internal_clock();
+    for k in 0..70 {
+        second(&mut flight, START_US + k * 1_000_000, |_, _| ());
+    }
+    let said: Vec<String> = flight.texts().into_iter().map(|(_, text)| text).collect();
+    assert_eq!(said[0], "t=7.000 no crystal: clock 1% to 4% off");
+    assert!(said.iter().filter(|text| text.contains("no crystal")).count() >= 2, "{said:?}");
+}
+
+#[test]
+fn in_standby_the_cause_and_the_pause_are_sent() {
     let report = RestartReport {
-        start: Start::Standby,
+        start: Start::Resumed,
         cause: Cause::HardFault,
         crash: None,
         mark: None,
@@ -593,12 +616,13 @@ fn without_a_mission_the_cause_is_told_and_nothing_else() {
         refused: [None; 2],
         resumed_us: START_US,
         restarts: 4,
+        pause_us: 4_000_000,
     };
     let (sequence, message) = decode(telemetry::standby(&report, 7).bytes());
     let MavMessage::STATUSTEXT(text) = message else { panic!("{message:?}") };
     assert_eq!(
         (sequence, text.severity, text.text.to_str()),
-        (7, MavSeverity::MAV_SEVERITY_EMERGENCY, Ok("t=7.000 standby: a hard fault"))
+        (7, MavSeverity::MAV_SEVERITY_EMERGENCY, Ok("t=3.000 standby 4s: a hard fault"))
     );
 }
 

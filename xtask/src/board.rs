@@ -14,6 +14,15 @@ use crate::workspace::{self, TARGET};
 /// The chip, by `probe-rs`'s name.
 const CHIP: &str = "STM32F405RGTx";
 
+/// The barometer on the board.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Barometer {
+    /// MS5611
+    Ms5611,
+    /// BMP390, on the same pins
+    Bmp390,
+}
+
 /// What to do without `probe-rs`.
 const MISSING: &str = "\
 probe-rs is missing: it writes the image through a debug probe (ST-LINK, J-Link, CMSIS-DAP). Install it with one of
@@ -35,11 +44,11 @@ image that runs";
 ///
 /// # Errors
 /// `probe-rs` or a probe is missing; the model can not be read; the image does not build or does not arrive.
-pub fn flash(model: &str, probe: Option<&str>, echo: bool) -> anyhow::Result<()> {
+pub fn flash(model: &str, barometer: Barometer, probe: Option<&str>, echo: bool) -> anyhow::Result<()> {
     check_probe(echo)?;
     setup::provide(Need::Target, echo)?;
     eprintln!("building the image with model {model}");
-    child::run(&mut image(model), echo).context("the image does not build")?;
+    child::run(&mut image(model, barometer), echo).context("the image does not build")?;
     let built = built_image();
     eprintln!("writing {}", workspace::shown(&built));
     child::run(&mut download(&built, probe), echo).context("the image could not be written")?;
@@ -89,8 +98,12 @@ fn has_no_probe(said: &str) -> bool {
 }
 
 /// The build of the image with a model: a file, or a preset's name, of which the firmware's build knows more.
-fn image(model: &str) -> Command {
-    let mut build = workspace::firmware_build("flight", "board-f405");
+fn image(model: &str, barometer: Barometer) -> Command {
+    let features = match barometer {
+        Barometer::Ms5611 => "board-f405",
+        Barometer::Bmp390 => "board-f405,baro-bmp390",
+    };
+    let mut build = workspace::firmware_build("flight", features);
     // The build runs in the firmware's folder.
     let model = fs::canonicalize(model).unwrap_or_else(|_| PathBuf::from(model));
     build.env("PYLON_MODEL", model).env("DEFMT_LOG", "info");
@@ -159,7 +172,7 @@ mod tests {
 
     #[test]
     fn the_image_has_the_model_and_no_planted_error() {
-        let build = image("paper");
+        let build = image("paper", Barometer::Ms5611);
         let value = |name: &str| build.get_envs().find(|(key, _)| *key == name).map(|(_, value)| value);
         assert_eq!(value("PYLON_MODEL"), Some(Some("paper".as_ref())));
         assert_eq!(value("PYLON_MUTATE"), Some(None));
@@ -172,7 +185,7 @@ mod tests {
     fn a_model_file_is_given_by_a_path_that_holds_in_every_folder() {
         let here = file!();
         let file = workspace::root().join(here);
-        let build = image(&file.display().to_string());
+        let build = image(&file.display().to_string(), Barometer::Bmp390);
         let model = build.get_envs().find(|(key, _)| *key == "PYLON_MODEL").unwrap().1.unwrap();
         assert!(Path::new(model).is_absolute() && Path::new(model).ends_with(here), "{model:?}");
     }

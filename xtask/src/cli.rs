@@ -2,7 +2,8 @@
 
 use clap::{Parser, Subcommand};
 
-use crate::hil;
+use crate::board::Barometer;
+use crate::{campaign, hil};
 
 /// Every job that has to do with this checkout.
 #[derive(Debug, Parser)]
@@ -17,6 +18,7 @@ Examples:
   cargo xtask test budgets   only the steps whose name contains `budgets`, with what they need
   cargo xtask bench          how fast, how small, beside whom
   cargo xtask blind 400      how often a diagnosis is right, on 400 simulated flights
+  cargo xtask campaign       a thousand flights with faults of chips, wires and supply, against the same without
   cargo xtask flash          write the flight computer's image to a board (docs/bring-up.md)
   cargo xtask hil q.csv      fly a flight through a board on its debug probe, and compare every tick with the host
   cargo xtask endurance      ten hours captive, and fifty random flights, in QEMU, bit for bit
@@ -77,6 +79,23 @@ pub enum Job {
         #[arg(long)]
         write: bool,
     },
+    /// Fly random faults through the whole chain, and hold every flight against the same one without them.
+    #[command(after_help = "\
+Examples:
+  cargo xtask campaign                          a thousand runs: a table of fault by phase with the worst consequence
+  cargo xtask campaign 10000 --seed 77          more of them, of another seed
+  cargo xtask campaign --run 42 --seed 77       one of them: what was drawn, what came of it
+  cargo xtask campaign --mutants                take out each guard in turn: the campaign must report it
+  cargo xtask campaign --qemu 50                fly fifty short runs in QEMU instead, every tick bit for bit the host's
+
+Exit status: 0 every invariant was kept; 1 one was broken; 2 bad usage.")]
+    Campaign(campaign::Arguments),
+    /// Compare rules for the monitor on the same residuals, and write docs/monitor-rules.md and its picture.
+    MonitorCurves {
+        /// Seed of the made residuals.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+    },
     /// Build the flight computer's image with a model, write it to a board by its debug probe, and start it.
     #[command(after_help = "\
 Examples:
@@ -89,6 +108,9 @@ It needs probe-rs and a debug probe, and says how to get them. docs/bring-up.md 
         /// A model file, or a preset's name.
         #[arg(long, default_value = "default")]
         model: String,
+        /// The barometer on the board.
+        #[arg(long, value_enum, default_value = "ms5611")]
+        barometer: Barometer,
         /// The probe: VID:PID or VID:PID:SERIAL.
         #[arg(long)]
         probe: Option<String>,

@@ -5,12 +5,14 @@ mod architecture;
 mod bench;
 mod blind;
 mod board;
+mod campaign;
 mod child;
 mod cli;
 mod demo;
 mod endurance;
 mod hil;
 mod improvement;
+mod monitor_curves;
 mod setup;
 mod steps;
 mod story;
@@ -63,8 +65,13 @@ fn run(job: Job, verbose: bool) -> anyhow::Result<ExitCode> {
         Job::Hil(arguments) => return hil::run(&arguments, verbose),
         Job::Bench { json, part } => bench::run(part, json, verbose)?,
         Job::Blind { trials, seed } => blind::run(trials, seed, verbose)?,
+        Job::MonitorCurves { seed } => monitor_curves::run(seed, verbose)?,
         Job::Baselines { trials, seed, write } => blind::baselines(trials, seed, write, verbose)?,
-        Job::Flash { model, probe } => board::flash(&model, probe.as_deref(), verbose)?,
+        Job::Campaign(arguments) => {
+            let is_kept = campaign::run(&arguments, verbose)?;
+            return Ok(if is_kept { ExitCode::SUCCESS } else { ExitCode::FAILURE });
+        }
+        Job::Flash { model, barometer, probe } => board::flash(&model, barometer, probe.as_deref(), verbose)?,
         Job::Log { probe } => board::log(probe.as_deref(), verbose)?,
         Job::Endurance { hours, flights, seed } => endurance::run(hours, flights, seed, verbose)?,
         Job::Measure { command } => bench::measure::print(&command)?,

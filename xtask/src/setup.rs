@@ -90,10 +90,16 @@ impl Need {
             },
             Self::Chromium => first_line(workspace::program(CHROMIUM).arg("--version")),
             Self::Pymavlink => {
-                let version = "import importlib.metadata as m; print('pymavlink==' + m.version('pymavlink'))";
-                let found = first_line(workspace::program(pymavlink_python()).args(["-c", version]))?;
                 let wanted = fs::read_to_string(workspace::root().join(PYMAVLINK_REQUIREMENTS)).ok()?;
-                wanted.lines().any(|line| line == found).then_some(found)
+                let lines = wanted.lines().filter(|line| !line.is_empty() && !line.starts_with('#'));
+                let wanted = lines.collect::<Vec<_>>().join(" ");
+                let names: Vec<&str> =
+                    wanted.split(' ').filter_map(|line| Some(line.split_once("==")?.0)).collect();
+                let versions = format!(
+                    "import importlib.metadata as m; print(*(n + '==' + m.version(n) for n in {names:?}))"
+                );
+                let found = first_line(workspace::program(pymavlink_python()).args(["-c", &versions]))?;
+                (found == wanted).then_some(found)
             }
         }
     }

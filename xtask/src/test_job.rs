@@ -2,6 +2,7 @@
 
 use anyhow::{anyhow, bail};
 
+use crate::campaign;
 use crate::child::{self, Failure};
 use crate::demo;
 use crate::setup::{self, Need, Provided};
@@ -32,6 +33,7 @@ const STEPS: &[Step] = &[
         needs: &[Need::Target, Need::Qemu, Need::Npm, Need::Chromium, Need::Pymavlink],
         run: tests,
     },
+    Step { name: "fault campaign", needs: &[Need::Npm], run: campaign::test },
     Step { name: "demo", needs: &[Need::Target, Need::Qemu, Need::Npm], run: demo::test },
 ];
 
@@ -100,6 +102,7 @@ fn clippy_hil(echo: bool) -> anyhow::Result<Done> {
 }
 
 fn clippy_f405(echo: bool) -> anyhow::Result<Done> {
+    clippy_firmware("board-f405,baro-bmp390", echo)?;
     clippy_firmware("board-f405", echo)
 }
 

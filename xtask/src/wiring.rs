@@ -41,7 +41,9 @@ fn rate_rows(source: &str) -> Vec<String> {
         let number = number.strip_suffix(';')?.replace('_', "");
         let what = comment.split_once(": ").map_or(comment.as_str(), |(what, _)| what);
         // The channel of a DMA stream concerns nobody with a soldering iron.
-        (!comment.starts_with("See [")).then(|| format!("| {} | {number} |", what.trim_end_matches('.')))
+        // Nor does what is no number.
+        (!comment.starts_with("See [") && number.parse::<u64>().is_ok())
+            .then(|| format!("| {} | {number} |", what.trim_end_matches('.')))
     };
     items(source).iter().filter_map(row).collect()
 }

@@ -4,6 +4,9 @@ use flight_record::{Kind, Payload};
 use serde::{Deserialize, Serialize};
 
 use crate::bus::WireFault;
+use crate::disturbance::{Disturbance, Flip, Offset};
+use crate::line::LineFaults;
+use crate::vibration::Vibration;
 
 /// A chip of the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -16,6 +19,52 @@ pub enum Chip {
     Gps,
     /// The mother ship's end of the umbilical and its line.
     Umbilical,
+    /// The umbilical's break-wire.
+    Wire,
+}
+
+/// What a chip measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Quantity {
+    /// Barometer: static pressure, Pa; its bits are those of D1.
+    Pressure,
+    /// Barometer: its temperature, degrees Celsius; its bits are those of D2.
+    Temperature,
+    /// Inertial unit: specific force along this axis (0 to 2: forward, right, down), m/s^2; 16 bits.
+    Force(u8),
+    /// Inertial unit: angular rate about this axis, rad/s; 16 bits.
+    Rate(u8),
+    /// Receiver: both its altitudes, metres; its bits are those of the message's millimetres.
+    Altitude,
+    /// Receiver: its velocity along this axis (0 to 2: north, east, down), m/s; there are no bits to flip.
+    Velocity(u8),
+}
+
+impl Quantity {
+    /// Whose it is, and its place among that chip's.
+    const fn channel(self) -> (Chip, usize) {
+        match self {
+            Self::Pressure => (Chip::Baro, 0),
+            Self::Temperature => (Chip::Baro, 1),
+            Self::Force(axis) => (Chip::Imu, axis as usize),
+            Self::Rate(axis) => (Chip::Imu, 3 + axis as usize),
+            Self::Altitude => (Chip::Gps, 0),
+            Self::Velocity(axis) => (Chip::Gps, 1 + axis as usize),
+        }
+    }
+
+    /// Whether that chip has it.
+    const fn is_of(self, chip: Chip) -> bool {
+        let has_axis = match self {
+            Self::Force(axis) | Self::Rate(axis) | Self::Velocity(axis) => axis < 3,
+            _ => true,
+        };
+        has_axis
+            && matches!(
+                (chip, self.channel().0),
+                (Chip::Baro, Chip::Baro) | (Chip::Imu, Chip::Imu) | (Chip::Gps, Chip::Gps)
+            )
+    }
 }
 
 /// What goes wrong.
@@ -43,19 +92,137 @@ pub enum Fault {
         /// How much.
         by_us: u32,
     },
-    /// Inertial unit: it makes no samples any more.
+    /// Barometer, inertial unit: it makes no samples any more.
     Stalled,
     /// UART: nothing passes.
     Unplugged,
-    /// UART: the next bytes are lost, once.
+    /// UART: the next bytes that the device sends are lost, once.
     LoseBytes {
         /// How many.
         count: u32,
     },
     /// Receiver: it refuses every configuration message.
     Refuses,
-    /// Receiver: it acknowledges nothing.
+    /// Receiver: it acknowledges nothing. Mother ship: it sends nothing.
     Silent,
+    /// SPI: whatever the chip sends arrives as noise. UART: whatever is sent, the line carries bytes of noise, as many as it can;
+    /// a line that floats does so after separation as well.
+    Garbage {
+        /// Which bytes.
+        seed: u32,
+    },
+    /// Umbilical: another MAVLink system on the line sends ALTITUDE ten times a second, beside the mother ship; until
+    /// separation.
+    Stranger {
+        /// Its MAVLink system.
+        system: u8,
+        /// Its component.
+        component: u8,
+        /// What it sends, metres.
+        altitude_m: i32,
+    },
+    /// Umbilical: the mother ship's altitude is wrong by so much, metres.
+    Lies {
+        /// Too high by.
+        by_m: i32,
+    },
+    /// Umbilical: the mother ship sends NaN.
+    NotANumber,
+    /// Umbilical: the mother ship sends one altitude for ever.
+    Holds,
+    /// Umbilical: the cable is torn as a whole: the wire reads open, and nothing passes on the line.
+    Torn,
+    /// Wire: it reads open, whatever it is: broken.
+    Open,
+    /// Wire: it reads closed: shorted.
+    Shorted,
+    /// Wire: it can not be read.
+    Unreadable,
+    /// Wire: it opens and closes at random, whatever it is. Each state lasts between nothing and twice its mean; shorter than
+    /// a tick, and the tick sees one of them.
+    Bounces {
+        /// Mean time open, microseconds.
+        open_us: u32,
+        /// Mean time closed, microseconds.
+        closed_us: u32,
+        /// Which of the random sequences.
+        seed: u32,
+    },
+    /// Inertial unit: bits of one of its registers are flipped, once, until something writes it. Receiver: one of its settings, once,
+    /// until it is configured: 0 whether it sends solutions, 1 whether it sends NMEA, 2 its rate, back to once a second.
+    FlipRegister {
+        /// Address of the register in bank 0, or which setting.
+        address: u8,
+        /// The bits.
+        mask: u8,
+    },
+    /// Barometer: bits of its calibration memory read wrong.
+    FlipProm {
+        /// Which of its 16 bytes.
+        byte: u8,
+        /// The bits.
+        mask: u8,
+    },
+    /// Bits of the next results are flipped, in the chip, once.
+    FlipData {
+        /// Of what.
+        quantity: Quantity,
+        /// The bits, 24 of the barometer's, 16 of the inertial unit's, 32 of the receiver's.
+        mask: u32,
+        /// Of how many results.
+        results: u32,
+    },
+    /// The next results are wrong by so much, once, within the chip's range.
+    Spike {
+        /// Which.
+        quantity: Quantity,
+        /// By how many thousandths of its unit.
+        by_milli: i32,
+        /// How many results.
+        results: u32,
+    },
+    /// Results are wrong by so much, within the chip's range: what is far beyond it saturates the chip.
+    Offset {
+        /// Which.
+        quantity: Quantity,
+        /// By how many thousandths of its unit.
+        by_milli: i32,
+    },
+    /// The last result is repeated, and said to be new; the receiver's with the time of now.
+    Frozen,
+    /// Receiver: the last solution is repeated, with the time of then.
+    Held,
+    /// Receiver: it has no fix, and says so.
+    NoFix,
+    /// Receiver: it has started cold: its altitude is wrong at first, and the error decays.
+    ColdStart {
+        /// The error at the beginning, mm.
+        error_mm: i32,
+        /// Its time constant, s.
+        decay_s: u16,
+        /// Whether its estimate of its accuracy knows of it.
+        is_honest: bool,
+    },
+    /// Barometer: the next conversions never end, once.
+    LoseConversions {
+        /// How many.
+        count: u32,
+    },
+    /// Inertial unit: the airframe shakes it.
+    Vibration {
+        /// What is shaken.
+        quantity: Quantity,
+        /// Frequency, mHz.
+        frequency_mhz: u32,
+        /// Amplitude, thousandths of the quantity's unit.
+        amplitude_milli: u32,
+    },
+    /// Receiver: from now on it is one of generation 8, just switched on, on a line of that speed. No fault, but what a board may have;
+    /// it stays.
+    Generation8 {
+        /// Speed of its line, baud.
+        baud: u32,
+    },
 }
 
 impl Fault {
@@ -66,8 +233,72 @@ impl Fault {
             Self::StuckHigh => Some(WireFault::StuckHigh),
             Self::BusError => Some(WireFault::BusError),
             Self::FlipBits { after_bytes, mask } => Some(WireFault::FlipBits { after_bytes, mask }),
+            Self::Garbage { seed } => Some(WireFault::Garbage { noise: seed }),
             _ => None,
         }
+    }
+
+    /// What it does to the lines of a UART.
+    pub(super) fn of_line(self) -> LineFaults {
+        let mut faults = LineFaults::default();
+        match self {
+            Self::Unplugged | Self::Torn => faults.unplugged = true,
+            Self::LoseBytes { count } => faults.lose_bytes = count,
+            Self::FlipBits { after_bytes, mask } => faults.flip_bits = Some((after_bytes, mask)),
+            Self::Garbage { seed } => faults.noise = Some(seed),
+            _ => {}
+        }
+        faults
+    }
+
+    /// What it does to a chip's results.
+    pub(super) fn of_results(self) -> Disturbance {
+        let mut disturbance = Disturbance::NONE;
+        let offset = |quantity: Quantity, by_milli: i32, results| {
+            Some(Offset { channel: quantity.channel().1, by: by_milli as f32 * 1e-3, results })
+        };
+        match self {
+            Self::Frozen => disturbance.frozen = true,
+            Self::Spike { quantity, by_milli, results } => {
+                disturbance.offset = offset(quantity, by_milli, results);
+            }
+            Self::Offset { quantity, by_milli } => {
+                disturbance.offset = offset(quantity, by_milli, u32::MAX);
+            }
+            Self::FlipData { quantity, mask, results } => {
+                disturbance.flip = Some(Flip { channel: quantity.channel().1, mask, results });
+            }
+            _ => {}
+        }
+        disturbance
+    }
+
+    /// How it shakes the inertial unit.
+    pub(super) const fn of_airframe(self) -> Option<Vibration> {
+        match self {
+            Self::Vibration { quantity, frequency_mhz, amplitude_milli } => Some(Vibration {
+                channel: quantity.channel().1,
+                frequency_mhz,
+                amplitude: amplitude_milli as f32 * 1e-3,
+            }),
+            _ => None,
+        }
+    }
+
+    /// Whether it is over as soon as it has happened, so that nothing ends it.
+    #[must_use]
+    pub const fn is_once(self) -> bool {
+        matches!(
+            self,
+            Self::Reset
+                | Self::FlipBits { .. }
+                | Self::LoseBytes { .. }
+                | Self::FlipRegister { .. }
+                | Self::FlipData { .. }
+                | Self::Spike { .. }
+                | Self::LoseConversions { .. }
+                | Self::Generation8 { .. }
+        )
     }
 }
 
@@ -76,13 +307,37 @@ impl Chip {
     #[must_use]
     pub const fn can(self, fault: Fault) -> bool {
         match fault {
-            Fault::None | Fault::FlipBits { .. } => true,
-            Fault::StuckLow | Fault::StuckHigh | Fault::BusError => matches!(self, Self::Baro | Self::Imu),
-            Fault::Slow { .. } => matches!(self, Self::Baro),
-            Fault::Stalled => matches!(self, Self::Imu),
-            Fault::Reset => !matches!(self, Self::Umbilical),
+            Fault::None => true,
+            Fault::FlipBits { .. } | Fault::Garbage { .. } => !matches!(self, Self::Wire),
+            Fault::StuckLow | Fault::StuckHigh | Fault::BusError | Fault::Stalled => {
+                matches!(self, Self::Baro | Self::Imu)
+            }
+            Fault::Slow { .. } | Fault::LoseConversions { .. } => matches!(self, Self::Baro),
+            Fault::FlipProm { byte, .. } => matches!(self, Self::Baro) && byte < 16,
+            Fault::FlipRegister { address, .. } => match self {
+                Self::Imu => address < 128,
+                Self::Gps => address < 3,
+                Self::Baro | Self::Umbilical | Self::Wire => false,
+            },
+            Fault::Reset | Fault::Frozen => matches!(self, Self::Baro | Self::Imu | Self::Gps),
             Fault::Unplugged | Fault::LoseBytes { .. } => matches!(self, Self::Gps | Self::Umbilical),
-            Fault::Refuses | Fault::Silent => matches!(self, Self::Gps),
+            Fault::Silent => matches!(self, Self::Gps | Self::Umbilical),
+            Fault::Stranger { .. } | Fault::Lies { .. } | Fault::NotANumber | Fault::Holds | Fault::Torn => {
+                matches!(self, Self::Umbilical)
+            }
+            Fault::Open | Fault::Shorted | Fault::Unreadable | Fault::Bounces { .. } => {
+                matches!(self, Self::Wire)
+            }
+            Fault::Refuses
+            | Fault::Held
+            | Fault::NoFix
+            | Fault::ColdStart { .. }
+            | Fault::Generation8 { .. } => matches!(self, Self::Gps),
+            Fault::FlipData { quantity: Quantity::Velocity(_), .. } => false,
+            Fault::FlipData { quantity, .. }
+            | Fault::Spike { quantity, .. }
+            | Fault::Offset { quantity, .. } => quantity.is_of(self),
+            Fault::Vibration { quantity, .. } => matches!(self, Self::Imu) && quantity.is_of(self),
         }
     }
 }

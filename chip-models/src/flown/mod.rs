@@ -6,7 +6,8 @@
 //! inertial sample the motion of the ICM-42688-P, a fix a solution of the u-blox receiver at that moment, the mother ship's
 //! altitude a MAVLink message on the umbilical. Each is held until the flight has the next. A chip gets its power with
 //! the flight's first value for it; what a flight has no value for is not on the board. What no chip of the board
-//! measures (an external unit's altitude, air data, attitude, the launch discrete) comes as it is.
+//! measures (an external unit's altitude, air data, attitude) comes as it is, and so does the launch discrete, but for what is wrong
+//! with its wire.
 //!
 //! What could not go through a chip as the flight has it is counted: [`TruthCounts`].
 
@@ -15,9 +16,11 @@ mod fitted;
 mod recorded;
 mod suite;
 mod truth;
+mod wire;
 
-pub use fault::{Chip, ChipFault, Fault};
+pub use fault::{Chip, ChipFault, Fault, Quantity};
 pub use fitted::Fitted;
 pub use recorded::{RecordedSensors, SensorSource};
 pub use suite::{ModelledSuite, RECEIVER_BAUD, UMBILICAL_BAUD};
 pub use truth::{ASSUMED_SATELLITES, ASSUMED_TEMPERATURE_C, TruthCounts};
+pub use wire::ModelledWire;

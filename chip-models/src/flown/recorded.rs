@@ -95,4 +95,11 @@ impl<Observer: WorkObserver> Sensors for RecordedSensors<Observer> {
             Self::Chips(suite) => suite.wire(),
         }
     }
+
+    fn decided(&mut self, has_left: bool) {
+        match self {
+            Self::Ideal(suite) => suite.decided(has_left),
+            Self::Chips(suite) => suite.decided(has_left),
+        }
+    }
 }

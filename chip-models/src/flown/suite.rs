@@ -3,22 +3,22 @@
 use drivers::icm42688p::{AccelRange, GyroRange, Icm42688p, Mounting};
 use drivers::ms5611::Ms5611;
 use drivers::ublox::{Datum, Ublox};
-use drivers::umbilical::Umbilical;
-use drivers::{Device, Faults, Replay, ReplayUmbilical, Sensors, Suite, VehicleState};
+use drivers::umbilical::{Sender, Umbilical};
+use drivers::{Device, Faults, Replay, Sensors, Suite, VehicleState};
 use kf_core::input::{GpsFix, TickInput};
 use kf_core::reading::is_held;
 
 use super::fault::{Chip, ChipFault, Fault};
 use super::fitted::Fitted;
 use super::truth::{self, ASSUMED_TEMPERATURE_C, TruthCounts, count};
+use super::wire::ModelledWire;
 use crate::bus::{ChipOnBus, SpiChip};
 use crate::icm42688p::Icm42688pModel;
-use crate::line::{Line, LineFaults};
 use crate::metered::{Metered, MeteredUart, WorkObserver};
-use crate::mother_ship::MotherShipModel;
+use crate::mother_ship::{MotherShipFault, MotherShipModel};
 use crate::ms5611::{EXAMPLE_CALIBRATION, Ms5611Model};
 use crate::source::{Air, Held, Motion, Source};
-use crate::ublox::{ReceiverModel, Solution};
+use crate::ublox::{self, ColdStart, ReceiverModel, Solution};
 
 /// Speed of the receiver's line, baud: a flight may have more fixes a second than any receiver makes, and 200 of them take
 /// 200 kbaud.
@@ -34,15 +34,15 @@ const IMU_CONFIG: drivers::icm42688p::Config = drivers::icm42688p::Config {
 };
 /// And its receiver.
 const GPS_CONFIG: drivers::ublox::Config =
-    drivers::ublox::Config { datum: Datum::MeanSeaLevel, period_ms: PERIOD_MS };
+    drivers::ublox::Config { datum: Datum::MeanSeaLevel, period_ms: PERIOD_MS, baud: RECEIVER_BAUD };
 /// What the receiver is configured for, milliseconds. The flight's fixes come when they come.
 const PERIOD_MS: u16 = 100;
 /// Generation of the receiver.
 const GENERATION: u8 = 9;
 /// Latest time that the chips' sums of times hold, microseconds: 9,000 years.
 const LATEST_US: u64 = 1 << 58;
-/// MAVLink system of the mother ship.
-const SYSTEM: u8 = 1;
+/// The mother ship as MAVLink knows her.
+const MOTHER_SHIP: Sender = Sender::FIRST_AUTOPILOT;
 
 /// A receiver without epochs of its own.
 #[derive(Clone, Copy, Debug)]
@@ -66,7 +66,7 @@ type Board<Observer> = Suite<
     Fitted<Master<Observer>>,
     Replay<f32>,
     Replay<VehicleState>,
-    ReplayUmbilical,
+    ModelledWire,
 >;
 
 /// The board on models of its chips, for a flight that is replayed tick by tick.
@@ -88,7 +88,7 @@ impl<Observer: WorkObserver + Clone> ModelledSuite<Observer> {
         let mut receiver = ReceiverModel::new(GENERATION, RECEIVER_BAUD, NoEpochs);
         // A flight has a fix at the time at which it arrived.
         receiver.latency_us = 0;
-        let mother_ship = MotherShipModel::new(SYSTEM, UMBILICAL_BAUD);
+        let mother_ship = MotherShipModel::new(MOTHER_SHIP.system, UMBILICAL_BAUD);
         Self {
             board: Suite::new(
                 Fitted::absent(Ublox::new(MeteredUart::new(receiver, observer.clone()), GPS_CONFIG)),
@@ -97,10 +97,10 @@ impl<Observer: WorkObserver + Clone> ModelledSuite<Observer> {
                     Metered::new(ChipOnBus::new(Icm42688pModel::new(Held(still))), observer.clone()),
                     IMU_CONFIG,
                 )),
-                Fitted::absent(Umbilical::new(MeteredUart::new(mother_ship, observer.clone()))),
+                Fitted::absent(Umbilical::new(MeteredUart::new(mother_ship, observer.clone()), MOTHER_SHIP)),
                 Replay::new(),
                 Replay::new(),
-                ReplayUmbilical::new(),
+                ModelledWire::new(),
             ),
             now_us: 0,
             last_fix: None,
@@ -119,7 +119,7 @@ impl<Observer: WorkObserver + Clone> ModelledSuite<Observer> {
         let receiver = Ublox::new(old.receiver.driver.port_mut().clone(), GPS_CONFIG);
         let barometer = Ms5611::new(old.barometer.driver.bus_mut().clone());
         let imu = Icm42688p::new(old.imu.driver.bus_mut().clone(), IMU_CONFIG);
-        let imu_master = Umbilical::new(old.imu_master.driver.port_mut().clone());
+        let imu_master = Umbilical::new(old.imu_master.driver.port_mut().clone(), MOTHER_SHIP);
         *old = Suite::new(
             old.receiver.with(receiver),
             old.barometer.with(barometer),
@@ -127,7 +127,7 @@ impl<Observer: WorkObserver + Clone> ModelledSuite<Observer> {
             old.imu_master.with(imu_master),
             Replay::new(),
             Replay::new(),
-            ReplayUmbilical::new(),
+            old.launch,
         );
     }
 }
@@ -231,10 +231,11 @@ impl<Observer: WorkObserver> ModelledSuite<Observer> {
         }
         let master = &mut self.board.imu_master;
         if altitude_m.is_some() && master.fit() {
-            master.driver.port_mut().0.port.line.carry_until(now_us);
+            master.driver.port_mut().0.port.line.skip_until(now_us);
         }
         if let Some(driver) = master.fitted() {
             let model = &mut driver.port_mut().0.port;
+            model.set_attached(!record.launch);
             model.set_time(now_us);
             if let Some(altitude_m) = altitude_m {
                 model.navigate(altitude_m);
@@ -253,7 +254,15 @@ impl<Observer: WorkObserver> ModelledSuite<Observer> {
             Chip::Baro => {
                 let bus = &mut self.board.barometer.driver.bus_mut().port;
                 bus.fault = fault.of_wires();
+                bus.chip.disturbance = fault.of_results();
                 bus.chip.slower_by_us = if let Fault::Slow { by_us } = fault { by_us.into() } else { 0 };
+                bus.chip.stalled = fault == Fault::Stalled;
+                bus.chip.lose_conversions =
+                    if let Fault::LoseConversions { count } = fault { count } else { 0 };
+                bus.chip.prom_flip = match fault {
+                    Fault::FlipProm { byte, mask } => Some((byte, mask)),
+                    _ => None,
+                };
                 if fault == Fault::Reset {
                     bus.power_dip();
                 }
@@ -261,23 +270,58 @@ impl<Observer: WorkObserver> ModelledSuite<Observer> {
             Chip::Imu => {
                 let bus = &mut self.board.imu.driver.bus_mut().port;
                 bus.fault = fault.of_wires();
+                bus.chip.disturbance = fault.of_results();
+                bus.chip.vibration = fault.of_airframe();
                 bus.chip.stalled = fault == Fault::Stalled;
-                if fault == Fault::Reset {
-                    bus.power_dip();
+                match fault {
+                    Fault::FlipRegister { address, mask } => *bus.chip.register_mut(address) ^= mask,
+                    Fault::Reset => bus.power_dip(),
+                    _ => {}
                 }
             }
             Chip::Gps => {
                 let model = &mut self.board.receiver.driver.port_mut().0.port;
-                line_fault(&mut model.line, fault);
-                model.faults.refuses = fault == Fault::Refuses;
-                model.faults.silent = fault == Fault::Silent;
-                if fault == Fault::Reset {
-                    model.power_dip();
+                model.line.faults = fault.of_line();
+                model.disturbance = fault.of_results();
+                model.faults = ublox::Faults {
+                    refuses: fault == Fault::Refuses,
+                    silent: fault == Fault::Silent,
+                    no_fix: fault == Fault::NoFix,
+                    held: fault == Fault::Held,
+                };
+                model.cold_start = match fault {
+                    Fault::ColdStart { error_mm, decay_s, is_honest } => Some(ColdStart {
+                        error_m: error_mm as f32 * 1e-3,
+                        decay_s: f32::from(decay_s),
+                        is_honest,
+                    }),
+                    _ => None,
+                };
+                match fault {
+                    Fault::FlipRegister { address, .. } => {
+                        let _ = model.flip_setting(address);
+                    }
+                    Fault::Generation8 { baud } => model.exchange_for(8, baud),
+                    Fault::Reset => model.power_dip(),
+                    _ => {}
                 }
             }
             Chip::Umbilical => {
-                line_fault(&mut self.board.imu_master.driver.port_mut().0.port.line, fault);
+                let model = &mut self.board.imu_master.driver.port_mut().0.port;
+                model.line.faults = fault.of_line();
+                model.fault = match fault {
+                    Fault::Silent => MotherShipFault::Silent,
+                    Fault::Stranger { system, component, altitude_m } => {
+                        MotherShipFault::Stranger { system, component, altitude_m: altitude_m as f32 }
+                    }
+                    Fault::Lies { by_m } => MotherShipFault::Lies { by_m: by_m as f32 },
+                    Fault::NotANumber => MotherShipFault::Lies { by_m: f32::NAN },
+                    Fault::Holds => MotherShipFault::Holds,
+                    _ => MotherShipFault::None,
+                };
+                self.board.launch.tear(fault == Fault::Torn);
             }
+            Chip::Wire => self.board.launch.fail(fault),
         }
     }
 }
@@ -288,17 +332,6 @@ fn power<Chip: SpiChip>(bus: &mut ChipOnBus<Chip>, is_new: bool, now_us: u64) {
         bus.set_time(now_us);
         bus.power_dip();
     }
-}
-
-fn line_fault(line: &mut Line, fault: Fault) {
-    line.faults = LineFaults {
-        unplugged: fault == Fault::Unplugged,
-        lose_bytes: if let Fault::LoseBytes { count } = fault { count } else { 0 },
-        flip_bits: match fault {
-            Fault::FlipBits { after_bytes, mask } => Some((after_bytes, mask)),
-            _ => None,
-        },
-    };
 }
 
 impl<Observer: WorkObserver> Sensors for ModelledSuite<Observer> {
@@ -312,5 +345,9 @@ impl<Observer: WorkObserver> Sensors for ModelledSuite<Observer> {
 
     fn wire(&self) -> Option<bool> {
         self.board.wire()
+    }
+
+    fn decided(&mut self, has_left: bool) {
+        self.board.decided(has_left);
     }
 }

@@ -1,5 +1,5 @@
 //! u-blox satellite receiver at the other end of a UART: NAV-PVT, the configuration messages and their
-//! acknowledgements, the NMEA chatter that a receiver starts with, and the speed of the line.
+//! acknowledgements, the NMEA sentences that a receiver starts with, and the speed of the line.
 //!
 //! Interface description UBX-22008968 (generation 9), receiver description UBX-13003221 (generation 8).
 
@@ -11,13 +11,27 @@ use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
 use frame::{Fletcher, Incoming};
 use heapless::Deque;
 
+use crate::disturbance::Disturbance;
 use crate::line::Line;
 use crate::source::Source;
 
 /// From power to the first byte, microseconds.
 const BOOT_US: u64 = 500_000;
-/// What a sentence of a receiver that nobody has configured yet looks like.
-const NMEA: &[u8] = b"$GNGGA,092725.00,4717.11399,N,00833.91590,E,1,08,1.01,499.6,M,48.0,M,,*5B\r\n";
+/// What a receiver that nobody has configured says at each epoch (interface description, section 2.7: GGA, GLL, GSA, GSV, RMC and
+/// VTG are on), with 16 satellites of two systems: 646 bytes.
+const NMEA: [&[u8]; 11] = [
+    b"$GNRMC,092725.00,A,4717.11399,N,00833.91590,E,0.004,77.52,091202,,,A*4A\r\n",
+    b"$GNVTG,77.52,T,,M,0.004,N,0.008,K,A*18\r\n",
+    b"$GNGGA,092725.00,4717.11399,N,00833.91590,E,1,12,1.01,499.6,M,48.0,M,,*4E\r\n",
+    b"$GNGSA,A,3,23,29,07,08,09,18,26,28,,,,,1.94,1.18,1.54*13\r\n",
+    b"$GNGSA,A,3,65,66,72,81,82,88,,,,,,,1.94,1.18,1.54*1D\r\n",
+    b"$GPGSV,3,1,10,23,38,230,44,29,71,156,47,07,29,116,41,08,09,081,36*7F\r\n",
+    b"$GPGSV,3,2,10,09,40,303,42,18,53,049,45,26,05,022,33,28,14,317,38*71\r\n",
+    b"$GPGSV,3,3,10,10,07,189,,05,05,220,*7E\r\n",
+    b"$GLGSV,2,1,06,65,21,049,38,66,60,108,44,72,18,343,36,81,27,310,40*6E\r\n",
+    b"$GLGSV,2,2,06,82,53,246,43,88,11,177,35*6F\r\n",
+    b"$GNGLL,4717.11399,N,00833.91590,E,092725.00,A,A*76\r\n",
+];
 /// Longest span that is gone through epoch by epoch, microseconds.
 const LONGEST_SPAN_US: u64 = 10_000_000;
 /// Solutions that wait for their latency to pass.
@@ -51,17 +65,38 @@ pub struct Faults {
     pub refuses: bool,
     /// The receiver obeys and does not acknowledge.
     pub silent: bool,
+    /// It has no fix: its solutions say so.
+    pub no_fix: bool,
+    /// It repeats its last solution with the time of that one, not of now.
+    pub held: bool,
+}
+
+/// A receiver that has started cold: its altitude is wrong at first, and the error decays.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ColdStart {
+    /// What is left of the error, metres.
+    pub error_m: f32,
+    /// Its time constant, seconds.
+    pub decay_s: f32,
+    /// Whether the receiver's estimate of its accuracy knows of it.
+    pub is_honest: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Settings {
     solutions: bool,
+    ubx: bool,
     nmea: bool,
     period_us: u64,
+    /// Speed that it was told; `None`: the line's, which is stored in it.
+    baud: Option<u32>,
 }
 
-/// As it leaves the factory: NMEA once a second, no UBX.
-const DEFAULT: Settings = Settings { solutions: false, nmea: true, period_us: 1_000_000 };
+/// NMEA once a second, no solutions by UBX.
+const DEFAULT: Settings =
+    Settings { solutions: false, ubx: true, nmea: true, period_us: 1_000_000, baud: None };
+/// Settings that [`ReceiverModel::flip_setting`] knows.
+const SETTINGS: u8 = 3;
 
 /// The receiver and its line.
 #[derive(Clone, Debug)]
@@ -70,6 +105,10 @@ pub struct ReceiverModel<Surroundings> {
     pub solutions: Surroundings,
     /// What is wrong at present.
     pub faults: Faults,
+    /// What is wrong with its solutions: altitude (bits of its millimetres), and the velocity north, east, down.
+    pub disturbance: Disturbance,
+    /// It has started cold.
+    pub cold_start: Option<ColdStart>,
     /// Its line to the flight computer.
     pub line: Line,
     /// From the epoch of a solution to its first byte, microseconds.
@@ -80,6 +119,8 @@ pub struct ReceiverModel<Surroundings> {
     pub untold_solutions: u32,
     /// Epochs that were left out of a long span without the time being set.
     pub skipped_epochs: u32,
+    /// The last solution that it sent, and its epoch.
+    last: Option<(u64, Solution)>,
     generation: u8,
     settings: Settings,
     now_us: u64,
@@ -94,7 +135,10 @@ impl<Surroundings: Source<Option<Solution>>> ReceiverModel<Surroundings> {
     pub const fn new(generation: u8, baud: u32, solutions: Surroundings) -> Self {
         Self {
             solutions,
-            faults: Faults { refuses: false, silent: false },
+            faults: Faults { refuses: false, silent: false, no_fix: false, held: false },
+            disturbance: Disturbance::NONE,
+            cold_start: None,
+            last: None,
             line: Line::new(baud),
             latency_us: 50_000,
             time_of_week_ms: 200_000_000,
@@ -127,8 +171,8 @@ impl<Surroundings: Source<Option<Solution>>> ReceiverModel<Surroundings> {
             {
                 self.send_solution(epoch_us, solution);
             }
-            if self.settings.nmea && epoch_us % 1_000_000 < self.settings.period_us {
-                self.inject(NMEA);
+            if self.settings.nmea {
+                self.send_sentences();
             }
             self.epoch_us = epoch_us + self.settings.period_us;
         }
@@ -161,6 +205,7 @@ impl<Surroundings: Source<Option<Solution>>> ReceiverModel<Surroundings> {
     /// Power dips: what it was told is forgotten, what was on the line is lost.
     pub fn power_dip(&mut self) {
         self.settings = DEFAULT;
+        self.last = None;
         self.waiting.clear();
         self.line.cut();
         self.incoming = Incoming::new();
@@ -168,12 +213,49 @@ impl<Surroundings: Source<Option<Solution>>> ReceiverModel<Surroundings> {
         self.epoch_us = self.booted_us;
     }
 
+    /// It is one of that generation from now on, its line of that speed in baud; it has just got its power.
+    pub fn exchange_for(&mut self, generation: u8, baud: u32) {
+        self.generation = generation;
+        self.line.set_baud(baud);
+        self.power_dip();
+    }
+
+    /// One of its settings flips: 0 whether it sends solutions, 1 whether it sends NMEA, 2 whether its rate is what it was told or once
+    /// a second. Whether there is such a one.
+    pub fn flip_setting(&mut self, setting: u8) -> bool {
+        match setting {
+            0 => self.settings.solutions = !self.settings.solutions,
+            1 => self.settings.nmea = !self.settings.nmea,
+            2 => self.settings.period_us = DEFAULT.period_us,
+            _ => {}
+        }
+        setting < SETTINGS
+    }
+
+    /// What a receiver says by default. A sentence that finds no room is dropped, as every message is.
+    fn send_sentences(&mut self) {
+        for sentence in NMEA {
+            if self.is_at_the_lines_speed() && self.line.has_room(sentence.len()) {
+                self.inject(sentence);
+            }
+        }
+    }
+
+    /// What goes over the line at another speed than the board's arrives nowhere.
+    fn is_at_the_lines_speed(&self) -> bool {
+        self.settings.baud.is_none_or(|baud| baud == self.line.baud())
+    }
+
     /// Puts bytes on the line as if the receiver had sent them.
     pub fn inject(&mut self, bytes: &[u8]) {
         bytes.iter().for_each(|&byte| self.line.send(byte));
     }
 
-    fn send(&mut self, class: u8, id: u8, payload: &[u8]) {
+    /// Whether it could.
+    fn send(&mut self, class: u8, id: u8, payload: &[u8]) -> bool {
+        if !self.settings.ubx || !self.is_at_the_lines_speed() || !self.line.has_room(payload.len() + 8) {
+            return false;
+        }
         let [low, high] = u16::try_from(payload.len()).unwrap_or_default().to_le_bytes();
         let mut sum = Fletcher::default();
         self.inject(&[0xB5, 0x62]);
@@ -182,10 +264,42 @@ impl<Surroundings: Source<Option<Solution>>> ReceiverModel<Surroundings> {
             self.line.send(byte);
         }
         self.inject(&sum.bytes());
+        true
+    }
+
+    /// A solution with what is wrong with the receiver, and its epoch.
+    fn disturbed(&mut self, epoch_us: u64, mut solution: Solution) -> (u64, Solution) {
+        if let Some((last_us, last)) = self.last
+            && (self.faults.held || self.disturbance.frozen)
+        {
+            return (if self.faults.held { last_us } else { epoch_us }, last);
+        }
+        if self.faults.no_fix {
+            solution.fix_type = 0;
+        }
+        let mut error_m = self.disturbance.error(0);
+        if let Some(cold) = &mut self.cold_start {
+            let since_s =
+                self.last.map_or(0.0, |(last_us, _)| epoch_us.saturating_sub(last_us) as f32 * 1e-6);
+            cold.error_m -= cold.error_m * (since_s / cold.decay_s).min(1.0);
+            error_m += cold.error_m;
+            if cold.is_honest {
+                solution.vertical_accuracy_m += cold.error_m.abs();
+            }
+        }
+        solution.ellipsoid_m += error_m;
+        solution.mean_sea_level_m += error_m;
+        for (index, velocity) in solution.velocity_ned_mps.iter_mut().enumerate() {
+            *velocity += self.disturbance.error(1 + index);
+        }
+        self.last = Some((epoch_us, solution));
+        (epoch_us, solution)
     }
 
     /// NAV-PVT (section 3.15.11): what is not modelled is 0.
     fn send_solution(&mut self, epoch_us: u64, solution: Solution) {
+        let (epoch_us, solution) = self.disturbed(epoch_us, solution);
+        let flipped = self.disturbance.flipped(0).cast_signed();
         let mut payload = [0u8; 92];
         let mut put = |at: usize, value: &[u8]| {
             for (slot, byte) in payload.iter_mut().skip(at).zip(value) {
@@ -195,20 +309,22 @@ impl<Surroundings: Source<Option<Solution>>> ReceiverModel<Surroundings> {
         let time_of_week_ms = (self.time_of_week_ms + epoch_us / 1_000) % WEEK_MS;
         put(0, &u32::try_from(time_of_week_ms).unwrap_or_default().to_le_bytes());
         put(20, &[solution.fix_type, u8::from(solution.fix_type >= 2), 0, solution.satellites]);
-        put(32, &millis(solution.ellipsoid_m).to_le_bytes());
-        put(36, &millis(solution.mean_sea_level_m).to_le_bytes());
+        put(32, &(millis(solution.ellipsoid_m) ^ flipped).to_le_bytes());
+        put(36, &(millis(solution.mean_sea_level_m) ^ flipped).to_le_bytes());
         put(44, &accuracy(solution.vertical_accuracy_m).to_le_bytes());
         put(68, &accuracy(solution.speed_accuracy_mps).to_le_bytes());
         for (index, velocity) in solution.velocity_ned_mps.into_iter().enumerate() {
             put(48 + 4 * index, &millis(velocity).to_le_bytes());
         }
-        self.send(0x01, 0x07, &payload);
+        if !self.send(0x01, 0x07, &payload) {
+            self.untold_solutions = self.untold_solutions.saturating_add(1);
+        }
     }
 
     fn obey(&mut self, class: u8, id: u8, payload: &[u8]) {
         let obeyed = !self.faults.refuses && class == 0x06 && self.configure(id, payload);
         if class == 0x06 && !self.faults.silent {
-            self.send(0x05, u8::from(obeyed), &[class, id]);
+            let _ = self.send(0x05, u8::from(obeyed), &[class, id]);
         }
     }
 
@@ -219,6 +335,7 @@ impl<Surroundings: Source<Option<Solution>>> ReceiverModel<Surroundings> {
             (0x8A, [0, _, _, _, keys @ ..]) if self.generation >= 9 => set_keys(&mut settings, keys),
             (0x08, [low, high, ..]) => set_period(&mut settings, [*low, *high]),
             (0x24, payload) => payload.len() == 36,
+            (0x00, payload) if self.generation < 9 => set_port(&mut settings, payload),
             (0x01, [0x01, 0x07, rate]) => {
                 settings.solutions = *rate > 0;
                 true
@@ -249,7 +366,11 @@ fn set_keys(settings: &mut Settings, mut keys: &[u8]) -> bool {
         };
         let Some((value, after)) = rest.split_at_checked(size) else { return false };
         let known = match (key, value) {
-            (0x1074_0001 | 0x3021_0002 | 0x2011_0021, _) => true,
+            (0x3021_0002 | 0x2011_0021, _) => true,
+            (0x1074_0001, [on]) => {
+                settings.ubx = *on != 0;
+                true
+            }
             (0x1074_0002, [on]) => {
                 settings.nmea = *on != 0;
                 true
@@ -267,6 +388,17 @@ fn set_keys(settings: &mut Settings, mut keys: &[u8]) -> bool {
         keys = after;
     }
     keys.is_empty()
+}
+
+/// CFG-PRT of the first UART (receiver description, section 32.10.25): its speed, and what it sends.
+fn set_port(settings: &mut Settings, payload: &[u8]) -> bool {
+    let &[port, _, _, _, _, _, _, _, b0, b1, b2, b3, _, _, protocols, _, _, _, _, _] = payload else {
+        return false;
+    };
+    settings.baud = Some(u32::from_le_bytes([b0, b1, b2, b3]));
+    settings.ubx = protocols & 1 != 0;
+    settings.nmea = protocols & 2 != 0;
+    port == 1
 }
 
 /// 25 ms is the fastest that any receiver of these generations takes.
@@ -312,7 +444,8 @@ impl<Surroundings: Source<Option<Solution>>> WriteReady for ReceiverModel<Surrou
 impl<Surroundings: Source<Option<Solution>>> Write for ReceiverModel<Surroundings> {
     fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
         for &byte in bytes {
-            if self.line.faults.unplugged || self.now_us < self.booted_us {
+            let hears = self.now_us >= self.booted_us && self.is_at_the_lines_speed();
+            if self.line.faults.unplugged || !hears {
                 continue;
             }
             if let Some(arrived) = self.incoming.take(byte) {

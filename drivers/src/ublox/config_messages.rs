@@ -5,6 +5,7 @@
 //! key of every receiver, and scale in double precision, which the flight computer does not have.
 
 use heapless::Vec;
+use kf_core::guard::Guard;
 
 /// Longest frame that is sent.
 pub(super) const FRAME_BYTES: usize = 44;
@@ -33,8 +34,16 @@ impl Generation {
 }
 
 /// Class and identity of the message at a place in a generation's sequence, and its frame; `None` after the last.
-pub(super) fn message(generation: Generation, place: u8, period_ms: u16) -> Option<(u8, u8, Frame)> {
+pub(super) fn message(
+    generation: Generation,
+    place: u8,
+    period_ms: u16,
+    baud: u32,
+) -> Option<(u8, u8, Frame)> {
     let [low, high] = period_ms.to_le_bytes();
+    let [b0, b1, b2, b3] = baud.to_le_bytes();
+    // The one message of generation 8 that the others do without.
+    let place = place + u8::from(generation == Generation::Messages && !Guard::UbxOnly.stands());
     let (id, payload): (u8, &[u8]) = match (generation, place) {
         (Generation::Keys, 0) => (
             0x8A,
@@ -53,7 +62,7 @@ pub(super) fn message(generation: Generation, place: u8, period_ms: u16) -> Opti
                 0x00,
                 0x74,
                 0x10,
-                0, // CFG-UART1OUTPROT-NMEA
+                u8::from(!Guard::UbxOnly.stands()), // CFG-UART1OUTPROT-NMEA
                 0x01,
                 0x00,
                 0x21,
@@ -78,9 +87,16 @@ pub(super) fn message(generation: Generation, place: u8, period_ms: u16) -> Opti
                 1, // CFG-MSGOUT-UBX_NAV_PVT_UART1
             ],
         ),
+        // CFG-PRT, before anything that makes it say more: the first UART, 8 bits, no parity, 1 stop bit, its speed; it hears UBX, NMEA
+        // and RTCM, as it does by default, and speaks UBX.
+        (Generation::Messages, 0) => {
+            (0x00, &[1, 0, 0, 0, 0xC0, 0x08, 0, 0, b0, b1, b2, b3, 0x07, 0, 0x01, 0, 0, 0, 0, 0])
+        }
+        // CFG-MSG: NAV-PVT with every solution, on the port that asks.
+        (Generation::Messages, 1) => (0x01, &[0x01, 0x07, 1]),
         // CFG-RATE: period, a solution each measurement, aligned to GPS time.
-        (Generation::Messages, 0) => (0x08, &[low, high, 1, 0, 1, 0]),
-        (Generation::Messages, 1) => {
+        (Generation::Messages, 2) => (0x08, &[low, high, 1, 0, 1, 0]),
+        (Generation::Messages, 3) => {
             // CFG-NAV5: mask "dynamic model", and the model; the rest is not looked at.
             const NAV5: [u8; 36] = {
                 let mut payload = [0; 36];
@@ -90,8 +106,6 @@ pub(super) fn message(generation: Generation, place: u8, period_ms: u16) -> Opti
             };
             (0x24, &NAV5)
         }
-        // CFG-MSG: NAV-PVT with every solution, on the port that asks.
-        (Generation::Messages, 2) => (0x01, &[0x01, 0x07, 1]),
         _ => return None,
     };
     frame(0x06, id, payload).map(|frame| (0x06, id, frame))
@@ -116,6 +130,9 @@ fn frame(class: u8, id: u8, payload: &[u8]) -> Option<Frame> {
 mod tests {
     use ublox::cfg_msg::CfgMsgSinglePortBuilder;
     use ublox::cfg_nav5::{CfgNav5Builder, CfgNav5Params, NavDynamicModel};
+    use ublox::cfg_prt::{
+        CfgPrtUartBuilder, DataBits, InProtoMask, OutProtoMask, Parity, StopBits, UartMode, UartPortId,
+    };
     use ublox::cfg_rate::{AlignmentToReferenceTime, CfgRateBuilder};
     use ublox::cfg_val::CfgVal;
     use ublox::nav_pvt::proto27::NavPvt;
@@ -123,7 +140,7 @@ mod tests {
     use super::*;
 
     fn ours(generation: Generation, place: u8) -> Frame {
-        message(generation, place, 100).unwrap().2
+        message(generation, place, 100, 38_400).unwrap().2
     }
 
     #[test]
@@ -146,7 +163,7 @@ mod tests {
         assert_eq!(ours(Generation::Keys, 0), keys);
         let rate =
             CfgRateBuilder { measure_rate_ms: 100, nav_rate: 1, time_ref: AlignmentToReferenceTime::Gps };
-        assert_eq!(ours(Generation::Messages, 0), rate.into_packet_bytes());
+        assert_eq!(ours(Generation::Messages, 2), rate.into_packet_bytes());
         let model = CfgNav5Builder {
             mask: CfgNav5Params::DYN,
             dyn_model: NavDynamicModel::AirborneWithLess4gAcceleration,
@@ -154,17 +171,29 @@ mod tests {
         }
         .into_packet_bytes();
         // The crate's default fix mode is not zero; the mask says that nobody looks at it.
-        let masked = ours(Generation::Messages, 1);
+        let masked = ours(Generation::Messages, 3);
         assert_eq!(masked[..9], model[..9]);
         assert_eq!(masked.len(), model.len());
         let message = CfgMsgSinglePortBuilder::set_rate_for::<NavPvt>(1);
-        assert_eq!(ours(Generation::Messages, 2), message.into_packet_bytes());
+        assert_eq!(ours(Generation::Messages, 1), message.into_packet_bytes());
+        let port = CfgPrtUartBuilder {
+            portid: UartPortId::Uart1,
+            reserved0: 0,
+            tx_ready: 0,
+            mode: UartMode::new(DataBits::Eight, Parity::None, StopBits::One),
+            baud_rate: 38_400,
+            in_proto_mask: InProtoMask::UBLOX | InProtoMask::NMEA | InProtoMask::RTCM,
+            out_proto_mask: OutProtoMask::UBLOX,
+            flags: 0,
+            reserved5: 0,
+        };
+        assert_eq!(ours(Generation::Messages, 0), port.into_packet_bytes());
     }
 
     #[test]
     fn every_message_fits_its_frame() {
-        for (generation, messages) in [(Generation::Keys, 1), (Generation::Messages, 3)] {
-            let found = (0..9).take_while(|&place| message(generation, place, 200).is_some()).count();
+        for (generation, messages) in [(Generation::Keys, 1), (Generation::Messages, 4)] {
+            let found = (0..9).take_while(|&place| message(generation, place, 200, 9_600).is_some()).count();
             assert_eq!(found, messages, "{generation:?}");
         }
     }

@@ -6,10 +6,12 @@ use super::LinkCounts;
 use super::config_messages::{Frame, Generation, message};
 use crate::error::SensorError;
 
-/// How long a receiver may take to acknowledge, microseconds (section 3.3.2: "within one second").
-pub const ACKNOWLEDGE_US: u64 = 1_000_000;
-/// How often one message is sent before the driver gives up and begins anew.
-pub const ATTEMPTS: u8 = 3;
+/// How long the driver waits for an acknowledgement before it sends the message again, microseconds: a receiver that was just starting has
+/// lost it.
+pub const ACKNOWLEDGE_US: u64 = 200_000;
+/// How often one message is sent before the driver gives up and begins anew: for the second that a receiver may take (section 3.3.2:
+/// "within one second"). An acknowledgement of any of them counts.
+pub const ATTEMPTS: u8 = 5;
 
 /// What the receiver said to a configuration message: its class and identity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,6 +42,7 @@ enum State {
 #[derive(Clone, Debug)]
 pub(super) struct Link {
     period_ms: u16,
+    baud: u32,
     generation: Generation,
     place: u8,
     attempt: u8,
@@ -48,9 +51,10 @@ pub(super) struct Link {
 }
 
 impl Link {
-    pub(super) const fn new(period_ms: u16) -> Self {
+    pub(super) const fn new(period_ms: u16, baud: u32) -> Self {
         Self {
             period_ms,
+            baud,
             generation: Generation::Keys,
             place: 0,
             attempt: 0,
@@ -92,7 +96,9 @@ impl Link {
         match &mut self.state {
             State::Configured => {}
             State::Idle => {
-                let Some((class, id, frame)) = message(self.generation, self.place, self.period_ms) else {
+                let Some((class, id, frame)) =
+                    message(self.generation, self.place, self.period_ms, self.baud)
+                else {
                     self.state = State::Configured;
                     return Ok(());
                 };

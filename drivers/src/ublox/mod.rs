@@ -2,14 +2,15 @@
 //! `ublox` crate's).
 //!
 //! # Configuration
-//! The receiver is told its rate, its dynamic model (airborne, below 4 g) and to send NAV-PVT. Each message is
+//! The receiver is told to send UBX only (its NMEA sentences, 650 bytes with each solution, would fill a line of 38,400 baud at 6
+//! solutions a second), NAV-PVT with each solution, its rate and its dynamic model (airborne, below 4 g). Each message is
 //! sent anew when no acknowledgement comes within [`ACKNOWLEDGE_US`], [`ATTEMPTS`] times; a receiver that
 //! refuses the keys of generation 9 is configured the way of generation 8. Fixes that arrive meanwhile
-//! are delivered all the same. The port's speed is the board's matter.
+//! are delivered all the same. The port's speed is the board's matter: a receiver that starts at another one must have stored it.
 //!
 //! # Errors
-//! A receiver that sends nothing is stale, one that sends a wrong checksum is an error of that poll, and
-//! after silence everything is configured anew: a reset of the receiver heals itself. A solution that is not
+//! A receiver that sends no solution is stale, one that sends a wrong checksum is an error of that poll. It is configured anew when it is
+//! stale, and when so much comes without a frame in it that it can only be NMEA: a reset of the receiver heals itself. A solution that is not
 //! three-dimensional and within the receiver's own limits is counted and is no fix.
 
 mod config_messages;
@@ -29,14 +30,17 @@ use crate::error::SensorError;
 use crate::health::Health;
 use crate::sensor::SatelliteReceiver;
 
-/// Bytes that one poll takes at most: at 115,200 baud 58 arrive in 5 ms.
+/// Bytes that one poll takes at most, which bounds its work: a fix of 100 bytes in every tick, as some flights have it.
 pub const MAX_POLL_BYTES: usize = 128;
 /// What the parser can hold back: the longest frame that is asked for has 100 bytes. A longer one, or garbage
 /// that pretends to be one, is dropped after so many.
 const PARSER_BYTES: usize = 256;
-/// Longest time from one solution to the next, in periods, and at least so long in microseconds.
-const STALE_PERIODS: u64 = 5;
-const STALE_AT_LEAST_US: u64 = 1_000_000;
+/// The receiver is stale after so many halves of the time between the last two solutions, at most so long in microseconds. One lost
+/// solution is none; and it is configured anew so early that whatever made it silent costs it half a second beyond that.
+const STALE_HALVES: u64 = 5;
+const STALE_AT_MOST_US: u64 = 1_000_000;
+/// So many bytes without a frame, and the receiver sends something else: the longest frame that is asked for has 100.
+const BYTES_WITHOUT_A_FRAME: u32 = 300;
 /// Velocity is no measurement where the receiver's own estimate of its accuracy (sAcc) is worse, mm/s.
 const WORST_SPEED_ACCURACY_MMPS: u32 = 10_000;
 /// An accuracy that the receiver does not know: the field is full.
@@ -60,6 +64,8 @@ pub struct Config {
     pub datum: Datum,
     /// Time from one solution to the next, ms.
     pub period_ms: u16,
+    /// Speed of the line, baud: the way in which generation 8 is told what to send repeats it.
+    pub baud: u32,
 }
 
 /// What came and went on the line since power-up. All saturate.
@@ -88,42 +94,40 @@ pub struct LinkCounts {
 /// The driver.
 pub struct Ublox<Port> {
     port: Port,
-    datum: Datum,
-    stale_us: u64,
-    parser: Parser<FixedBuffer<PARSER_BYTES>, Proto27>,
+    period_us: u64,
+    /// Time between the last two solutions.
+    interval_us: u64,
+    bytes_without_a_frame: u32,
+    stream: Stream,
     link: Link,
-    last_solution_us: Option<u64>,
+    last_solution_us: u64,
+    quiet_since_us: u64,
+    health: Health,
+}
+
+/// What comes from the receiver, whatever port it comes through: compiled once, in this crate, and so for speed.
+struct Stream {
+    parser: Parser<FixedBuffer<PARSER_BYTES>, Proto27>,
+    datum: Datum,
     week_start_ms: u64,
     last_time_of_week_ms: u32,
-    health: Health,
     counts: LinkCounts,
 }
 
 impl<Port: Read + ReadReady + Write + WriteReady> Ublox<Port> {
     /// A driver that has not yet spoken to its receiver.
     pub const fn new(port: Port, config: Config) -> Self {
-        let periods_us = STALE_PERIODS * 1_000 * config.period_ms as u64;
+        let period_us = 1_000 * config.period_ms as u64;
         Self {
             port,
-            datum: config.datum,
-            stale_us: if periods_us > STALE_AT_LEAST_US { periods_us } else { STALE_AT_LEAST_US },
-            parser: ParserBuilder::new().with_protocol::<Proto27>().with_fixed_buffer(),
-            link: Link::new(config.period_ms),
-            last_solution_us: None,
-            week_start_ms: 0,
-            last_time_of_week_ms: 0,
+            period_us,
+            interval_us: STALE_AT_MOST_US,
+            bytes_without_a_frame: 0,
+            stream: Stream::new(config.datum),
+            link: Link::new(config.period_ms, config.baud),
+            last_solution_us: 0,
+            quiet_since_us: 0,
             health: Health::new(),
-            counts: LinkCounts {
-                bytes: 0,
-                frames: 0,
-                bad_frames: 0,
-                oversized: 0,
-                no_fix: 0,
-                superseded: 0,
-                sent: 0,
-                refused: 0,
-                timeouts: 0,
-            },
         }
     }
 
@@ -134,7 +138,7 @@ impl<Port: Read + ReadReady + Write + WriteReady> Ublox<Port> {
 
     /// The line's counts.
     pub const fn link_counts(&self) -> LinkCounts {
-        self.counts
+        self.stream.counts
     }
 
     /// Whether the receiver has acknowledged its whole configuration.
@@ -150,15 +154,28 @@ impl<Port: Read + ReadReady + Write + WriteReady> Ublox<Port> {
     fn step(&mut self, now_us: u64) -> Result<Option<GpsFix>, SensorError> {
         let mut bytes = [0; MAX_POLL_BYTES];
         let arrived = crate::port::receive(&mut self.port, &mut bytes)?;
-        self.counts.bytes = self.counts.bytes.saturating_add(u32::try_from(arrived).unwrap_or(u32::MAX));
-        let received = self.parse(bytes.get(..arrived).unwrap_or_default());
+        let arrived_bytes = u32::try_from(arrived).unwrap_or(u32::MAX);
+        let counts = &mut self.stream.counts;
+        counts.bytes = counts.bytes.saturating_add(arrived_bytes);
+        let frames = counts.frames;
+        let received = self.stream.parse(bytes.get(..arrived).unwrap_or_default());
+        self.bytes_without_a_frame = if self.stream.counts.frames == frames {
+            self.bytes_without_a_frame.saturating_add(arrived_bytes)
+        } else {
+            0
+        };
         if received.solution {
-            self.last_solution_us = Some(now_us);
+            self.interval_us = now_us.saturating_sub(self.last_solution_us);
+            self.last_solution_us = now_us;
+        }
+        // Until it is configured nothing need come, and a missing acknowledgement is the link's error.
+        if received.solution || !self.link.is_configured() {
+            self.quiet_since_us = now_us;
         }
         if self.link.begins() {
             self.health.initialised();
         }
-        let sent = self.link.step(now_us, received.answer, &mut self.port, &mut self.counts);
+        let sent = self.link.step(now_us, received.answer, &mut self.port, &mut self.stream.counts);
         if received.fix.is_some() {
             return Ok(received.fix);
         }
@@ -166,21 +183,45 @@ impl<Port: Read + ReadReady + Write + WriteReady> Ublox<Port> {
         if received.bad {
             return Err(SensorError::Check);
         }
-        // Until it is configured nothing need come, and a missing acknowledgement is the link's error.
-        match self.last_solution_us {
-            Some(last_us) if self.link.is_configured() => {
-                if now_us.saturating_sub(last_us) > self.stale_us {
-                    self.link.restart();
-                    return Err(SensorError::Stale);
-                }
+        if self.link.is_configured() {
+            let interval_us = self.interval_us.max(self.period_us);
+            let stale_us = (interval_us / 2).saturating_mul(STALE_HALVES).min(STALE_AT_MOST_US);
+            let is_stale = now_us.saturating_sub(self.quiet_since_us) > stale_us;
+            let speaks_otherwise = self.bytes_without_a_frame > BYTES_WITHOUT_A_FRAME;
+            if is_stale || speaks_otherwise {
+                self.bytes_without_a_frame = 0;
+                self.link.restart();
+                return Err(if is_stale { SensorError::Stale } else { SensorError::ConfigurationLost });
             }
-            _ => self.last_solution_us = Some(now_us),
         }
         Ok(None)
     }
+}
 
+impl Stream {
+    const fn new(datum: Datum) -> Self {
+        Self {
+            parser: ParserBuilder::new().with_protocol::<Proto27>().with_fixed_buffer(),
+            datum,
+            week_start_ms: 0,
+            last_time_of_week_ms: 0,
+            counts: LinkCounts {
+                bytes: 0,
+                frames: 0,
+                bad_frames: 0,
+                oversized: 0,
+                no_fix: 0,
+                superseded: 0,
+                sent: 0,
+                refused: 0,
+                timeouts: 0,
+            },
+        }
+    }
+
+    #[inline(never)]
     fn parse(&mut self, bytes: &[u8]) -> Received {
-        let Self { parser, counts, datum, week_start_ms, last_time_of_week_ms, .. } = self;
+        let Self { parser, counts, datum, week_start_ms, last_time_of_week_ms } = self;
         let mut received = Received::default();
         let mut frames = parser.consume_ubx(bytes);
         while let Some(frame) = frames.next() {

@@ -8,12 +8,17 @@ use crc::{CRC_16_MCRF4XX, Crc};
 use mavlink::MessageData;
 use mavlink::dialects::common::ALTITUDE_DATA;
 
+use super::Sender;
+
 /// MAVLink's "X.25" checksum, which the catalogue of CRCs calls MCRF4XX. By table: the `mavlink` crate's own takes half of a poll.
 const CHECKSUM: Crc<u16> = Crc::<u16>::new(&CRC_16_MCRF4XX);
 /// Start of a MAVLink 2 frame.
 const START: u8 = 0xFD;
 /// Start, length, two bytes of flags, sequence, system, component, three bytes of the message's identity.
 const HEADER: usize = 10;
+/// Where the sender is in it.
+const SYSTEM: usize = 5;
+const COMPONENT: usize = 6;
 const PAYLOAD: usize = ALTITUDE_DATA::ENCODED_LEN;
 const CHECK: usize = 2;
 const LONGEST: usize = HEADER + PAYLOAD + CHECK;
@@ -24,8 +29,13 @@ const IDENTITY: [u8; 4] = ALTITUDE_DATA::ID.to_le_bytes();
 /// What the next bytes were.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Found {
-    /// The payload of a frame whose checksum is right, with the zeros that the sender left out at its end.
-    Altitude([u8; PAYLOAD]),
+    /// A frame whose checksum is right.
+    Altitude {
+        /// Who sent it.
+        sender: Sender,
+        /// Its payload, with the zeros that the sender left out at its end.
+        payload: [u8; PAYLOAD],
+    },
     /// A whole frame, but for its checksum. Its bytes are looked at again.
     BadChecksum,
     /// So many bytes that are of no frame with an altitude.
@@ -96,8 +106,9 @@ impl Frames {
         {
             slots.copy_from_slice(sent);
         }
+        let sender = Sender { system: self.bytes[SYSTEM], component: self.bytes[COMPONENT] };
         self.drop_front(end);
-        Some(Found::Altitude(payload))
+        Some(Found::Altitude { sender, payload })
     }
 
     /// Where the frame ends whose header these bytes begin with.

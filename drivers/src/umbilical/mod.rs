@@ -5,16 +5,22 @@
 //! ALTITUDE (#141), its field `altitude_amsl`: metres above mean sea level as a 32-bit float, so the link adds no quantum of
 //! its own. (GLOBAL_POSITION_INT has millimetres, but is by definition a position fused with satellites; the reference
 //! must not come back as a second sensor.) The mother ship's side puts its inertial altitude there. Other messages
-//! on the line are passed over.
+//! on the line are passed over, and so are other senders' altitudes: many autopilots put a fused one there, and a ground
+//! station's radio bridge carries those of every vehicle that it hears.
 //!
 //! # Errors
-//! A frame with a wrong checksum is an error of that poll, and so is a link that has delivered and is then silent for
-//! [`SILENT_AFTER_US`] while the UAV is attached. From launch on the link is gone: nothing is read from it, and that is no
-//! fault.
+//! A frame with a wrong checksum is an error of that poll, and so is an altitude outside of [`ALTITUDES_M`], or a link that has
+//! delivered and is then silent for [`SILENT_AFTER_US`] while the UAV is attached. From the decision of a launch on the link is
+//! gone: nothing is read from it, whatever noise an open line carries, and that is no fault.
 
 mod frame;
+#[cfg(test)]
+mod tests;
+
+use core::ops::RangeInclusive;
 
 use embedded_io::{Read, ReadReady};
+use kf_core::guard::Guard;
 use mavlink::dialects::common::ALTITUDE_DATA;
 use mavlink::{MavlinkVersion, MessageData};
 
@@ -28,6 +34,23 @@ pub const MAX_POLL_BYTES: usize = 128;
 /// Silence that is an error, microseconds; every further such time is one more.
 pub const SILENT_AFTER_US: u64 = 1_000_000;
 
+/// Altitudes that a mother ship can have, metres: from below the shore of the Dead Sea to above every balloon.
+pub const ALTITUDES_M: RangeInclusive<f32> = -1_000.0..=60_000.0;
+
+/// A MAVLink system and its component.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sender {
+    /// The system's id.
+    pub system: u8,
+    /// The component's.
+    pub component: u8,
+}
+
+impl Sender {
+    /// The first system's autopilot (`MAV_COMP_ID_AUTOPILOT1`), which most mother ships are.
+    pub const FIRST_AUTOPILOT: Self = Self { system: 1, component: 1 };
+}
+
 /// What came on the line since power-up. All saturate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LinkCounts {
@@ -35,8 +58,12 @@ pub struct LinkCounts {
     pub bytes: u32,
     /// Bytes that belonged to no frame with an altitude: other messages, and garbage.
     pub other_bytes: u32,
-    /// Frames with an altitude and a right checksum.
+    /// Frames with an altitude and a right checksum, of the mother ship.
     pub frames: u32,
+    /// The same of anybody else.
+    pub strangers: u32,
+    /// Altitudes that are none, or that no mother ship can have.
+    pub absurd: u32,
     /// What began like a frame with an altitude and had a wrong checksum.
     pub bad_frames: u32,
     /// Altitudes that were followed by a newer one in the same poll.
@@ -47,6 +74,7 @@ pub struct LinkCounts {
 #[derive(Clone, Debug)]
 pub struct Umbilical<Port> {
     port: Port,
+    mother_ship: Sender,
     frames: Frames,
     attached: bool,
     /// The last altitude, or the last complaint about its absence.
@@ -56,15 +84,24 @@ pub struct Umbilical<Port> {
 }
 
 impl<Port: Read + ReadReady> Umbilical<Port> {
-    /// A driver that has not yet heard anything, on the mother ship.
-    pub const fn new(port: Port) -> Self {
+    /// A driver that has not yet heard anything, on the mother ship, which sends as that.
+    pub const fn new(port: Port, mother_ship: Sender) -> Self {
         Self {
             port,
+            mother_ship,
             frames: Frames::new(),
             attached: true,
             heard_us: None,
             health: Health::new(),
-            counts: LinkCounts { bytes: 0, other_bytes: 0, frames: 0, bad_frames: 0, superseded: 0 },
+            counts: LinkCounts {
+                bytes: 0,
+                other_bytes: 0,
+                frames: 0,
+                strangers: 0,
+                absurd: 0,
+                bad_frames: 0,
+                superseded: 0,
+            },
         }
     }
 
@@ -97,7 +134,12 @@ impl<Port: Read + ReadReady> Umbilical<Port> {
             rest = rest.get(taken..).unwrap_or_default();
             while let Some(found) = self.frames.next_found() {
                 match found {
-                    Found::Altitude(payload) => {
+                    Found::Altitude { sender, .. }
+                        if sender != self.mother_ship && Guard::KnownSender.stands() =>
+                    {
+                        count(&mut self.counts.strangers);
+                    }
+                    Found::Altitude { payload, .. } => {
                         count(&mut self.counts.frames);
                         if newest.replace(payload).is_some() {
                             count(&mut self.counts.superseded);
@@ -118,9 +160,13 @@ impl<Port: Read + ReadReady> Umbilical<Port> {
         let altitude_m = newest
             .and_then(|payload| ALTITUDE_DATA::deser(MavlinkVersion::V2, &payload).ok())
             .map(|message| message.altitude_amsl);
-        if altitude_m.is_some() {
+        if let Some(altitude_m) = altitude_m {
             self.heard_us = Some(now_us);
-            return Ok(altitude_m);
+            if ALTITUDES_M.contains(&altitude_m) {
+                return Ok(Some(altitude_m));
+            }
+            count(&mut self.counts.absurd);
+            return Err(SensorError::OutOfRange);
         }
         if bad {
             return Err(SensorError::Check);

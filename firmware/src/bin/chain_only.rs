@@ -16,7 +16,7 @@ use cortex_m_rt::entry;
 use drivers::bmp390::Bmp390;
 use drivers::icm42688p::{AccelRange, GyroRange, Icm42688p, Mounting};
 use drivers::ms5611::Ms5611;
-use drivers::umbilical::Umbilical;
+use drivers::umbilical::{Sender, Umbilical};
 use drivers::{Barometer, Replay, ReplayUmbilical, Sensors as _, Suite, VehicleState};
 use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
 use embedded_io::{Read, ReadReady};
@@ -26,10 +26,6 @@ use kf_core::launch::LaunchConfig;
 use kf_core::strapdown;
 // The vector table needs every interrupt of the chip.
 use stm32f4xx_hal as _;
-
-#[path = "../flown_model.rs"]
-#[expect(dead_code, unused_imports, reason = "only the mission of the model is flown here")]
-mod flown_model;
 
 /// A bus that delivers whatever the compiler can not foresee.
 struct Unknown;
@@ -67,7 +63,7 @@ impl Read for Unknown {
 /// Ticks with this barometer.
 fn fly(barometer: impl Barometer) {
     let mut place = MaybeUninit::uninit();
-    let Ok(mission) = flown_model::mission(&mut place) else { return };
+    let Ok(mission) = flown_mission::mission(&mut place) else { return };
     let imu_config = drivers::icm42688p::Config {
         accel_range: black_box(AccelRange::G16),
         gyro_range: black_box(GyroRange::Dps2000),
@@ -77,19 +73,19 @@ fn fly(barometer: impl Barometer) {
         Replay::<GpsFix>::new(),
         barometer,
         Icm42688p::new(Unknown, imu_config),
-        Umbilical::new(Unknown),
+        Umbilical::new(Unknown, Sender::FIRST_AUTOPILOT),
         Replay::<f32>::new(),
         Replay::<VehicleState>::new(),
         ReplayUmbilical::new(),
     );
     let Ok(onboard) = Onboard::new(LaunchConfig::DEFAULT, strapdown::Config::MEMS) else { return };
-    let mut computer = FlightComputer::on_board(suite, mission, onboard);
+    let mut computer = FlightComputer::on_board(suite, flown_mission::Flown(mission), onboard);
     while black_box(true) {
         computer.sensors.launch.set(black_box(false), black_box(LaunchDoubt::None));
         computer.sensors.receiver.load(black_box(None));
         black_box(computer.tick(black_box(0)));
         black_box(computer.sensors.faults());
-        black_box(computer.mission.latch());
+        black_box(computer.mission.0.latch());
     }
 }
 

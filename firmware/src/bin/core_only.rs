@@ -56,6 +56,8 @@ fn configuration<const E: usize>() -> MissionConfig<E> {
             sigma: black_box(SigmaSource::Residual),
             multiplier: number(),
             window_s: number(),
+            persistence_s: number(),
+            reference_check: black_box(true),
         },
         second_correction: black_box(SecondCorrection::Off),
         quality: QualityConfig {

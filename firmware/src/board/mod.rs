@@ -17,13 +17,13 @@ mod recorded;
 
 #[cfg(feature = "board-f405")]
 pub use f405::{
-    CostClock, Feeder, INDEPENDENT_WATCHDOG_US, Line, NAME, RESTART_US, Sensors, Sink, Source, Storage,
-    Watchdog, exit, microseconds, open_retained, reset_source, retained, stand_by, start, umbilical_is_open,
+    CostClock, Feeder, Line, NAME, Sensors, Sink, Source, Storage, Watchdog, clock_is_internal, exit,
+    prepare, reset_facts, retained, stand_by, start,
 };
 #[cfg(all(feature = "recorded", not(feature = "board-f405")))]
 pub use recorded::{
-    CostClock, Feeder, INDEPENDENT_WATCHDOG_US, Line, NAME, RESTART_US, Sensors, Sink, Source, Storage,
-    Watchdog, exit, microseconds, open_retained, reset_source, retained, stand_by, start, umbilical_is_open,
+    CostClock, Feeder, Line, NAME, Sensors, Sink, Source, Storage, Watchdog, clock_is_internal, exit,
+    prepare, reset_facts, retained, stand_by, start,
 };
 
 use crate::tick_timer::TickTimer;

@@ -2,15 +2,16 @@
 // Every test file uses a part of this.
 #![allow(dead_code, clippy::unwrap_used)]
 
+use flight_computer::mission_mark;
 use flight_record::{MAX_STUFFED, TickRecord};
 use kf_core::latch::LatchRecord;
 use kf_core::output::{Phase, TickOutput};
-use kf_core::snapshot::{MissionMark, RaisedFlags, Stage};
+use kf_core::snapshot::MAX_SNAPSHOT_BYTES;
 use model::Model;
 use pylon::downlink::Downlink;
 use pylon::fly::RawFlight;
-use pylon::replay::{mission, resumed_mission};
-use survival::{Flight, RestartReport, Start};
+use pylon::replay::mission;
+use survival::{RestartReport, Start};
 use telemetry::{ComputerStatus, FrameQueue, Rates};
 
 use crate::ticks::{TICK_US, prompt};
@@ -51,39 +52,25 @@ pub fn on_the_host(flown: &RawFlight) -> (Option<LatchRecord>, Vec<Vec<u8>>) {
         while let Some((_, report)) = restarts.next_if(|(ticks, _)| *ticks == k) {
             lines.push(std::mem::replace(&mut line, new_line()).into_bytes());
             line.note_start(report);
-            host = match report.snapshot_us {
-                Some(snapshot_us) => {
-                    let kept = |(time_us, _): &&(u64, _)| *time_us == snapshot_us;
-                    let (_, snapshot) = snapshots.iter().find(kept).unwrap();
-                    resumed_mission(&model, Clone::clone(snapshot), mark(report)).unwrap()
-                }
-                None => mission(&model).unwrap(),
-            };
+            host = mission(&model).unwrap();
+            if let Some(snapshot_us) = report.snapshot_us {
+                let kept = |(time_us, _): &&(u64, Vec<u8>)| *time_us == snapshot_us;
+                let (_, snapshot) = snapshots.iter().find(kept).unwrap();
+                let restored = host.restore_snapshot(snapshot, &mission_mark(&report.mark.unwrap()));
+                assert_eq!(restored, Ok(snapshot_us));
+            }
         }
         let expected = host.tick(input);
         assert_eq!(bits(&expected), bits(output), "tick {k} at {} us", output.time_us);
         line.tell(input, output, &*host, &ComputerStatus::default());
         if let Some(snapshot) = host.snapshot() {
-            snapshots.push((output.time_us, snapshot));
+            let mut bytes = [0; MAX_SNAPSHOT_BYTES];
+            let length = snapshot.to_bytes(&mut bytes).unwrap();
+            snapshots.push((output.time_us, bytes[..length].to_vec()));
         }
     }
     lines.push(line.into_bytes());
     (host.latch().cloned(), lines)
-}
-
-/// What the report's mark says of the mission.
-pub fn mark(report: &RestartReport) -> MissionMark {
-    let mark = report.mark.unwrap();
-    MissionMark {
-        stage: match mark.flight {
-            Flight::Captive => Stage::Captive,
-            Flight::Suspected => Stage::Suspected,
-            Flight::Free => Stage::Launched,
-        },
-        flags: RaisedFlags::from_bits(mark.flags),
-        failed_checks: mark.failed_checks,
-        suspicions: mark.suspicions,
-    }
 }
 
 /// The report of the only restart, which goes on in free flight, and the first tick after it.

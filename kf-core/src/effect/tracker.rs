@@ -8,6 +8,7 @@ use super::inertial::Inertial;
 use super::reference_motion::ReferenceMotion;
 use super::{Clock, EffectId, Regressor};
 use crate::input::{GpsFix, ImuSample, Signals, TickInput};
+use crate::plausible;
 use crate::time::elapsed_s;
 use crate::trigonometry::sine_and_cosine;
 
@@ -211,24 +212,25 @@ impl SignalTracker {
     #[inline]
     fn take_signals(&mut self, signals: &Signals) {
         let refused = &mut self.refused;
-        let mut take = |slot: &mut Option<f32>, value: Option<f32>| match value {
-            Some(value) if value.is_finite() => *slot = Some(value),
+        let mut take = |slot: &mut Option<f32>, value: Option<f32>, is_plausible: fn(f32) -> bool| match value
+        {
+            Some(value) if is_plausible(value) => *slot = Some(value),
             Some(_) => *refused = refused.saturating_add(1),
             None => {}
         };
-        take(&mut self.true_airspeed_mps, signals.true_airspeed_mps);
+        take(&mut self.true_airspeed_mps, signals.true_airspeed_mps, plausible::velocity);
         if self.uses.any_of(Uses::ANGLE_OF_ATTACK) {
-            take(&mut self.angle_of_attack_rad, signals.angle_of_attack_rad);
+            take(&mut self.angle_of_attack_rad, signals.angle_of_attack_rad, plausible::flow_angle);
         }
         if self.uses.any_of(Uses::SIDESLIP) {
-            take(&mut self.sideslip_rad, signals.sideslip_rad);
+            take(&mut self.sideslip_rad, signals.sideslip_rad, plausible::flow_angle);
         }
         if self.uses.any_of(Uses::THROTTLE) {
-            take(&mut self.throttle, signals.throttle);
+            take(&mut self.throttle, signals.throttle, plausible::throttle);
         }
         if self.uses.any_of(Uses::BARO_TEMPERATURE) {
             let mut temperature_c = None;
-            take(&mut temperature_c, signals.baro_temperature_c);
+            take(&mut temperature_c, signals.baro_temperature_c, plausible::temperature);
             if let Some(temperature_c) = temperature_c {
                 self.baro_temperature_c = Some(temperature_c);
                 self.origin_temperature.see(temperature_c);
@@ -247,7 +249,7 @@ impl SignalTracker {
         if !self.uses.any_of(READ) {
             return;
         }
-        if !imu.accel_mps2.iter().chain(&imu.gyro_radps).all(|x| x.is_finite()) {
+        if !plausible::imu(imu) {
             self.count_unless(false);
             return;
         }
@@ -267,7 +269,7 @@ impl SignalTracker {
         }
     }
 
-    /// How many signal values were refused: not finite, no angle, or so large that an integral overflows.
+    /// How many signal values were refused: not finite, implausible, no angle, or so large that an integral overflows.
     #[must_use]
     pub const fn refused(&self) -> u32 {
         self.refused

@@ -27,7 +27,13 @@ fn config<const E: usize>() -> MissionConfig<E> {
         },
         latitude_deg: 45.0,
         sensors: [sensor(50.0, 100.0), sensor(70.0, 150.0), sensor(150.0, 300.0)],
-        monitor: MonitorConfig { sigma: SigmaSource::Residual, multiplier: 1.0, window_s: 3.0 },
+        monitor: MonitorConfig {
+            sigma: SigmaSource::Residual,
+            multiplier: 1.0,
+            window_s: 3.0,
+            persistence_s: 0.0,
+            reference_check: false,
+        },
         second_correction: SecondCorrection::Off,
         quality: QualityConfig {
             minimum_duration_s: 30.0,
@@ -56,14 +62,15 @@ fn together_is_one_by_one<const HEAD: usize, const TAIL: usize, const E: usize>(
         let own = [[0.0; E], [0.0; E], [*phi; E]];
         // Of an effect on the reference too; zero takes the row that has none.
         let reference = [if *phi < 100.0 { 0.0 } else { *phi - 300.0 }; E];
-        let all =
-            together.update_together(y[0], &reference, noise(625.0), &[y[1], y[2], y[3]], &own, &n).unwrap();
+        let all = together
+            .update_together(y[0], &reference, noise(625.0), &[y[1], y[2], y[3]], &own, &n, |_| true)
+            .unwrap();
         let each = (
             one_by_one.update_reference(y[0], &reference, noise(625.0)).unwrap(),
             [
-                one_by_one.update_sensor::<0>(y[1], &own[0], n[0]).unwrap(),
-                one_by_one.update_sensor::<1>(y[2], &own[1], n[1]).unwrap(),
-                one_by_one.update_sensor::<2>(y[3], &own[2], n[2]).unwrap(),
+                one_by_one.update_sensor(Sensor::ImuMaster, y[1], &own[0], n[0], None).unwrap(),
+                one_by_one.update_sensor(Sensor::ImuSlave, y[2], &own[1], n[1], None).unwrap(),
+                one_by_one.update_sensor(Sensor::Baro, y[3], &own[2], n[2], None).unwrap(),
             ],
         );
         one_by_one.fold();
@@ -95,7 +102,7 @@ proptest! {
     ) {
         let mut estimator = Estimator::<3, 2, 1>::new(&config(), 2100.0).unwrap();
         let n = [noise(2500.0), noise(4900.0), noise(22500.0)];
-        estimator.update_together(2100.0, &[3.0], noise(625.0), &[2110.0, 2030.0, 1980.0], &[[0.0], [0.0], [9.0]], &n).unwrap();
+        estimator.update_together(2100.0, &[3.0], noise(625.0), &[2110.0, 2030.0, 1980.0], &[[0.0], [0.0], [9.0]], &n, |_| true).unwrap();
         let before = estimator.clone();
         let mut y = [2100.0, 2110.0, 2030.0, 1980.0];
         let (mut phi, mut psi) = (9.0, 3.0);
@@ -105,7 +112,7 @@ proptest! {
             i => y[i] = bad,
         }
         let result =
-            estimator.update_together(y[0], &[psi], noise(625.0), &[y[1], y[2], y[3]], &[[0.0], [0.0], [phi]], &n);
+            estimator.update_together(y[0], &[psi], noise(625.0), &[y[1], y[2], y[3]], &[[0.0], [0.0], [phi]], &n, |_| true);
         // A reading of 3e38 m is absurd but finite: scaled down it can be taken. As a regressor its
         // square overflows.
         if bad == 3e38 && place < 4 {

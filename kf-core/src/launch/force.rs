@@ -46,25 +46,26 @@ pub(super) struct Force {
 }
 
 impl Force {
-    /// Takes a tick's sample, if it has one. Only what is captive for certain enters mean and spread.
+    /// Takes a tick's sample, if it has one, and hands on a valid one. Only what is captive for certain enters mean and
+    /// spread.
     pub(super) fn take(
         &mut self,
         input: &LaunchInput,
         is_captive: bool,
         config: &LaunchConfig,
         counts: &mut LaunchCounts,
-    ) {
+    ) -> Option<[f32; 3]> {
         let now_us = input.time_us;
         if step_s(self.last_us, now_us).is_some_and(|gap_s| gap_s > LONGEST_GAP_S) {
             self.last_us = None;
             self.falling_us = None;
             self.side = Side::Within;
         }
-        let Some(force) = input.force_mps2 else { return };
+        let force = input.force_mps2?;
         let is_force = force.iter().all(|part| part.abs() <= LARGEST_FORCE_MPS2);
         if !is_force || force == [0.0; 3] {
             count(&mut counts.forces_refused);
-            return;
+            return None;
         }
         let square: f32 = force.iter().map(|part| part * part).sum();
         let gap_s = step_s(self.last_us.replace(now_us), now_us);
@@ -87,6 +88,7 @@ impl Force {
             let square = (1.0 - gain) * apart * apart;
             self.captive_variance += gap_s / self.captive_s * (square - self.captive_variance);
         }
+        Some(force)
     }
 
     fn follow_fall(&mut self, now_us: u64, config: &LaunchConfig) {

@@ -50,7 +50,8 @@ impl Link {
         }
         self.interval_us = match self.intervals {
             0 => interval_us,
-            _ => ((WEIGHT - 1) * self.interval_us + interval_us) / WEIGHT,
+            // Each share on its own: their sum before the division may be beyond 64 bits.
+            _ => self.interval_us - self.interval_us / WEIGHT + interval_us / WEIGHT,
         };
         self.intervals = self.intervals.saturating_add(1);
         true

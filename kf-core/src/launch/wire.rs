@@ -3,6 +3,12 @@
 use super::{LaunchConfig, LaunchCounts, LaunchInput, WireCondition, count};
 use crate::time::microseconds;
 
+/// Openings, each within the time below of the one before, that make a wire a loose contact: a plug that is pulled bounces for some 10 ms,
+/// of which the tick sees one or two edges.
+const RESTLESS: u8 = 5;
+/// See [`RESTLESS`], microseconds.
+const RESTLESS_US: u64 = 1_000_000;
+
 /// What the wire says of a launch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Reading {
@@ -31,6 +37,9 @@ pub(super) struct Wire {
     is_unreadable: bool,
     /// The last reading.
     was_open: bool,
+    /// Openings that each followed the one before closely, and the last one's edge.
+    openings: u8,
+    opened_us: u64,
 }
 
 impl Wire {
@@ -58,15 +67,33 @@ impl Wire {
             }
             return;
         }
-        if self.edge_us.take().is_some() {
+        if let Some(edge_us) = self.edge_us.take() {
             count(if self.is_settled { &mut counts.reclosures } else { &mut counts.bounces });
+            self.note_opening(edge_us, counts);
         }
         self.is_settled = false;
         let closed_us = *self.closed_us.get_or_insert(now_us);
-        if self.is_broken && now_us.saturating_sub(closed_us) >= debounce_us {
+        let rest_us = if self.is_restless() { microseconds(config.undecided_s) } else { debounce_us };
+        if self.is_broken && now_us.saturating_sub(closed_us) >= rest_us {
             self.is_broken = false;
+            self.openings = 0;
             count(&mut counts.mended_wires);
         }
+    }
+
+    /// A wire that opens and closes again and again is a loose contact: it would hide a launch among its edges.
+    fn note_opening(&mut self, edge_us: u64, counts: &mut LaunchCounts) {
+        let is_next = edge_us.saturating_sub(self.opened_us) < RESTLESS_US;
+        self.openings = if is_next { self.openings.saturating_add(1) } else { 1 };
+        self.opened_us = edge_us;
+        if self.is_restless() {
+            self.is_broken = true;
+            count(&mut counts.broken_wires);
+        }
+    }
+
+    const fn is_restless(&self) -> bool {
+        self.openings >= RESTLESS
     }
 
     /// Whether it closes with this reading; for the time after launch.

@@ -89,13 +89,21 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         self.tracker.correct(accepted, correction_m)
     }
 
-    /// The reference now, free of its effects, metres; `None` when it is lost.
-    pub(super) fn reference_m(&self, time_us: u64) -> Option<f32> {
-        let altitude_m = self.tracker.altitude_m(time_us)?;
-        // As they stand; after launch, as latched.
-        let coefficients = self.coefficients();
-        let products = coefficients.iter().zip(&self.fix_regressors_m);
-        Some(altitude_m - products.map(|(coefficient, phi)| coefficient * phi).sum::<f32>())
+    /// What the effects on the reference add to a fix, as at the last one, metres, and the variance of that, square metres.
+    pub(super) fn effects_on_fix(&self) -> (f32, f32) {
+        let mut effects_m = self.tracker.correction_m();
+        let mut variance_m2 = 0.0;
+        if E > 0 {
+            let estimator = self.calibration.estimator();
+            let coefficients = estimator.coefficients();
+            for (j, (coefficient, phi)) in coefficients.iter().zip(&self.fix_regressors_m).enumerate() {
+                if *phi != 0.0 {
+                    effects_m += coefficient * phi;
+                    variance_m2 += phi * phi * estimator.coefficient_variance(j);
+                }
+            }
+        }
+        (effects_m, variance_m2)
     }
 
     /// Counts what came of the effects at this tick.

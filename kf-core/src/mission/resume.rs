@@ -1,23 +1,12 @@
 //! A mission that goes on after a restart.
 
 use super::{Counters, Mission};
-use crate::config::MissionConfig;
 use crate::effect::{EffectSubject, SignalTracker};
-use crate::estimator::ConfigError;
 use crate::latch::{LatchRecord, collected};
 use crate::output::{Phase, Trust};
 use crate::sensor::Sensor;
 use crate::snapshot::{Fields, MissionMark, MissionSnapshot, RaisedFlags, SnapshotError, Stage};
 use crate::time::microseconds;
-
-/// Why a mission can not go on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ResumeError {
-    /// The configuration makes no mission at all.
-    Config(ConfigError),
-    /// The snapshot is not of this configuration.
-    Snapshot(SnapshotError),
-}
 
 impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E> {
     /// The mission's state, to be kept; `None` until a launch is at least suspected. What is held during a suspicion is
@@ -71,58 +60,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         flags.with_cross_check(Some(self.cross_check.trust()))
     }
 
-    /// A mission in free flight that goes on from a snapshot, with the flags that were raised by the time
-    /// it was interrupted. Its clock must go on from there too.
-    ///
-    /// The time between the snapshot and the first tick is a gap: the moving averages have no samples
-    /// in it, the regressors' integrals cross it on a straight line. If it is longer than the
-    /// configuration's `lost_after_s`, there is no such line: the integrals are given up, and the sensors
-    /// that have such an effect are not monitored any more, whatever flags they have staying.
-    /// [`crate::output::TickOutput::bridged_us`] says how long it was.
-    ///
-    /// # Errors
-    /// [`ResumeError`]; the mission has then to start as any other.
-    pub fn resume(
-        config: &MissionConfig<E>,
-        snapshot: MissionSnapshot,
-        flags: RaisedFlags,
-    ) -> Result<Self, ResumeError> {
-        let mut mission = Self::new(config).map_err(ResumeError::Config)?;
-        mission.take_up(&snapshot, flags).map_err(ResumeError::Snapshot)?;
-        Ok(mission)
-    }
-
-    /// As [`Self::resume`], of a mission before its first tick, where it is.
-    ///
-    /// # Errors
-    /// [`SnapshotError::OtherMission`]; the mission is then as it was, as nothing of what has been begun is looked at before
-    /// a launch begins it anew.
-    pub fn take_up(&mut self, snapshot: &MissionSnapshot, flags: RaisedFlags) -> Result<(), SnapshotError> {
-        let other = SnapshotError::OtherMission;
-        let fix_regressors_m = snapshot.fix_regressors_m.as_slice().try_into().map_err(|_| other)?;
-        if !self.is_latch_ours(&snapshot.latch) || !self.are_signals_ours(&snapshot.signals) {
-            return Err(other);
-        }
-        self.free_flight.begin(&self.config, &snapshot.latch);
-        if !self.free_flight.restore(&snapshot.free_flight) {
-            return Err(other);
-        }
-        self.first_us = Some(snapshot.first_us);
-        self.last_us = snapshot.last_us;
-        self.launch_was = snapshot.launch_was;
-        self.tracker = snapshot.tracker.clone();
-        self.signals = snapshot.signals.clone();
-        self.fix_regressors_m = fix_regressors_m;
-        self.stuck = snapshot.stuck.clone();
-        self.last_accepted_us = snapshot.last_accepted_us;
-        self.counters = snapshot.counters;
-        self.latch = Some(snapshot.latch.clone());
-        self.fly_on(snapshot.cross_check, flags);
-        Ok(())
-    }
-
     /// What is not in a snapshot follows from what is.
-    fn fly_on(&mut self, cross_check: Trust, flags: RaisedFlags) {
+    fn resume(&mut self, cross_check: Trust, flags: RaisedFlags) {
         if let Some(latch) = &self.latch {
             self.cross_check.begin(latch);
         }
@@ -150,27 +89,24 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         signals.is_for(effects.map(|effect| effect.id()), self.config.latitude_deg)
     }
 
-    /// As [`Self::take_up`], by the mark of the last tick: a snapshot from before the confirmation of the launch, which came
-    /// after it, becomes one of the launch; if there was none yet, it goes on as a suspicion, and a suspicion that comes
-    /// to nothing starts the calibration again.
+    /// Goes on from the bytes of [`MissionSnapshot::to_bytes`], before the first tick, by the mark of the last tick before the
+    /// interruption; returns the snapshot's time, microseconds. The mission's clock must go on from there too.
+    ///
+    /// A snapshot from before the confirmation of the launch, which came after it, becomes one of the launch; if there was none
+    /// yet, it goes on as a suspicion, and a suspicion that comes to nothing starts the calibration again.
+    ///
+    /// The time between the snapshot and the first tick is a gap: the moving averages have no samples in it, the regressors'
+    /// integrals cross it on a straight line. If it is longer than the configuration's `lost_after_s`, the integrals are given up,
+    /// and the sensors that have such an effect are not monitored any more, whatever flags they have staying.
+    /// [`crate::output::TickOutput::bridged_us`] says how long it was.
+    ///
+    /// The bytes are read a field at a time, first to see whether they are a snapshot of this mission, then into it: a restart has
+    /// no room on the stack for a whole one.
     ///
     /// # Errors
-    /// [`SnapshotError::OtherLaunch`], and as [`Self::take_up`].
-    pub fn go_on(&mut self, snapshot: &MissionSnapshot, mark: &MissionMark) -> Result<(), SnapshotError> {
-        check_mark(&snapshot.counters, mark)?;
-        self.take_up(snapshot, mark.flags)?;
-        self.heed(mark);
-        Ok(())
-    }
-
-    /// As [`Self::go_on`], from the bytes of [`MissionSnapshot::to_bytes`]; says of what time the snapshot is, microseconds. They
-    /// are read a field at a time, first to see whether they are a snapshot of this mission, then into it: a restart has no room on the
-    /// stack for a whole one.
-    ///
-    /// # Errors
-    /// [`SnapshotError`]; the mission is then as after [`Self::take_up`]'s.
+    /// [`SnapshotError`]; the mission has then to start as any other, which nothing that has been restored by then disturbs.
     #[inline(never)]
-    pub fn go_on_from(&mut self, bytes: &[u8], mark: &MissionMark) -> Result<u64, SnapshotError> {
+    pub fn restore_snapshot(&mut self, bytes: &[u8], mark: &MissionMark) -> Result<u64, SnapshotError> {
         self.check_fields(Fields::of(bytes)?, mark)?;
         let mut fields = Fields::of(bytes)?;
         let (first_us, last_us, launch_was) = fields.times()?;
@@ -190,8 +126,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         self.last_accepted_us = fields.last_accepted_us()?;
         self.counters = fields.counters()?;
         (self.first_us, self.last_us, self.launch_was) = (Some(first_us), last_us, launch_was);
-        self.fly_on(cross_check, mark.flags);
-        self.heed(mark);
+        self.resume(cross_check, mark.flags);
+        self.apply_mark(mark);
         Ok(last_us)
     }
 
@@ -246,7 +182,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
     }
 
     /// What the mark knows better than a snapshot from before it.
-    fn heed(&mut self, mark: &MissionMark) {
+    fn apply_mark(&mut self, mark: &MissionMark) {
         if let Some(latch) = &mut self.latch {
             latch.failed_checks = mark.failed_checks;
         }

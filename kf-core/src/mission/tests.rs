@@ -32,7 +32,13 @@ fn config<const E: usize>(climb_rate: bool) -> MissionConfig<E> {
         },
         latitude_deg: 45.0,
         sensors: [sensor(2.0), sensor(2.0), sensor(1.0)],
-        monitor: MonitorConfig { sigma: SigmaSource::Residual, multiplier: 4.0, window_s: 2.0 },
+        monitor: MonitorConfig {
+            sigma: SigmaSource::Residual,
+            multiplier: 4.0,
+            window_s: 2.0,
+            persistence_s: 1.25,
+            reference_check: true,
+        },
         second_correction: SecondCorrection::Off,
         quality: QualityConfig {
             minimum_duration_s: 10.0,
@@ -604,5 +610,7 @@ fn a_configuration_out_of_range_is_refused() {
 
 mod effects;
 mod interrupted;
+mod outliers;
+mod reference;
 mod resume;
 mod suspicion;

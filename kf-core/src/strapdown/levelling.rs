@@ -14,6 +14,10 @@ use super::{Config, GRAVITY_MPS2};
 /// before it has pulled at the level.
 const TRIM_TIME_CONSTANT_S: f32 = 1.0;
 
+/// A fit of less than [`super::COARSE_LEVEL_S`] that finds the flight untrimmed for so long (seconds) is wrong itself: of a gust's first samples
+/// it makes a gyro's bias that every flight turns by.
+const LONGEST_UNTRIMMED_S: f32 = 10.0;
+
 /// A single sample of more than twice gravity is a jolt, and shows no vertical.
 const SPIKE: f32 = 3.0;
 
@@ -24,6 +28,8 @@ pub(super) struct Levelling {
     turn_radps: f32,
     /// Specific force squared over gravity squared, less 1.
     excess_load: f32,
+    /// Since the last sample that was taken.
+    untrimmed_s: f32,
 }
 
 impl Levelling {
@@ -33,6 +39,16 @@ impl Levelling {
 
     pub(super) const fn elapsed_s(&self) -> f32 {
         self.memory.elapsed_s()
+    }
+
+    /// Whether the fit has shut itself out.
+    pub(super) fn is_stuck(&self) -> bool {
+        self.untrimmed_s > LONGEST_UNTRIMMED_S && self.elapsed_s() < super::COARSE_LEVEL_S
+    }
+
+    /// Fits the level anew; what was found of the gyro's bias is where the search for it begins.
+    pub(super) fn begin_anew(&mut self) {
+        *self = Self { gyro_bias: self.gyro_bias, ..Self::default() };
     }
 
     /// Passes over a sample while something better levels: a later fit counts from here as if it had been in it.
@@ -59,8 +75,10 @@ impl Levelling {
         let turning = self.turn_radps > config.turn_limit_radps || self.turn_radps < -config.turn_limit_radps;
         let loaded = self.excess_load > config.load_limit || self.excess_load < -config.load_limit;
         if turning || loaded || excess > SPIKE {
+            self.untrimmed_s += step_s;
             return false;
         }
+        self.untrimmed_s = 0.0;
         self.memory.count(step_s, config.level_window_s);
         let [value, slope] = self.memory.line_gains(step_s);
         // The rotation that would bring `down` to where the accelerometer sees it; small.

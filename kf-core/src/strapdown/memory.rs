@@ -36,9 +36,11 @@ impl Memory {
         1.0 / self.n()
     }
 
-    /// Of a straight line: value, slope (1/s).
+    /// Of a straight line: value, slope (1/s). Per step of the window's mean: two samples that are close to each other say
+    /// nothing of a slope.
     pub(super) fn line_gains(self, step_s: f32) -> [f32; 2] {
         let n = self.n();
+        let step_s = if self.samples > 1 { self.elapsed_s / (n - 1.0) } else { step_s };
         let scale = n * (n + 1.0);
         [2.0 * (2.0 * n - 1.0) / scale, 6.0 / (scale * step_s)]
     }

@@ -8,8 +8,10 @@
 //! [`VerticalChannel::inertial`] levels the channel and finds the gyro's bias: against the velocities of
 //! [`VerticalChannel::velocity`] where there are any (`velocity_match`), else on specific force alone (`levelling`), which takes
 //! the phugoid and gusts for tilts. [`VerticalChannel::reference`] ties altitude and climb rate to the reference and finds the accelerometer's bias
-//! along the vertical. It and the levelling are least-squares fits over a window (`memory`). The vertical channel itself has no
-//! use for a heading.
+//! along the vertical (`tie`: a Kalman filter, so that gaps and bursts of fixes weigh what they are worth). The levelling is a least-squares
+//! fit over a window (`memory`). The vertical channel itself has no use for a heading.
+//!
+//! The altitude is published while the tie's climb rate is known to 1 m/s: not for ever through an outage of the receiver.
 //!
 //! [`VerticalChannel::hold`] stops the alignment while a launch is suspected, [`VerticalChannel::resume_captive`] goes on with it.
 //!
@@ -18,6 +20,10 @@
 //! has it (Titterton and Weston, section 12.3): a wrong climb rate with t, a wrong accelerometer bias with t^2/2, a
 //! tilt with the double integral of horizontal acceleration, a gyro bias with that of t times it.
 //!
+//! A gap between inertial samples of up to [`Config::longest_gap_s`] is bridged on a straight line, counted, put into the
+//! uncertainty, and mended if it has cost too much (`bridge`). After a longer gap there is no altitude any more. A restart of the
+//! flight computer is a gap, too ([`VerticalChannel::resumed`]).
+//!
 //! # Method
 //! Attitude: the vertical row of the direction cosine matrix, turned by the rotation vector of each interval with
 //! the coning of two rates that change linearly (J. E. Bortz, "A new mathematical formulation for strapdown inertial
@@ -25,21 +31,28 @@
 //! Design, Part 1", J. Guidance 21, 1998). Velocity and altitude: vertical acceleration taken as linear over each
 //! interval. Sums are compensated.
 
+mod bridge;
+mod kept;
 mod levelling;
 mod memory;
 mod sum;
+mod tie;
 mod vector;
 mod velocity_match;
 
+use crate::guard::Guard;
 use crate::input::ImuSample;
 use crate::time::seconds_between;
+use bridge::{BridgeCost, MENDED_M2PS2, UNKNOWN_ALTITUDE_M2, UNKNOWN_CLIMB_M2PS2};
 use levelling::Levelling;
 use memory::Memory;
 use sum::Sum;
+use tie::Tie;
 use vector::{Down, Vector, cross, difference, dot, scaled, sum};
 use velocity_match::VelocityMatch;
 
 pub use crate::atmosphere::STANDARD_GRAVITY_MPS2 as GRAVITY_MPS2;
+pub use kept::KeptChannel;
 
 /// Beyond these a reading is no reading: every sum below stays finite for hours of them.
 const MAXIMUM_FORCE_MPS2: f32 = 1_000.0;
@@ -48,6 +61,29 @@ const MAXIMUM_ALTITUDE_M: f32 = 100_000.0;
 const MAXIMUM_SPEED_MPS: f32 = 1_000.0;
 /// Levelling on specific force before velocities are matched, seconds.
 const COARSE_LEVEL_S: f32 = 10.0;
+/// Fixes that are outliers for so long (seconds), and are so many, have the last word: a receiver's jump that is a fault ends
+/// sooner, and two outliers may lie on both sides of an outage.
+const OUTLIERS: u8 = 5;
+const LONGEST_OUTLIER_S: f32 = 10.0;
+/// Variance of the climb rate above which the altitude is not aligned, (m/s)^2: 1.6 m/s, which a gap of 1.1 s costs. After 20 s of fixes
+/// it is 0.2 m/s; an outage of the receiver brings it there in two minutes.
+const ALIGNED_M2PS2: f32 = 2.5;
+/// Longest time between two samples that is no gap, seconds: less than 50 samples a second do not follow an aircraft.
+const LONGEST_INTERVAL_S: f32 = 0.03;
+/// Without [`Guard::InertialBridge`], seconds.
+const UNGUARDED_GAP_S: f32 = 0.1;
+/// Largest changes between two samples that an aircraft makes, m/s^2 and rad/s: 700 g a second, and 400 rad/s^2 at 200 samples
+/// a second. One bit of a sample that is flipped and matters (4 g, 125 deg/s of the unit's 16 g and 2,000 deg/s) is more.
+const LARGEST_FORCE_STEP_MPS2: f32 = 35.0;
+const LARGEST_RATE_STEP_RADPS: f32 = 2.0;
+/// After so many such forces in a row it is the aircraft: a push, a motor that is lit.
+const LONGEST_SPIKE: u8 = 2;
+/// Under the pylon nothing pushes: a force that leaps by 1.5 g is refused for a second, which is bridged; and so is a turn rate that leaps,
+/// always.
+const CAPTIVE_FORCE_STEP_MPS2: f32 = 15.0;
+const LONGEST_BRIDGED_SPIKE: u8 = 200;
+/// Longest time that the tie's covariance is carried on in one step, seconds.
+const LONGEST_PASS_S: f32 = 1.5;
 /// Largest turn between two samples, rad: two rates no longer say how the body moved, and the series end.
 const LONGEST_ANGLE_RAD: f32 = 1.0;
 
@@ -60,7 +96,7 @@ pub struct Config {
     pub anchor_window_s: f32,
     /// Alignment, of level and altitude both, that must be there before the channel says anything, seconds.
     pub minimum_s: f32,
-    /// Longest time between two inertial samples that is bridged, seconds.
+    /// Longest time between two inertial samples that is bridged on a straight line, seconds.
     pub longest_gap_s: f32,
     /// Turn rate, smoothed over 1 s, above which flight is not trimmed, rad/s. It must be well above the gyro's bias
     /// and the gusts', or the mean is one-sided. A slower turn is taken for straight: at V m/s its bank, and so the
@@ -71,12 +107,13 @@ pub struct Config {
 }
 
 impl Config {
-    /// For a MEMS unit: a gyro's bias of 0.5 deg/s is 0.009 rad/s.
+    /// For a MEMS unit: a gyro's bias of 0.5 deg/s is 0.009 rad/s. A transient of a second, the reset after it (0.105 s) and what the
+    /// newest snapshot may be behind at a restart (0.1 s) are bridged.
     pub const MEMS: Self = Self {
         level_window_s: 120.0,
         anchor_window_s: 60.0,
         minimum_s: 20.0,
-        longest_gap_s: 0.1,
+        longest_gap_s: 1.3,
         turn_limit_radps: 0.03,
         load_limit: 0.05,
     };
@@ -91,11 +128,16 @@ pub enum StrapdownError {
     Implausible,
     /// Time has not increased.
     OutOfOrder,
+    /// A change since the last sample that no aircraft makes: at most two samples in a row.
+    Spike,
     /// More than the longest gap, or a turn of more than a radian, lies between two samples: captive, the alignment starts anew; in free
     /// flight the channel has lost its altitude for good.
     Gap,
-    /// In free flight there is no reference.
+    /// In free flight there is no reference, unless a gap is being mended.
     Launched,
+    /// The altitude is off what the channel has by more than its uncertainty explains. After ten seconds of such fixes
+    /// alone the tie begins anew.
+    Outlier,
     /// There is no inertial sample yet that shows where down is.
     NoVertical,
     /// The channel was lost in a gap.
@@ -111,6 +153,8 @@ pub struct Counts {
     pub untrimmed: u32,
     /// Samples refused.
     pub refused: u32,
+    /// Gaps between samples that were bridged.
+    pub bridged: u32,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,8 +172,14 @@ enum Phase {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Last {
     time_us: u64,
+    force: Vector,
     rate: Vector,
     acceleration_mps2: f32,
+}
+
+/// Whether any part is larger than a limit.
+fn is_beyond([x, y, z]: Vector, limit: f32) -> bool {
+    x.abs() > limit || y.abs() > limit || z.abs() > limit
 }
 
 /// The channel.
@@ -143,8 +193,25 @@ pub struct VerticalChannel {
     matching: Option<VelocityMatch>,
     is_launched: bool,
     last: Option<Last>,
+    /// The time that fixes have covered.
     anchor: Memory,
+    /// Of the last fix that was taken.
     anchor_time_us: u64,
+    tie: Tie,
+    /// What the tie's covariance is of.
+    tie_time_us: u64,
+    /// Variance of the climb rate that bridges have cost since launch and nothing has mended, (m/s)^2.
+    bridged_m2ps2: f32,
+    /// In free flight: fixes are taken.
+    is_mending: bool,
+    /// How much longer the next gap may be than the clock has it, seconds.
+    unknown_s: f32,
+    /// Made by [`Self::resumed`]: of the levelling there is only its result.
+    is_resumed: bool,
+    /// Samples refused in a row because they leapt.
+    spikes: u8,
+    /// When the first outlier came since the last fix that was taken, and how many have.
+    outlying: Option<(u64, u8)>,
     altitude: Sum,
     climb_rate: Sum,
     /// Upward acceleration that the accelerometer lacks, found against the reference, m/s^2.
@@ -166,6 +233,14 @@ impl VerticalChannel {
             last: None,
             anchor: Memory::default(),
             anchor_time_us: 0,
+            tie: Tie::START,
+            tie_time_us: 0,
+            bridged_m2ps2: 0.0,
+            is_mending: false,
+            unknown_s: 0.0,
+            is_resumed: false,
+            spikes: 0,
+            outlying: None,
             altitude: Sum::default(),
             climb_rate: Sum::default(),
             lacking_mps2: Sum::default(),
@@ -182,8 +257,10 @@ impl VerticalChannel {
         match outcome {
             Ok(()) => self.counts.samples = self.counts.samples.saturating_add(1),
             Err(error) => {
-                if error == StrapdownError::Gap {
-                    self.lose();
+                match error {
+                    StrapdownError::Gap => self.lose(),
+                    StrapdownError::Spike => self.spikes = self.spikes.saturating_add(1),
+                    _ => {}
                 }
                 self.counts.refused = self.counts.refused.saturating_add(1);
             }
@@ -191,13 +268,14 @@ impl VerticalChannel {
         outcome
     }
 
-    /// Takes an altitude of the reference, metres, in captive flight.
+    /// Takes an altitude of the reference, metres, in captive flight or while a gap is mended.
     ///
     /// # Errors
     /// [`StrapdownError::Launched`], [`StrapdownError::NotFinite`], [`StrapdownError::Implausible`],
-    /// [`StrapdownError::NoVertical`], [`StrapdownError::OutOfOrder`]; nothing has changed then.
+    /// [`StrapdownError::NoVertical`], [`StrapdownError::OutOfOrder`]; nothing has changed then. [`StrapdownError::Outlier`].
     pub fn reference(&mut self, time_us: u64, altitude_m: f32) -> Result<(), StrapdownError> {
-        if self.phase != Phase::Captive {
+        let is_captive = self.phase == Phase::Captive;
+        if !is_captive && !self.is_mending() {
             return Err(StrapdownError::Launched);
         }
         if !altitude_m.is_finite() {
@@ -209,25 +287,84 @@ impl VerticalChannel {
         if self.last.is_none() {
             return Err(StrapdownError::NoVertical);
         }
-        if self.anchor.is_empty() {
-            self.anchor.count(0.0, self.config.anchor_window_s);
-            self.anchor_time_us = time_us;
-            self.altitude = Sum::new(altitude_m);
-            self.climb_rate = Sum::default();
+        if is_captive && self.anchor.is_empty() {
+            self.begin_tie(time_us, altitude_m);
             return Ok(());
         }
         if time_us <= self.anchor_time_us {
             return Err(StrapdownError::OutOfOrder);
         }
         let step_s = seconds_between(self.anchor_time_us, time_us);
+        let residual_m = altitude_m - self.altitude.value();
+        let moved = if Guard::TieKnowsGaps.stands() {
+            self.pass_tie(time_us);
+            self.tie.fix(step_s, residual_m)
+        } else {
+            let mut memory = self.anchor;
+            memory.count(step_s, self.config.anchor_window_s);
+            Some(memory.parabola_gains(step_s).map(|gain| gain * residual_m))
+        };
+        let Some([moved_m, climb_rate, lacking]) = moved else {
+            // In free flight a reference that contradicts the channel never has the last word.
+            if !is_captive {
+                return Err(StrapdownError::Outlier);
+            }
+            let (since_us, count) = self.outlying.unwrap_or((time_us, 0));
+            let count = (count + 1).min(2 * OUTLIERS);
+            self.outlying = Some((since_us, count));
+            if count >= OUTLIERS && seconds_between(since_us, time_us) > LONGEST_OUTLIER_S {
+                // It is the reference that has moved, or the channel: either way what there was is no tie.
+                self.anchor = Memory::default();
+                self.begin_tie(time_us, altitude_m);
+            }
+            return Err(StrapdownError::Outlier);
+        };
+        // A fix that is taken outweighs two outliers; a tie to an outlier is outweighed by the others.
+        self.outlying =
+            self.outlying.filter(|(_, count)| *count > 2).map(|(since_us, count)| (since_us, count - 2));
         self.anchor_time_us = time_us;
         self.anchor.count(step_s, self.config.anchor_window_s);
-        let [value, slope, curvature] = self.anchor.parabola_gains(step_s);
-        let residual_m = altitude_m - self.altitude.value();
-        self.altitude.add(value * residual_m);
-        self.climb_rate.add(slope * residual_m);
-        self.lacking_mps2.add(curvature * residual_m);
+        self.altitude.add(moved_m);
+        self.climb_rate.add(climb_rate);
+        if is_captive {
+            self.lacking_mps2.add(lacking);
+        } else {
+            self.lack(lacking);
+            if self.tie.climb_m2ps2() <= MENDED_M2PS2 {
+                self.is_mending = false;
+                self.bridged_m2ps2 = 0.0;
+            }
+        }
         Ok(())
+    }
+
+    /// Adds to the accelerometer's bias of free flight what it lacks upward, m/s^2.
+    fn lack(&mut self, lacking_mps2: f32) {
+        if let (Phase::Free { accel_bias, .. }, Some(down)) = (&mut self.phase, &self.down) {
+            *accel_bias = sum(*accel_bias, scaled(down.get(), lacking_mps2));
+        }
+    }
+
+    /// Whether a gap of free flight is being mended: fixes are wanted.
+    #[must_use]
+    pub fn is_mending(&self) -> bool {
+        self.is_mending && matches!(self.phase, Phase::Free { .. })
+    }
+
+    /// Ties altitude to its first fix. What was found of the accelerometer's bias is where the search for it begins.
+    fn begin_tie(&mut self, time_us: u64, altitude_m: f32) {
+        self.anchor.count(0.0, self.config.anchor_window_s);
+        self.anchor_time_us = time_us;
+        self.tie = Tie::START;
+        self.tie_time_us = time_us;
+        self.outlying = None;
+        self.altitude = Sum::new(altitude_m);
+        self.climb_rate = Sum::default();
+    }
+
+    fn pass_tie(&mut self, time_us: u64) {
+        self.tie.pass(seconds_between(self.tie_time_us, time_us));
+        self.tie_time_us = time_us;
     }
 
     /// Takes a horizontal velocity of the reference in captive flight, north and east, m/s. One a second is used.
@@ -273,17 +410,35 @@ impl VerticalChannel {
             let down = self.down.map_or([0.0; 3], |down| down.get());
             let accel_bias = down.map(|part| part * lacking);
             self.phase = Phase::Free { accel_bias, aligned: self.is_aligned() };
+            self.bridged_m2ps2 = 0.0;
+            self.is_mending = false;
         }
     }
 
     /// It was no launch: the alignment goes on, or starts anew if the channel was lost meanwhile. Nothing after [`Self::launch`].
     pub fn resume_captive(&mut self) {
         match self.phase {
-            Phase::Free { .. } if !self.is_launched => self.phase = Phase::Captive,
-            Phase::Lost if !self.is_launched => {
+            Phase::Free { .. } if !self.is_launched && !self.is_resumed => self.phase = Phase::Captive,
+            Phase::Free { .. } | Phase::Lost if !self.is_launched => {
                 *self = Self { counts: self.counts, ..Self::new(self.config) }
             }
             Phase::Captive | Phase::Free { .. } | Phase::Lost => {}
+        }
+    }
+
+    /// Puts what a straight line over a gap between two samples costs into what is known: of so many seconds by the clock, and perhaps as
+    /// many more.
+    fn bridge(&mut self, gap_s: f32, unknown_s: f32) {
+        self.counts.bridged = self.counts.bridged.saturating_add(1);
+        let cost = BridgeCost::of(gap_s + unknown_s);
+        let climbed_m = self.climb_rate.value() * unknown_s;
+        self.bridged_m2ps2 += cost.climb_m2ps2;
+        if self.bridged_m2ps2 > MENDED_M2PS2 && matches!(self.phase, Phase::Free { .. }) {
+            self.is_mending = true;
+        }
+        self.tie.add(climbed_m * climbed_m, cost.climb_m2ps2, cost.tilt_rad2);
+        if let Some(matching) = &mut self.matching {
+            matching.bridge(cost.climb_m2ps2, cost.tilt_rad2);
         }
     }
 
@@ -313,7 +468,7 @@ impl VerticalChannel {
         let Some(last) = self.last else {
             let down = Down::from_specific_force(force, GRAVITY_MPS2).ok_or(StrapdownError::NoVertical)?;
             self.down = Some(down);
-            self.last = Some(Last { time_us, rate: gyro_radps, acceleration_mps2: 0.0 });
+            self.last = Some(Last { time_us, force, rate: gyro_radps, acceleration_mps2: 0.0 });
             return Ok(());
         };
         let Some(mut down) = self.down else { return Err(StrapdownError::NoVertical) };
@@ -321,8 +476,21 @@ impl VerticalChannel {
             return Err(StrapdownError::OutOfOrder);
         }
         let step_s = seconds_between(last.time_us, time_us);
-        if step_s > self.config.longest_gap_s {
+        let longest_gap_s =
+            if Guard::InertialBridge.stands() { self.config.longest_gap_s } else { UNGUARDED_GAP_S };
+        if step_s > longest_gap_s {
             return Err(StrapdownError::Gap);
+        }
+        let (force_step_mps2, longest) = match self.phase {
+            Phase::Captive => (CAPTIVE_FORCE_STEP_MPS2, LONGEST_BRIDGED_SPIKE),
+            Phase::Free { .. } | Phase::Lost => (LARGEST_FORCE_STEP_MPS2, LONGEST_SPIKE),
+        };
+        if Guard::PlausibleReading.stands()
+            && (self.spikes < longest && is_beyond(difference(force, last.force), force_step_mps2)
+                || self.spikes < LONGEST_BRIDGED_SPIKE
+                    && is_beyond(difference(gyro_radps, last.rate), LARGEST_RATE_STEP_RADPS))
+        {
+            return Err(StrapdownError::Spike);
         }
         let bias = self.levelling.gyro_bias_radps();
         let (before, after) = (difference(last.rate, bias), difference(gyro_radps, bias));
@@ -335,6 +503,10 @@ impl VerticalChannel {
         down.rotate(angle);
         let is_captive = self.phase == Phase::Captive;
         if is_captive && self.matching.as_ref().is_some_and(|matching| matching.is_void(time_us)) {
+            // Where velocities have contradicted the level, nobody knows it any more.
+            if self.matching.as_ref().is_some_and(VelocityMatch::is_contradicted) {
+                self.levelling.begin_anew();
+            }
             self.matching = None;
         }
         if let Some(matching) = &mut self.matching {
@@ -344,6 +516,10 @@ impl VerticalChannel {
             }
         } else if is_captive && !self.levelling.take(&mut down, force, gyro_radps, step_s, &self.config) {
             self.counts.untrimmed = self.counts.untrimmed.saturating_add(1);
+            if self.levelling.is_stuck() {
+                self.lose();
+                return Ok(());
+            }
         }
         let vertical = down.get();
         let lacking = match self.phase {
@@ -355,8 +531,17 @@ impl VerticalChannel {
         let climb_rate = self.climb_rate.value();
         self.altitude.add(step_s * (climb_rate + step_s / 6.0 * (2.0 * previous + acceleration)));
         self.climb_rate.add(0.5 * step_s * (previous + acceleration));
+        self.spikes = 0;
+        if seconds_between(self.tie_time_us, time_us) > LONGEST_PASS_S {
+            self.pass_tie(time_us);
+        }
+        let unknown_s = core::mem::take(&mut self.unknown_s);
+        if step_s > LONGEST_INTERVAL_S || unknown_s > 0.0 {
+            self.pass_tie(time_us);
+            self.bridge(step_s, unknown_s);
+        }
         self.down = Some(down);
-        self.last = Some(Last { time_us, rate: gyro_radps, acceleration_mps2: acceleration });
+        self.last = Some(Last { time_us, force, rate: gyro_radps, acceleration_mps2: acceleration });
         Ok(())
     }
 
@@ -367,8 +552,14 @@ impl VerticalChannel {
             Phase::Captive => {
                 self.levelling.elapsed_s() >= self.config.minimum_s
                     && self.anchor.elapsed_s() >= self.config.minimum_s
+                    && (self.tie.climb_m2ps2() <= ALIGNED_M2PS2 || !Guard::TieKnowsGaps.stands())
             }
-            Phase::Free { aligned, .. } => aligned,
+            Phase::Free { aligned, .. } => {
+                aligned
+                    && (!self.is_mending
+                        || self.tie.climb_m2ps2() <= UNKNOWN_CLIMB_M2PS2
+                            && self.tie.altitude_m2() <= UNKNOWN_ALTITUDE_M2)
+            }
             Phase::Lost => false,
         }
     }
@@ -383,6 +574,12 @@ impl VerticalChannel {
     #[must_use]
     pub fn climb_rate_mps(&self) -> Option<f32> {
         self.is_aligned().then(|| self.climb_rate.value())
+    }
+
+    /// Variance of the altitude against the reference's, m^2: in free flight it grows.
+    #[must_use]
+    pub fn altitude_variance_m2(&self) -> f32 {
+        self.tie.altitude_m2()
     }
 
     /// The unit vector that points down, body axes: (-sin pitch, sin roll cos pitch, cos roll cos pitch).

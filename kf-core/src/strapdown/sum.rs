@@ -1,7 +1,9 @@
 //! Compensated sums.
 
+use serde::{Deserialize, Serialize};
+
 /// A sum that keeps what each addition lost (Kahan): hours of increments of a millionth of the sum move it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Sum {
     value: f32,
     lost: f32,

@@ -2,6 +2,10 @@
 
 use super::*;
 
+mod gaps;
+mod mending;
+mod reference;
+
 const STEP_US: u64 = 5_000;
 const STEP_S: f64 = 0.005;
 const G: f64 = GRAVITY_MPS2 as f64;
@@ -25,6 +29,7 @@ fn at_rest(down: Vector64) -> Vector64 {
     down.map(|part| -G * part)
 }
 
+#[derive(Clone)]
 struct Rig {
     channel: VerticalChannel,
     tick: u64,
@@ -477,6 +482,20 @@ fn a_turn_does_not_level_the_channel() {
     }
 }
 
+/// A gust at the very first samples: what the fit makes of two of them for a gyro's bias must not keep all others out.
+#[test]
+fn a_gust_at_the_start_does_not_end_the_levelling() {
+    let mut rig = Rig::new();
+    for tick in 0..60 * SECOND {
+        let fading = (-(tick as f64) * STEP_S / 0.3).exp();
+        rig.step(&sample([0.4, -1.1 * fading, -G + 4.8 * fading], [0.0, 0.0, 0.0]));
+        if rig.tick.is_multiple_of(40) {
+            rig.channel.reference(rig.time_us(), 1_000.0).unwrap();
+        }
+    }
+    assert!(rig.channel.is_aligned(), "{:?}", rig.channel);
+}
+
 #[test]
 fn a_refused_sample_changes_nothing() {
     let good = sample([0.0, 0.0, -G], [0.0; 3]);
@@ -505,29 +524,6 @@ fn a_refused_sample_changes_nothing() {
         assert_eq!(reference, Err(expected));
         assert_eq!(rig.channel.altitude_m(), before.altitude_m());
     }
-}
-
-#[test]
-fn a_gap_restarts_the_alignment_and_ends_free_flight() {
-    let good = sample([0.0, 0.0, -G], [0.0; 3]);
-    let mut captive = Rig::captive(30);
-    assert!(captive.channel.is_aligned());
-    captive.tick += 21;
-    assert_eq!(captive.channel.inertial(captive.time_us(), &good), Err(StrapdownError::Gap));
-    assert!(!captive.channel.is_aligned() && captive.channel.altitude_m().is_none());
-    captive.step(&good);
-
-    let mut free = Rig::captive(30);
-    free.channel.launch();
-    // Twenty ticks are bridged.
-    free.tick += 19;
-    free.step(&good);
-    assert!(free.channel.altitude_m().is_some());
-    free.tick += 21;
-    assert_eq!(free.channel.inertial(free.time_us(), &good), Err(StrapdownError::Gap));
-    assert_eq!((free.channel.altitude_m(), free.channel.climb_rate_mps()), (None, None));
-    free.tick += 1;
-    assert_eq!(free.channel.inertial(free.time_us(), &good), Err(StrapdownError::Lost));
 }
 
 #[test]

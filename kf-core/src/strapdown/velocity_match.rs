@@ -167,6 +167,8 @@ pub(super) struct VelocityMatch {
     gained: Vector,
     fix_us: u64,
     refusals: u8,
+    /// Variances of velocity ((m/s)^2) and angle (rad^2) that gaps between samples have cost since the last fix.
+    bridged: [f32; 2],
     stage: Stage,
 }
 
@@ -185,6 +187,7 @@ impl VelocityMatch {
         gained: [0.0; 3],
         fix_us: 0,
         refusals: 0,
+        bridged: [0.0; 2],
         stage: Stage::Idle,
     };
 
@@ -207,9 +210,14 @@ impl VelocityMatch {
         begun.fix_us = time_us;
     }
 
+    /// Whether velocities have contradicted it once too often.
+    pub(super) const fn is_contradicted(&self) -> bool {
+        self.refusals >= REFUSALS
+    }
+
     /// Whether fixes have stayed away for so long that the match is void.
     pub(super) fn is_void(&self, time_us: u64) -> bool {
-        self.refusals >= REFUSALS || seconds_between(self.fix_us, time_us) > LONGEST_S
+        self.is_contradicted() || seconds_between(self.fix_us, time_us) > LONGEST_S
     }
 
     /// Takes a sample: `angle` is how the axes turned since the last one (rad, body), which `down` has already.
@@ -250,6 +258,9 @@ impl VelocityMatch {
                     self.refusals = REFUSALS;
                 }
                 self.stage = if state + 1 < STATES {
+                    if state == HEADING {
+                        self.bridged = [0.0; 2];
+                    }
                     Stage::Diffuse { state: state + 1, seconds, fix }
                 } else if self.is_plausible(&fix) {
                     self.refusals = 0;
@@ -292,6 +303,12 @@ impl VelocityMatch {
     /// filter's state, for the next time.
     pub(super) fn hold(&mut self) {
         self.stage = Stage::Idle;
+    }
+
+    /// A gap between samples has cost these variances, (m/s)^2 and rad^2.
+    pub(super) fn bridge(&mut self, velocity_m2ps2: f32, angle_rad2: f32) {
+        self.bridged[0] += velocity_m2ps2;
+        self.bridged[1] += angle_rad2;
     }
 
     /// Takes the velocity of a fix, m/s, if one is due.
@@ -352,8 +369,8 @@ impl VelocityMatch {
 
     fn diffuse(&mut self, state: usize, seconds: f32, turned: f32) -> Result<(), FilterError> {
         let variance = match state {
-            VELOCITY..TILT => VELOCITY_DENSITY * seconds,
-            TILT..BIAS => ANGLE_DENSITY * seconds,
+            VELOCITY..TILT => VELOCITY_DENSITY * seconds + self.bridged[0],
+            TILT..BIAS => ANGLE_DENSITY * seconds + self.bridged[1],
             BIAS..CRAB => BIAS_DENSITY * seconds,
             _ => CRAB_DENSITY * seconds + CRAB_BY_TURN * turned,
         };

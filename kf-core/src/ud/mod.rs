@@ -60,6 +60,26 @@ impl NoiseVariance {
     }
 }
 
+/// How far an innovation may be off before its measurement is an outlier.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gate {
+    /// Largest normalised innovation squared.
+    pub limit: f32,
+    /// What the innovation's variance has in it beyond one measurement's own error: correlated noise is weighted as a
+    /// larger white one, but an innovation is judged by the error of one measurement.
+    pub excess: f32,
+    /// A measurement within the gate is judged, too, but moves nothing.
+    pub only_judges: bool,
+}
+
+impl Gate {
+    /// Whether an innovation is within: the quotient's comparison without its division.
+    #[inline(always)]
+    pub(crate) fn admits(&self, innovation: &Innovation) -> bool {
+        innovation.value * innovation.value <= self.limit * (innovation.variance - self.excess)
+    }
+}
+
 /// What a scalar update found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Innovation {
@@ -155,10 +175,10 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         measurement: f32,
         noise: NoiseVariance,
     ) -> Result<Innovation, FilterError> {
-        self.take::<true>(row, measurement, noise)
+        self.take::<true>(row, measurement, noise, None)
     }
 
-    /// [`Self::update`]; where it is not `CHECKED`, numbers that are not finite go through, and the
+    /// [`Self::update`] of a measurement that is refused beyond the gate ([`FilterError::Gated`]); where it is not `CHECKED`, numbers that are not finite go through, and the
     /// caller finds them afterwards, in [`Self::is_finite_after`], and throws the filter away.
     #[inline(always)]
     pub(crate) fn take<const CHECKED: bool>(
@@ -166,9 +186,10 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         row: &Row<TAIL>,
         measurement: f32,
         noise: NoiseVariance,
+        gate: Option<Gate>,
     ) -> Result<Innovation, FilterError> {
-        let first = row.first;
-        if first >= TAIL || row.head.is_some_and(|i| i >= HEAD) {
+        let (first, head) = (row.first, row.head);
+        if first >= TAIL || head.is_some_and(|i| i >= HEAD) {
             return Err(FilterError::Shape);
         }
         let last = TAIL - 1;
@@ -177,7 +198,7 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         // is written before the last of them is known to be finite.
         let mut value = measurement;
         let mut head_alpha = noise.0;
-        if let Some(i) = row.head {
+        if let Some(i) = head {
             value -= self.head_state[i];
             value -= self.head_step[i];
             head_alpha += self.head_d[i];
@@ -188,7 +209,7 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         let mut variance = head_alpha;
         for j in first..TAIL {
             let mut sum = row.tail[j];
-            if let Some(i) = row.head {
+            if let Some(i) = head {
                 sum += self.cross[i][j];
             }
             for k in first..j {
@@ -209,6 +230,15 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         if CHECKED && !is_finite {
             return Err(FilterError::NotFinite);
         }
+        let innovation = Innovation { value, variance };
+        if let Some(gate) = gate {
+            if !gate.admits(&innovation) {
+                return Err(FilterError::Gated { above: value > 0.0 });
+            }
+            if gate.only_judges {
+                return Ok(innovation);
+            }
+        }
         let inverse_variance = 1.0 / variance;
         let weighted = value * inverse_variance;
 
@@ -218,7 +248,7 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         let mut tail_gain = [0.0; TAIL];
         let mut before = head_alpha;
         let mut inverse = 0.0;
-        if let Some(i) = row.head {
+        if let Some(i) = head {
             inverse = 1.0 / head_alpha;
             head_gain[i] = self.head_d[i];
             self.head_d[i] *= noise.0 * inverse;
@@ -229,7 +259,7 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
             let lambda = -f[j] * inverse;
             for m in 0..HEAD {
                 let old = self.cross[m][j];
-                if j > first || row.head == Some(m) {
+                if j > first || head == Some(m) {
                     self.cross[m][j] = old + lambda * head_gain[m];
                     head_gain[m] += v[j] * old;
                 } else {
@@ -254,7 +284,7 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         let last_step = v[last] * weighted;
         for m in 0..HEAD {
             let old = self.cross[m][last];
-            if last > first || row.head == Some(m) {
+            if last > first || head == Some(m) {
                 self.cross[m][last] = old + lambda * head_gain[m];
                 self.head_step[m] += head_gain[m] * weighted;
             }
@@ -270,7 +300,7 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         }
         self.tail_step[last] += last_step;
         self.tail_d[last] *= before * inverse_variance;
-        Ok(Innovation { value, variance })
+        Ok(innovation)
     }
 
     /// Whether unchecked updates whose innovation variances add up to `variances`, and a fold after

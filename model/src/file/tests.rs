@@ -53,6 +53,8 @@ fn every_key_reaches_its_field() {
         sigma = "covariance"
         multiplier = 15
         window_s = 16
+        persistence_s = 16.5
+        reference_check = false
         [quality]
         minimum_duration_s = 17
         trimmed_altitude_m = 18
@@ -118,6 +120,7 @@ fn every_key_reaches_its_field() {
     );
     assert_eq!(model.monitor.sigma, SigmaSource::Covariance);
     assert_eq!([model.monitor.multiplier, model.monitor.window_s], [15.0, 16.0]);
+    assert_eq!((model.monitor.persistence_s, model.monitor.reference_check), (16.5, false));
     assert_eq!(
         model.quality,
         kf_core::config::QualityConfig {

@@ -1,18 +1,20 @@
 //! `pylon add`.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use kf_core::effect::{Clock, EffectId};
 use model::Model;
 use pylon::diagnose::Wish;
 use pylon::learn::{Addition, Request, add, addition_text, nearest_effects};
-use pylon::output_file::write_atomically;
+use pylon::output_file::prepare;
 use pylon::replay::CalibrationWindow;
 use time::{Date, OffsetDateTime};
 
 use super::failure::Failure;
+use super::model_lock::{ModelLock, lock_model};
+use super::overwriting::{Role, refuse_overwriting};
 use super::progress::Counter;
 use super::{load, terminal};
 
@@ -86,7 +88,13 @@ fn time_constant(text: &str) -> Result<f32, String> {
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let effect = effect(arguments)?;
+    let flights = arguments.from.iter().chain(&arguments.hold_out);
+    let flights: Vec<_> = flights.map(|flight| Role::new(flight, "a flight")).collect();
+    let is_preset = Model::preset(&arguments.model).is_some();
+    // Nobody else may change the model between what is read of it here and what is written.
+    let _lock = if is_preset { None } else { locked(&arguments.model)? };
     let (text, output) = model(arguments)?;
+    refuse_overwriting(&flights, &[Role::new(&output, "the model")])?;
     let date = today()?;
     load::refuse_repeats(&arguments.from, &arguments.hold_out)?;
     let learning = load::flights(&arguments.from)?;
@@ -114,14 +122,27 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if !addition.concerns.is_empty() && !arguments.force {
         return Err(refused(&addition));
     }
-    write_atomically(&output, |out| out.write_all(addition.text.as_bytes()))?;
+    // The result is printed before the model gets its name: where it can not be printed, nothing was changed.
+    let written = prepare(&output, |out| out.write_all(addition.text.as_bytes()))?;
     if arguments.json {
         let mut json = serde_json::to_string_pretty(&addition)?;
         json.push('\n');
-        terminal::put(&json)
+        terminal::put(&json)?;
     } else {
-        terminal::put(&addition_text(&addition, &output.display().to_string()))
+        terminal::put(&addition_text(&addition, &output.display().to_string()))?;
     }
+    if is_preset {
+        written.publish_new()?;
+    } else {
+        written.publish()?;
+    }
+    Ok(())
+}
+
+/// The model's lock; none where there is no such file, which is an error of its own.
+fn locked(model: &str) -> Result<Option<ModelLock>, Failure> {
+    let path = Path::new(model);
+    if path.is_file() { lock_model(path).map(Some) } else { Ok(None) }
 }
 
 /// The effect, and whether it can have what was asked for it.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use pylon::diagnose::{diagnose, text};
-use pylon::replay::CalibrationWindow;
+use pylon::replay::{CalibrationWindow, Replay};
 
 use super::failure::Failure;
 use super::progress::Counter;
@@ -37,6 +37,9 @@ pub struct Arguments {
     /// Calibrate on this part of the flights (seconds by their own time) and say launch at its end
     #[arg(long, value_name = "START..END")]
     calibrate: Option<CalibrationWindow>,
+    /// Refuse all flights if one of them cannot be used, instead of skipping and naming it
+    #[arg(long)]
+    strict: bool,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -46,7 +49,9 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let model = load::model(&arguments.model)?;
     load::refuse_repeats(&arguments.flights, &arguments.hold_out)?;
-    let learned = load::flights(&arguments.flights)?;
+    let batch = load::Batch::read(&arguments.flights, arguments.strict, |flight| {
+        Replay::calibrated_or_not(flight, &model, arguments.calibrate).map(|_| ())
+    })?;
     let held = load::flights(&arguments.hold_out)?;
     let warnings = |files: &[PathBuf], flights: &[load::Read]| -> Vec<String> {
         let pairs = files.iter().zip(flights);
@@ -54,14 +59,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             .flat_map(|(file, (_, notes))| notes.iter().map(|note| format!("{}: {note}", file.display())))
             .collect()
     };
-    let warnings = [warnings(&arguments.flights, &learned), warnings(&arguments.hold_out, &held)].concat();
-    let learned = load::replays_calibrated_or_not(&arguments.flights, &learned, &model, arguments.calibrate)?;
+    let warnings = [warnings(&batch.files, &batch.flights), warnings(&arguments.hold_out, &held)].concat();
+    let learned = load::replays_calibrated_or_not(&batch.files, &batch.flights, &model, arguments.calibrate)?;
     let held = load::replays_calibrated_or_not(&arguments.hold_out, &held, &model, arguments.calibrate)?;
     let mut counter = Counter::new("diagnosing", "fits");
     let mut diagnosis = diagnose(&learned, &held, &mut || counter.step());
     drop(counter);
     diagnosis.model.clone_from(&arguments.model);
     diagnosis.warnings.splice(0..0, warnings);
+    batch.write_skipped();
     if arguments.json {
         let mut json = serde_json::to_string_pretty(&diagnosis)?;
         json.push('\n');

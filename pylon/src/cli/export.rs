@@ -9,6 +9,7 @@ use pylon::output_file::write_atomically;
 
 use super::failure::Failure;
 use super::load;
+use super::overwriting::{Role, refuse_overwriting};
 use super::progress::while_busy;
 use super::terminal;
 
@@ -44,6 +45,10 @@ enum Format {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    refuse_overwriting(
+        &[Role::new(&arguments.flight, "the flight")],
+        &[Role::new(&arguments.output, "the export")],
+    )?;
     let (flight, notes) = load::flight(&arguments.flight)?;
     let file = arguments.output.display();
     let line = match arguments.format {

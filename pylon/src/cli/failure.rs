@@ -35,6 +35,11 @@ impl Failure {
         Self { message: format!("{message} (see --help)"), status: BAD_INPUT }
     }
 
+    /// Why, in one line.
+    pub fn message(&self) -> &str {
+        &self.message
+    }
+
     /// Says why on standard error and gives the exit status.
     pub fn report(&self) -> ExitCode {
         // Nothing is left to be told to when standard error is closed too.

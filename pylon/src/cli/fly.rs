@@ -1,6 +1,6 @@
 //! `pylon fly`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::Args;
@@ -15,6 +15,7 @@ use serde_json::{Value, json};
 
 use super::failure::Failure;
 use super::one_flight::OneFlight;
+use super::overwriting::{Role, refuse_overwriting};
 use super::progress::{while_busy, while_telling};
 use super::{load, terminal};
 
@@ -26,21 +27,35 @@ Examples:
   pylon fly flight.csv --model improved.toml --json
   pylon fly flight.csv --telemetry flight.tlog
       and record its telemetry, which `compare` and the others read as a flight
+  pylon fly flight.csv --record flight.record
+      and keep its results, of which `import` makes a flight: what the flight computer saw
   pylon fly flight.csv --ideal-sensors
       without chips and drivers: the estimator gets the flight's rows as they are
   pylon fly flight.csv --fault \"baro stuck-low 60..65\" --fault \"imu reset 70\"
-      the same bits, with a barometer whose data line hangs for 5 s and an inertial unit whose power dips
+      the same bits, with a barometer whose data line hangs for 5 s and an inertial unit whose power dips; and what that
+      does to calibration, launch, flags and altitude, beside the same flight without the faults
   pylon fly flight.csv --hil
       through an STM32F405 on an ST-LINK instead of QEMU (docs/bring-up.md); it needs openocd
   pylon fly flight.csv --hil --probe-config interface/cmsis-dap.cfg
       on a CMSIS-DAP probe
 
 Faults (CHIP FAULT START..END, in seconds of the flight's time; those marked * happen once, at START):
-  baro, imu       stuck-low, stuck-high, bus-error, flip-bits=MASK *, reset *
-  baro            slow=MICROSECONDS (conversions take so much longer)
-  imu             stalled (no new samples)
-  gps, umbilical  unplugged, lose-bytes=COUNT *, flip-bits=MASK *
-  gps             refuses, silent (to be configured, to acknowledge), reset *
+  baro, imu       stuck-low, stuck-high, bus-error (the wires), stalled (no new samples)
+  baro, imu, gps  frozen (old results, said to be new), offset=BY[,QUANTITY] (far beyond the range it saturates),
+                  spike=BY[,RESULTS[,QUANTITY]] *, flip-data=MASK[,RESULTS[,QUANTITY]] * (in the chip), reset *
+  all but wire    garbage=SEED (noise on its line), flip-bits=MASK[,AFTER] * (of one byte on the way)
+  baro            slow=MICROSECONDS (conversions take so much longer), lose-conversions=COUNT *,
+                  flip-prom=BYTE,MASK (of its calibration, as it is read)
+  imu             flip-register=ADDRESS,MASK * (until it is written), vibration=HZ,AMPLITUDE[,QUANTITY]
+  gps, umbilical  unplugged, lose-bytes=COUNT *
+  gps             refuses, silent (to be configured, to acknowledge), no-fix, held (the last solution, with its time),
+                  cold-start=METRES,SECONDS[,dishonest] (an error of altitude that decays), generation-8=BAUD *,
+                  flip-register=SETTING,1 * (until it is configured: 0 no solutions, 1 NMEA, 2 once a second)
+  umbilical       silent (nobody sends), stranger=METRES (another system sends an altitude too), lies=METRES (too
+                  high), not-a-number, holds (one altitude for ever), torn (the whole cable, wire included)
+  wire            open (broken), shorted, unreadable, bounces=MICROSECONDS (mean time open, and closed)
+  BY and AMPLITUDE are in Pa, degrees, m/s^2, rad/s, m or m/s; QUANTITY is pressure, temperature; accel-x to -z,
+  gyro-x to -z; altitude, velocity-north, -east, -down; without it pressure, accel-z or altitude.
 
 Exit status: 0 every bit is the same; 1 bits differ; 2 bad usage or bad input, or no emulator,
 probe or board.";
@@ -60,6 +75,10 @@ pub struct Arguments {
     /// Write what the emulated flight computer sent over its telemetry's line, as a ground station records it
     #[arg(long, value_name = "TLOG", conflicts_with = "hil")]
     telemetry: Option<PathBuf>,
+    /// Write the flight computer's results as it sent them (a flight record), as a recorder on a board's results' line has them:
+    /// `pylon import` makes a flight of it
+    #[arg(long, value_name = "RECORD")]
+    record: Option<PathBuf>,
     /// Fly through an STM32F405 on a debug probe (hardware in the loop); its flash is written
     #[arg(long)]
     hil: bool,
@@ -75,6 +94,11 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if let Some(telemetry) = &arguments.telemetry {
+        let model = Role::new(Path::new(&arguments.what.model), "the model");
+        let flight = Role::new(&arguments.what.flight, "the flight");
+        refuse_overwriting(&[flight, model], &[Role::new(telemetry, "the telemetry")])?;
+    }
     let model = load::model(&arguments.what.model)?;
     let (flight, notes) = load::flight(&arguments.what.flight)?;
     load::write_notes(&notes);
@@ -89,6 +113,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         faults: arguments.faults.clone(),
         host_ulp_error: arguments.plant_host_error,
         telemetry: arguments.telemetry.is_some(),
+        record: arguments.record.is_some(),
         ..FlyOptions::default()
     };
     let doing = || match progress.so_far() {
@@ -110,6 +135,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let (Some(file), Some(telemetry)) = (&arguments.telemetry, &report.telemetry) {
         let log = tlog::recording(&telemetry.target, 0);
         while_busy("writing", || write_atomically(file, |out| out.write_all(&log)))?;
+    }
+    if let (Some(file), Some(record)) = (&arguments.record, &report.record) {
+        while_busy("writing", || write_atomically(file, |out| out.write_all(record)))?;
     }
     if arguments.what.json {
         return put_json(&report_json(&report));
@@ -192,7 +220,7 @@ fn text(file: &str, report: &FlyReport) -> String {
 }
 
 fn chips_text(chips: &ChipsReport, sensor_faults: u32) -> String {
-    let ChipsReport { grid, truth, untold_fixes, agreement } = chips;
+    let ChipsReport { grid, truth, untold_fixes, agreement, consequence } = chips;
     let mut text = format!(
         "  sensors              on chips: {} rows on {} ticks of 5 ms; {sensor_faults} polls failed, the same on both\n",
         grid.rows, grid.ticks
@@ -229,11 +257,14 @@ fn chips_text(chips: &ChipsReport, sensor_faults: u32) -> String {
             },
         ));
     }
+    if let Some(consequence) = consequence {
+        text.push_str(&consequence.to_string());
+    }
     text
 }
 
 fn chips_json(chips: &ChipsReport) -> Value {
-    let ChipsReport { grid, truth, untold_fixes, agreement } = chips;
+    let ChipsReport { grid, truth, untold_fixes, agreement, consequence } = chips;
     json!({
         "rows": grid.rows,
         "ticks": grid.ticks,
@@ -251,6 +282,7 @@ fn chips_json(chips: &ChipsReport) -> Value {
         "after_launch": truth.after_launch,
         "impossible_times": truth.impossible_times,
         "untold_fixes": untold_fixes,
+        "fault": consequence,
         "agreement": agreement.as_ref().map(|agreement| {
             agreement.sensors.iter().map(|sensor| (sensor.sensor.name().to_owned(), json!({
                 "ideal_bias_m": sensor.ideal_bias_m,

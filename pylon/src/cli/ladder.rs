@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use pylon::learn::{ladder, ladder_text};
-use pylon::replay::CalibrationWindow;
+use pylon::replay::{CalibrationWindow, Replay};
 
 use super::failure::Failure;
 use super::progress::Progress;
@@ -30,6 +30,9 @@ pub struct Arguments {
     /// Calibrate on this part of the flights (seconds by their own time) and say launch at its end
     #[arg(long, value_name = "START..END")]
     calibrate: Option<CalibrationWindow>,
+    /// Refuse all flights if one of them cannot be used, instead of skipping and naming it
+    #[arg(long)]
+    strict: bool,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -39,14 +42,16 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let model = load::model(&arguments.model)?;
     load::refuse_repeats(&arguments.flights, &[])?;
-    let flights = load::flights(&arguments.flights)?;
-    let flights = load::named(&arguments.flights, &flights);
-    let mut progress =
-        Progress::new("flying", (model.revisions.len() as u64 + 1) * arguments.flights.len() as u64);
+    let batch = load::Batch::read(&arguments.flights, arguments.strict, |flight| {
+        Replay::new(flight, &model, arguments.calibrate).map(|_| ())
+    })?;
+    let flights = load::named(&batch.files, &batch.flights);
+    let mut progress = Progress::new("flying", (model.revisions.len() as u64 + 1) * batch.files.len() as u64);
     let mut ladder = ladder(&model, &flights, arguments.calibrate, &mut |done| progress.show(done))
         .map_err(|(file, error)| Failure::input(format!("{file}: {error}")))?;
     drop(progress);
     ladder.model.clone_from(&arguments.model);
+    batch.write_skipped();
     if arguments.json {
         let mut json = serde_json::to_string_pretty(&ladder)?;
         json.push('\n');

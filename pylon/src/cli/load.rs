@@ -48,6 +48,65 @@ pub fn flights(files: &[PathBuf]) -> Result<Vec<Read>, Failure> {
     files.iter().map(|file| flight(file)).collect()
 }
 
+/// Several flights, without those that are of no use.
+pub struct Batch {
+    /// Files of the flights.
+    pub files: Vec<PathBuf>,
+    /// The flights, in the files' order.
+    pub flights: Vec<Read>,
+    /// Why each of the others was skipped.
+    skipped: Vec<String>,
+}
+
+impl Batch {
+    /// The flights of some files. One that cannot be read, or that `is_usable` refuses, is skipped, unless it is the only one
+    /// or all are to be used (`strict`).
+    pub fn read(
+        files: &[PathBuf],
+        strict: bool,
+        is_usable: impl Fn(&Flight) -> Result<(), ReplayError>,
+    ) -> Result<Self, Failure> {
+        let mut batch = Self { files: Vec::new(), flights: Vec::new(), skipped: Vec::new() };
+        let mut first = None;
+        for file in files {
+            let usable = flight(file).and_then(|read| match is_usable(&read.0) {
+                Ok(()) => Ok(read),
+                Err(error) => Err(Failure::input(format!("{}: {error}", file.display()))),
+            });
+            match usable {
+                Ok(read) => {
+                    batch.files.push(file.clone());
+                    batch.flights.push(read);
+                }
+                Err(failure) if strict || files.len() == 1 => return Err(failure),
+                Err(failure) => {
+                    batch.skipped.push(failure.message().to_owned());
+                    first.get_or_insert(failure);
+                }
+            }
+        }
+        match first {
+            Some(failure) if batch.files.is_empty() => Err(failure),
+            _ => Ok(batch),
+        }
+    }
+
+    /// Says on standard error which flights were skipped, and why.
+    pub fn write_skipped(&self) {
+        if self.skipped.is_empty() {
+            return;
+        }
+        let all = self.files.len() + self.skipped.len();
+        let mut text =
+            format!("skipped {} of {all} flights (--strict refuses instead):\n", self.skipped.len());
+        for why in &self.skipped {
+            text += &format!("  {why}\n");
+        }
+        // Nothing is left to be told to when standard error is closed.
+        let _ = write!(std::io::stderr(), "{text}");
+    }
+}
+
 /// Those flights ready to be flown by a model, each under its file's name.
 pub fn replays<'a>(
     files: &[PathBuf],

@@ -6,13 +6,16 @@
 mod add;
 mod compare;
 mod diagnose;
+mod effects;
 mod export;
 mod failure;
 mod fly;
 mod import;
 mod ladder;
 mod load;
+mod model_lock;
 mod one_flight;
+mod overwriting;
 mod progress;
 mod report;
 mod simulate;
@@ -40,6 +43,7 @@ enum Command {
     Export(export::Arguments),
     Compare(compare::Arguments),
     Diagnose(diagnose::Arguments),
+    Effects(effects::Arguments),
     Add(add::Arguments),
     Ladder(ladder::Arguments),
     Fly(fly::Arguments),
@@ -55,6 +59,7 @@ pub fn main() -> ExitCode {
             Command::Export(arguments) => export::run(&arguments),
             Command::Compare(arguments) => compare::run(&arguments),
             Command::Diagnose(arguments) => diagnose::run(&arguments),
+            Command::Effects(arguments) => effects::run(&arguments),
             Command::Add(arguments) => add::run(&arguments),
             Command::Ladder(arguments) => ladder::run(&arguments),
             Command::Fly(arguments) => fly::run(&arguments),

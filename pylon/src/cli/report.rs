@@ -1,6 +1,6 @@
 //! `pylon report`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use pylon::compare::{Options, compare};
@@ -8,10 +8,11 @@ use pylon::diagnose::{NamedReplay, diagnose};
 use pylon::flight::Note;
 use pylon::learn::{NamedFlight, ladder};
 use pylon::output_file::write_atomically;
-use pylon::replay::CalibrationWindow;
+use pylon::replay::{CalibrationWindow, Replay};
 use pylon::report::{FlightReport, Report};
 
 use super::failure::Failure;
+use super::overwriting::{Role, refuse_overwriting};
 use super::progress::{Counter, Progress};
 use super::{load, terminal};
 
@@ -42,6 +43,9 @@ pub struct Arguments {
     /// Judge what may be missing on this flight instead of on held-out manoeuvres (may be repeated)
     #[arg(long, value_name = "FLIGHT")]
     hold_out: Vec<PathBuf>,
+    /// Refuse all flights if one of them cannot be used, instead of skipping and naming it
+    #[arg(long)]
+    strict: bool,
     /// The page to write: one HTML file, with everything in it
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -49,21 +53,27 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let flights = arguments.flights.iter().chain(&arguments.hold_out);
+    let model = Role::new(Path::new(&arguments.model), "the model");
+    let inputs: Vec<_> = flights.map(|flight| Role::new(flight, "a flight")).chain([model]).collect();
+    refuse_overwriting(&inputs, &[Role::new(&arguments.output, "the page")])?;
     let model = load::model(&arguments.model)?;
     load::refuse_repeats(&arguments.flights, &arguments.hold_out)?;
-    let learned = load::flights(&arguments.flights)?;
+    let batch = load::Batch::read(&arguments.flights, arguments.strict, |flight| {
+        Replay::new(flight, &model, arguments.calibrate).map(|_| ())
+    })?;
     let held = load::flights(&arguments.hold_out)?;
-    let learned_from = load::replays(&arguments.flights, &learned, &model, arguments.calibrate)?;
+    let learned_from = load::replays(&batch.files, &batch.flights, &model, arguments.calibrate)?;
     let held_out = load::replays(&arguments.hold_out, &held, &model, arguments.calibrate)?;
-    let mut flights = Vec::with_capacity(learned.len());
-    for (index, (named, (_, notes))) in learned_from.iter().zip(&learned).enumerate() {
+    let mut flights = Vec::with_capacity(batch.files.len());
+    for (index, (named, (_, notes))) in learned_from.iter().zip(&batch.flights).enumerate() {
         flights.push(flight(index, named, notes, &arguments.model)?);
     }
     let mut counter = Counter::new("diagnosing", "fits");
     let mut diagnosis = diagnose(&learned_from, &held_out, &mut || counter.step());
     drop(counter);
     diagnosis.model.clone_from(&arguments.model);
-    let mut all: Vec<NamedFlight<'_>> = load::named(&arguments.flights, &learned);
+    let mut all: Vec<NamedFlight<'_>> = load::named(&batch.files, &batch.flights);
     all.extend(load::named(&arguments.hold_out, &held));
     let mut progress =
         Progress::new("flying every revision", (model.revisions.len() as u64 + 1) * all.len() as u64);
@@ -80,6 +90,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let html = report.html();
     write_atomically(&arguments.output, |out| out.write_all(html.as_bytes()))?;
+    batch.write_skipped();
     let (count, size) = (flights.len(), html.len() as f64 / 1e6);
     let flights = if count == 1 { "1 flight".to_owned() } else { format!("{count} flights") };
     terminal::put(&format!("{}: {flights}, {size:.1} MB\n", arguments.output.display()))

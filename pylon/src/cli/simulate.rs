@@ -6,6 +6,7 @@ use clap::Args;
 use pylon::simulate::run_with_seed;
 
 use super::failure::Failure;
+use super::overwriting::{Role, refuse_overwriting};
 use super::progress::while_busy;
 use super::terminal;
 
@@ -37,12 +38,10 @@ pub struct Arguments {
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let truth = arguments.truth.clone().unwrap_or_else(|| beside(&arguments.output));
-    if truth == arguments.output {
-        return Err(Failure::input(format!(
-            "{}: the truth would overwrite the flight; expected another file for --truth",
-            truth.display()
-        )));
-    }
+    refuse_overwriting(
+        &[Role::new(&arguments.scenario, "the scenario")],
+        &[Role::new(&arguments.output, "the flight"), Role::new(&truth, "the truth")],
+    )?;
     let summary = while_busy("simulating", || {
         run_with_seed(&arguments.scenario, arguments.seed, &arguments.output, &truth)
     })?;

@@ -220,6 +220,7 @@ impl Comparator {
     fn rules(&self, end: &MissionEnd<'_>, wishes: &RuleWishes) -> BTreeMap<&'static str, SensorRules> {
         let (multiplier, window_s) =
             (f64::from(end.model.monitor.multiplier), f64::from(end.model.monitor.window_s));
+        let persistence_s = f64::from(end.model.monitor.persistence_s);
         std::thread::scope(|scope| {
             let threads: Vec<_> = Sensor::ALL
                 .into_iter()
@@ -231,7 +232,10 @@ impl Comparator {
                             .latch
                             .map(|latch| f64::from(latch.sensors[sensor.index()].bound_m()))
                             .filter(|bound| *bound > 0.0);
-                        Some((sensor.name(), judge(residual, bound_m, multiplier, window_s, wishes)))
+                        Some((
+                            sensor.name(),
+                            judge(residual, bound_m, multiplier, window_s, persistence_s, wishes),
+                        ))
                     })
                 })
                 .collect();
@@ -247,6 +251,8 @@ fn counts(counters: &SourceCounters) -> ReadingCounts {
         held: counters.held,
         stuck: counters.stuck,
         variance: counters.variance,
+        gated: counters.gated,
+        implausible: counters.implausible,
     }
 }
 
@@ -270,5 +276,6 @@ fn monitor(config: &MonitorConfig) -> MonitorFacts {
         },
         multiplier: f64::from(config.multiplier),
         window_s: f64::from(config.window_s),
+        persistence_s: f64::from(config.persistence_s),
     }
 }

@@ -120,6 +120,10 @@ pub struct ReadingCounts {
     pub stuck: u32,
     /// Refused by the filter.
     pub variance: u32,
+    /// Finite, and no aircraft can be there or do that.
+    pub implausible: u32,
+    /// Outliers: too far from what the filter expected.
+    pub gated: u32,
 }
 
 /// The reference in captive flight.
@@ -172,4 +176,6 @@ pub struct MonitorFacts {
     pub multiplier: f64,
     /// Length of the moving average, seconds.
     pub window_s: f64,
+    /// For how long the error must have been beyond the threshold before a sensor is untrustworthy, seconds.
+    pub persistence_s: f64,
 }

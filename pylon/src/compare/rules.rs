@@ -77,12 +77,13 @@ pub struct Recommendation {
     pub quality: RuleQuality,
 }
 
-/// Judges the rule of one sensor. `bound_m` is the bound that flew, `multiplier` sigmas of it.
+/// Judges the rule of one sensor. `bound_m` is the bound that flew, `multiplier` sigmas of it; `persistence_s` is the model's.
 pub(super) fn judge(
     residual: ResidualModel,
     bound_m: Option<f64>,
     multiplier: f64,
     window_s: f64,
+    persistence_s: f64,
     wishes: &RuleWishes,
 ) -> SensorRules {
     let sigma_m = residual.variance().sqrt();
@@ -96,7 +97,8 @@ pub(super) fn judge(
     }
     let launches = HealthyLaunches::draw(&residual, &windows_s);
     let set = bound_m
-        .and_then(|threshold_m| assess_rule(&launches, MonitorRule { threshold_m, window_s }, &[step, ramp]));
+        .and_then(|threshold_m| assess_rule(&launches, MonitorRule { threshold_m, window_s }, &[step, ramp]))
+        .map(|quality| quality.with_persistence(persistence_s));
     let recommended = recommend_rule(&launches, &search).and_then(|choice| {
         let monitor_sigma_m = bound_m.map_or(sigma_m, |bound| bound / multiplier);
         Some(Recommendation {
@@ -104,7 +106,7 @@ pub(super) fn judge(
             window_s: choice.rule.window_s,
             detects_step: choice.detects_fault,
             smallest_step_m: choice.smallest_step_m,
-            quality: assess_rule(&launches, choice.rule, &[step, ramp])?,
+            quality: assess_rule(&launches, choice.rule, &[step, ramp])?.with_persistence(persistence_s),
         })
     });
     SensorRules { residual, set, recommended, wished_false_alarms_per_hour: wishes.false_alarms_per_hour }

@@ -11,7 +11,7 @@ use super::rules::RuleWishes;
 use super::traces::Traces;
 use super::warnings::{effect_warnings, input_warnings};
 use crate::flight::Channel;
-use crate::replay::{AnyMission, CalibrationSource, Replay, ReplayError, mission};
+use crate::replay::{CalibrationSource, Replay, ReplayError, mission};
 
 /// Progress is reported once in this many rows.
 const ROWS_PER_REPORT: u64 = 1 << 14;
@@ -119,7 +119,7 @@ fn remedies(replay: &Replay<'_>) -> Result<Vec<Remedy>, ReplayError> {
     }
     for input in replay.mission_inputs() {
         for (_, mission, tally) in &mut runs {
-            let output: TickOutput = AnyMission::tick(mission.as_mut(), &input);
+            let output: TickOutput = mission.tick(&input);
             tally.take(&output);
         }
     }

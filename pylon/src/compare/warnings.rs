@@ -38,6 +38,12 @@ pub(super) fn input_warnings(summary: &ReplaySummary) -> Vec<String> {
         if channel.refused > 0 {
             lines.push(format!("{} inertial samples were refused by the strapdown channel", channel.refused));
         }
+        if channel.bridged > 0 {
+            lines.push(format!(
+                "{} gaps between inertial samples were bridged by the strapdown channel",
+                channel.bridged
+            ));
+        }
     }
     lines
 }
@@ -74,6 +80,8 @@ pub(super) fn warnings(counters: &Counters, has_settled: bool, comparison: &Comp
             (counts.held, "ignored: the receiver held its last fix"),
             (counts.stuck, "ignored: the sensor repeats itself to the bit"),
             (counts.variance, "refused by the filter: no positive innovation variance"),
+            (counts.implausible, "refused: no aircraft can be there or do that"),
+            (counts.gated, "refused as outliers: too far from what the filter expected"),
         ] {
             let (one, many) = refused(what);
             count(number, &one, &many);
@@ -83,7 +91,16 @@ pub(super) fn warnings(counters: &Counters, has_settled: bool, comparison: &Comp
     for (name, sensor) in &comparison.sensors {
         source(name, &sensor.readings);
     }
-    count(counters.signals_not_finite, "signal refused: not finite", "signals refused: not finite");
+    count(
+        counters.readings_unjudged,
+        "reading in free flight was not judged: its error may be the reference's",
+        "readings in free flight were not judged: their error may be the reference's",
+    );
+    count(
+        counters.signals_not_finite,
+        "signal refused: not finite, or none that an aircraft can have",
+        "signals refused: not finite, or none that an aircraft can have",
+    );
     count(
         counters.effects_without_signal,
         "reading was taken without an effect of the model: its signal was not there",

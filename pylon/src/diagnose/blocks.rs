@@ -11,7 +11,7 @@ use super::epochs::{Epochs, known_m, readings};
 use super::follower::{Follower, Moment, Phase};
 use super::reference_path::ReferencePath;
 use super::series::{BySensor, Series};
-use super::signals::{NAMES, SignalMeans};
+use super::signals::{NAMES, SignalMeans, offered};
 use super::smoothed_climb::SmoothedClimb;
 use crate::replay::Replay;
 
@@ -78,8 +78,8 @@ impl Builder {
                 .iter()
                 .position(|candidate| candidate.effect() == EffectId::BaroAcceleration),
             open: None,
-            signals: SignalMeans::new(extra.len()),
-            signal_names: names.chain(extra.iter().map(|(name, _)| name.clone())).collect(),
+            signals: SignalMeans::new(offered(extra).count()),
+            signal_names: names.chain(offered(extra).map(|(name, _)| name.clone())).collect(),
             series: Series { columns: vec![Vec::new(); candidates.len()], block_s, ..Series::default() },
             signal_blocks: Vec::new(),
             noise: vec![ColumnNoise::default(); candidates.len()],

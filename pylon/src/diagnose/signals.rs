@@ -29,6 +29,15 @@ pub const NAMES: [&str; 21] = [
     "ground velocity east",
 ];
 
+/// A flight's unknown columns that an unexplained residual may follow. Not what an autopilot estimated (`autopilot_*`), nor what
+/// another barometer read (`baro_N_pa`): the sensors' errors and the path itself are in them, as in the residual, so that each would
+/// seem to follow the other.
+pub fn offered(extra: &[(String, Column)]) -> impl Iterator<Item = &(String, Column)> {
+    let is_path =
+        |name: &str| name.starts_with("autopilot_") || (name.starts_with("baro_") && name.ends_with("_pa"));
+    extra.iter().filter(move |(name, _)| !is_path(name))
+}
+
 /// Where the altitude by the integral of the climb rate stands among the signals.
 pub const CLIMBED: usize = 2;
 /// Where the velocity over ground stands among the signals: north, east.
@@ -95,7 +104,7 @@ impl SignalMeans {
             north,
             east,
         ];
-        let extra = extra.iter().map(|(_, column)| column.get(row));
+        let extra = offered(extra).map(|(_, column)| column.get(row));
         for (k, value) in values.into_iter().chain(extra).enumerate() {
             if let Some(value) = value.filter(|value| value.is_finite()) {
                 self.sum[k] += f64::from(value);
@@ -114,5 +123,18 @@ impl SignalMeans {
             self.count[k] = 0;
         }
         self.last.clone()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_has_the_path_in_it_is_not_offered_as_a_cause() {
+        let named = |name: &str| (name.to_owned(), Column::default());
+        let extra = ["flap", "autopilot_down_m", "baro_2_pa", "baro_2_temp_c", "output_1_us"].map(named);
+        let names: Vec<&str> = offered(&extra).map(|(name, _)| name.as_str()).collect();
+        assert_eq!(names, ["flap", "baro_2_temp_c", "output_1_us"]);
     }
 }

@@ -28,7 +28,7 @@ pub struct McapSummary {
 const fn topic(channel: Channel) -> &'static str {
     use Channel as C;
     match channel {
-        C::Launch => "/launch",
+        C::Launch | C::LaunchDoubt => "/launch",
         C::GpsAltM | C::GpsVnMps | C::GpsVeMps | C::GpsVdMps | C::GpsVaccM | C::GpsSats | C::GpsTimeS => {
             "/gps"
         }

@@ -76,6 +76,7 @@ impl Program {
         match self {
             Self::Bench => &[
                 "--config=profile.firmware.opt-level=3",
+                "--config=profile.firmware.package.firmware.opt-level=3",
                 "--config=profile.firmware.package.kf-core.opt-level=3",
             ],
             Self::Flight(_) | Self::CopyCheck | Self::CoreOnly | Self::ChainOnly => &[],

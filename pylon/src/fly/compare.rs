@@ -1,6 +1,7 @@
 //! Host against target, to the bit.
 
 use std::fmt;
+use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 
 use flight_computer::Step;
 use flight_record::MAX_FRAME;
@@ -57,6 +58,15 @@ pub(super) fn same_bits<T: Serialize>(host: &T, target: &T) -> bool {
 /// Whether two ticks saw and said the same, to the bit.
 pub(super) fn same_step(host: &Step, target: &Step) -> bool {
     same_bits(&host.input, &target.input) && same_bits(&host.output, &target.output)
+}
+
+/// A check over all the bits of a tick, NaNs included: two ticks with other bits have another but for one pair in 2^64.
+pub(super) fn check_of(step: &Step) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    let mut buffer = [0; MAX_FRAME];
+    postcard::to_slice(&step.input, &mut buffer).map(|bytes| bytes.hash(&mut hasher)).ok();
+    postcard::to_slice(&step.output, &mut buffer).map(|bytes| bytes.hash(&mut hasher)).ok();
+    hasher.finish()
 }
 
 /// The first field in which two ticks differ: of what they saw, or else of what they said.

@@ -4,6 +4,8 @@ use std::fmt;
 use std::str::FromStr;
 
 use chip_models::flown::{Chip, ChipFault, Fault};
+
+use super::fault_names::{FAULTS, parse_fault, possible};
 use kf_core::input::TickInput;
 use thiserror::Error;
 
@@ -26,10 +28,10 @@ pub enum FaultError {
     #[error("fault '{0}', expected \"CHIP FAULT START..END\", such as \"baro stuck-low 60..65\"")]
     Form(String),
     /// There is no such chip.
-    #[error("fault of '{0}', expected a chip: baro, imu, gps or umbilical")]
+    #[error("fault of '{0}', expected a chip: baro, imu, gps, umbilical or wire{near}", near = nearest(_0, CHIPS.iter().map(|(name, _)| *name)))]
     Chip(String),
     /// There is no such fault.
-    #[error("fault '{0}', expected one of {FAULTS}")]
+    #[error("fault '{0}', expected one of {FAULTS}{near}", near = nearest(_0, fault_names()))]
     Fault(String),
     /// The chip can not have it.
     #[error("{chip} can not be {fault}: {chip} can be {can}")]
@@ -66,67 +68,33 @@ pub enum FaultError {
     },
 }
 
-/// Every fault, as it is written.
-const FAULTS: &str = "stuck-low, stuck-high, bus-error, slow=MICROSECONDS, stalled, unplugged, refuses, silent (START..END); \
-                      reset, flip-bits=MASK, lose-bytes=COUNT (START)";
+const CHIPS: [(&str, Chip); 5] = [
+    ("baro", Chip::Baro),
+    ("imu", Chip::Imu),
+    ("gps", Chip::Gps),
+    ("umbilical", Chip::Umbilical),
+    ("wire", Chip::Wire),
+];
 
-const CHIPS: [(&str, Chip); 4] =
-    [("baro", Chip::Baro), ("imu", Chip::Imu), ("gps", Chip::Gps), ("umbilical", Chip::Umbilical)];
+/// Every fault's name with what it takes, out of [`FAULTS`].
+fn fault_names() -> impl Iterator<Item = &'static str> {
+    let words = FAULTS.split_whitespace().map(|name| name.trim_end_matches([',', ';']));
+    words.filter(|name| !name.starts_with('('))
+}
+
+/// The name that `text` may be a slip of, as the end of a message: within a third of its letters, one at least. What follows
+/// an equals sign is no part of a name.
+fn nearest<'a>(text: &str, names: impl Iterator<Item = &'a str>) -> String {
+    let stem = |name: &str| name.split('=').next().unwrap_or_default().to_ascii_lowercase();
+    let wanted = stem(text);
+    let distances = names.map(|name| (strsim::osa_distance(&wanted, &stem(name)), name));
+    let most = (wanted.chars().count() / 3).max(1);
+    let best = distances.min_by_key(|(distance, _)| *distance).filter(|(distance, _)| *distance <= most);
+    best.map_or_else(String::new, |(_, name)| format!(" (is it '{name}'?)"))
+}
 
 fn chip_name(chip: Chip) -> &'static str {
     CHIPS.into_iter().find(|(_, other)| *other == chip).map_or("chip", |(name, _)| name)
-}
-
-/// A fault by its name, with its number.
-fn parse_fault(text: &str) -> Option<Fault> {
-    let (name, number) = text.split_once('=').map_or((text, None), |(name, number)| (name, Some(number)));
-    let number = number.map(|number| match number.strip_prefix("0x") {
-        Some(hexadecimal) => u32::from_str_radix(hexadecimal, 16).ok(),
-        None => number.parse().ok(),
-    });
-    match (name, number) {
-        ("stuck-low", None) => Some(Fault::StuckLow),
-        ("stuck-high", None) => Some(Fault::StuckHigh),
-        ("bus-error", None) => Some(Fault::BusError),
-        ("stalled", None) => Some(Fault::Stalled),
-        ("unplugged", None) => Some(Fault::Unplugged),
-        ("refuses", None) => Some(Fault::Refuses),
-        ("silent", None) => Some(Fault::Silent),
-        ("reset", None) => Some(Fault::Reset),
-        ("slow", Some(Some(by_us))) if by_us > 0 => Some(Fault::Slow { by_us }),
-        ("lose-bytes", Some(Some(count))) if count > 0 => Some(Fault::LoseBytes { count }),
-        ("flip-bits", Some(Some(mask))) => {
-            let mask = u8::try_from(mask).ok().filter(|mask| *mask != 0)?;
-            Some(Fault::FlipBits { after_bytes: 0, mask })
-        }
-        _ => None,
-    }
-}
-
-/// Whether it is over as soon as it has happened.
-const fn is_once(fault: Fault) -> bool {
-    matches!(fault, Fault::Reset | Fault::FlipBits { .. } | Fault::LoseBytes { .. })
-}
-
-/// The names of what can go wrong with a chip.
-fn possible(chip: Chip) -> String {
-    let written = [
-        "stuck-low",
-        "stuck-high",
-        "bus-error",
-        "slow=1",
-        "stalled",
-        "unplugged",
-        "refuses",
-        "silent",
-        "reset",
-        "flip-bits=1",
-        "lose-bytes=1",
-    ];
-    let can = |text: &&str| parse_fault(text).is_some_and(|fault| chip.can(fault));
-    let names: Vec<&str> =
-        written.iter().filter(|text| can(text)).filter_map(|text| text.split('=').next()).collect();
-    names.join(", ")
 }
 
 impl FromStr for PlannedFault {
@@ -137,12 +105,12 @@ impl FromStr for PlannedFault {
         let [chip, name, time] = words[..] else { return Err(FaultError::Form(text.to_owned())) };
         let chip = CHIPS.into_iter().find(|(other, _)| *other == chip);
         let Some((chip_name, chip)) = chip else { return Err(FaultError::Chip(words[0].to_owned())) };
-        let fault = parse_fault(name).ok_or_else(|| FaultError::Fault(name.to_owned()))?;
+        let fault = parse_fault(chip, name).ok_or_else(|| FaultError::Fault(name.to_owned()))?;
         if !chip.can(fault) {
             let can = possible(chip);
             return Err(FaultError::Impossible { chip: chip_name, fault: name.to_owned(), can });
         }
-        let expected = if is_once(fault) {
+        let expected = if fault.is_once() {
             "START in seconds, such as 60: it is there once"
         } else {
             "START..END in seconds, such as 60..65"
@@ -151,7 +119,7 @@ impl FromStr for PlannedFault {
         let seconds = |text: &str| {
             text.trim().parse::<f64>().ok().filter(|time| (0.0..1e12).contains(time)).ok_or_else(wrong)
         };
-        let (start_s, end_s) = match (time.split_once(".."), is_once(fault)) {
+        let (start_s, end_s) = match (time.split_once(".."), fault.is_once()) {
             (Some((start, end)), false) => (seconds(start)?, Some(seconds(end)?)),
             (None, true) => (seconds(time)?, None),
             _ => return Err(wrong()),
@@ -265,6 +233,12 @@ mod tests {
         let once = parse("gps lose-bytes=30 12.5").unwrap();
         assert_eq!(once.fault.fault, Fault::LoseBytes { count: 30 });
         assert_eq!((once.start_s, once.end_s), (12.5, None));
+        let stranger = parse("umbilical stranger=9000 1..2").unwrap().fault.fault;
+        assert_eq!(stranger, Fault::Stranger { system: 42, component: 1, altitude_m: 9_000 });
+        let torn = parse("umbilical torn 60..90").unwrap().fault;
+        assert_eq!(torn, ChipFault { chip: Chip::Umbilical, fault: Fault::Torn });
+        let bounces = parse("wire bounces=20000 1..2").unwrap().fault.fault;
+        assert_eq!(bounces, Fault::Bounces { open_us: 20_000, closed_us: 20_000, seed: 20_000 });
         let flipped = parse("imu flip-bits=0x80 1").unwrap().fault.fault;
         assert_eq!(flipped, Fault::FlipBits { after_bytes: 0, mask: 0x80 });
     }
@@ -275,8 +249,19 @@ mod tests {
             ("baro", "expected \"CHIP FAULT START..END\""),
             ("radar stuck-low 1..2", "fault of 'radar', expected a chip"),
             ("baro broken 1..2", "fault 'broken', expected one of stuck-low"),
-            ("gps stuck-low 1..2", "gps can not be stuck-low: gps can be unplugged, refuses, silent, reset"),
-            ("baro slow 1..2", "fault 'slow', expected one of"),
+            (
+                "gps stuck-low 1..2",
+                "gps can not be stuck-low: gps can be frozen, offset, unplugged, refuses, silent, held",
+            ),
+            ("barro reset 1", "(is it 'baro'?)"),
+            ("IMU reset 1", "(is it 'imu'?)"),
+            ("umbillical unplugged 1..2", "(is it 'umbilical'?)"),
+            ("baro stuklow 1..2", "(is it 'stuck-low'?)"),
+            ("imu stuck-hihg 1..2", "(is it 'stuck-high'?)"),
+            ("imu flipbits=3 1", "(is it 'flip-bits=MASK[,AFTER]'?)"),
+            ("gps lost-bytes=3 1", "(is it 'lose-bytes=COUNT'?)"),
+            ("gps unpluged 1..2", "(is it 'unplugged'?)"),
+            ("baro slow 1..2", "(is it 'slow=MICROSECONDS'?)"),
             ("baro flip-bits=256 1", "fault 'flip-bits=256'"),
             ("baro flip-bits=0 1", "fault 'flip-bits=0'"),
             ("baro stuck-low 5", "expected START..END"),
@@ -288,6 +273,11 @@ mod tests {
             let error = parse(text).unwrap_err();
             assert!(error.contains(said), "{text}: {error}");
             assert_eq!(error.lines().count(), 1, "{error}");
+        }
+        // What is near to nothing gets no advice.
+        for text in ["radar stuck-low 1..2", "baro melted 1..2"] {
+            let error = parse(text).unwrap_err();
+            assert!(!error.contains("is it"), "{error}");
         }
     }
 

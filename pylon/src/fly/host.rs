@@ -2,11 +2,10 @@
 
 use chip_models::flown::RecordedSensors;
 use drivers::{Device, Faults, Sensors};
-use flight_computer::{Estimation, FlightComputer, Onboard};
+use flight_computer::{FlightComputer, Onboard};
 use flight_record::SensorSource;
 use kf_core::input::{BaroReading, TickInput};
 use kf_core::launch::LaunchConfig;
-use kf_core::output::TickOutput;
 use kf_core::strapdown;
 use model::Model;
 
@@ -15,12 +14,6 @@ use crate::replay::{AnyMission, mission};
 
 /// The flight computer of a model, on the host.
 pub(super) type HostComputer = FlightComputer<HostSensors, Box<dyn AnyMission>>;
-
-impl Estimation for Box<dyn AnyMission> {
-    fn tick(&mut self, input: &TickInput) -> TickOutput {
-        (**self).tick(input)
-    }
-}
 
 /// The sensors of a record, with an error planted if asked for.
 pub(super) struct HostSensors {
@@ -42,6 +35,10 @@ impl Sensors for HostSensors {
 
     fn wire(&self) -> Option<bool> {
         self.recorded.wire()
+    }
+
+    fn decided(&mut self, has_left: bool) {
+        self.recorded.decided(has_left);
     }
 }
 

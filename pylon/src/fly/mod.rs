@@ -3,9 +3,11 @@
 mod agreement;
 mod builder;
 mod compare;
+mod consequence;
 mod debug_link;
 mod emulator;
 mod error;
+mod fault_names;
 mod fault_script;
 mod grid;
 mod host;
@@ -33,6 +35,7 @@ use telemetry::{ComputerStatus, FrameQueue, Rates};
 pub use agreement::{Agreement, SensorAgreement};
 pub use builder::{Board, PlantedError, Program, TARGET, build};
 pub use compare::Difference;
+pub use consequence::{AltitudeDifference, Beside, BiasBeside, CalibrationBeside, Consequence, FlagsBeside};
 pub use debug_link::{DebugLink, TicksFlown};
 pub use emulator::{Emulation, emulate};
 pub use error::FlyError;
@@ -83,6 +86,8 @@ pub struct FlyOptions {
     pub host_ulp_error: bool,
     /// Records what goes over the telemetry's line, in QEMU: a board's is silent.
     pub telemetry: bool,
+    /// Keeps the flight computer's results as it sent them: a flight record.
+    pub record: bool,
 }
 
 /// What went over the telemetry's line.
@@ -135,6 +140,8 @@ pub struct FlyReport {
     pub log: Vec<String>,
     /// What went over the telemetry's line, if asked for.
     pub telemetry: Option<Downlinked>,
+    /// The flight computer's results as it sent them, if asked for.
+    pub record: Option<Vec<u8>>,
 }
 
 /// What there is to say about a flight on chips.
@@ -148,6 +155,8 @@ pub struct ChipsReport {
     pub untold_fixes: u32,
     /// How far the latched calibration is from the one of ideal sensors; `None` without a launch, or with faults planned.
     pub agreement: Option<Agreement>,
+    /// What the planned faults did, beside the same flight without them; `None` without any.
+    pub consequence: Option<Consequence>,
 }
 
 /// What one part of the ticks took.
@@ -196,14 +205,30 @@ pub fn fly_inputs(
             let mut report = fly_items(items, model, options)?;
             if let Some(chips) = &mut report.chips {
                 chips.grid = grid;
-                chips.agreement = match &report.latch {
-                    Some(latch) if events.is_empty() => agreement::of(inputs, model, latch)?,
-                    _ => None,
-                };
+                if !events.is_empty() {
+                    chips.consequence = Some(consequence::of(inputs, model, &events)?);
+                } else if let Some(latch) = &report.latch {
+                    chips.agreement = agreement::of(inputs, model, latch)?;
+                }
             }
             Ok(report)
         }
     }
+}
+
+/// Flies a flight on chips with and without the faults, on the host alone, and says what they did.
+///
+/// # Errors
+/// As [`fly_on_host`], and a fault that can not be.
+pub fn consequence(
+    inputs: impl Iterator<Item = TickInput> + Clone,
+    model: &Model,
+    faults: &[PlannedFault],
+) -> Result<Consequence, FlyError> {
+    let events = schedule(faults)?;
+    GridReport::of(inputs.clone())?;
+    fault_script::check(&events, OnGrid::new(inputs.clone()))?;
+    consequence::of(inputs, model, &events)
 }
 
 /// Flies a flight through the host's flight computer alone, and shows every tick: what [`fly_inputs`] compares the target with.
@@ -285,6 +310,10 @@ fn fly_items(
         }),
         None => None,
     };
+    let record = match options.record {
+        true => Some(results(directory.path())?),
+        false => None,
+    };
     Ok(FlyReport {
         ticks: summary.ticks,
         cost_unit: summary.cost_unit,
@@ -305,7 +334,13 @@ fn fly_items(
         latch: compared.latch,
         log: run.log,
         telemetry,
+        record,
     })
+}
+
+/// The results that an image left in its directory, as it sent them.
+fn results(directory: &Path) -> Result<Vec<u8>, FlyError> {
+    fs::read(directory.join(name(OUTPUT_FILE)?)).map_err(FlyError::io("the results"))
 }
 
 fn parts(summary: &Summary) -> Vec<PartReport> {
@@ -380,7 +415,9 @@ fn fly_raw(
     let ticks = u32::try_from(record.len() / 16).unwrap_or(u32::MAX);
     let mut run = emulated(&image, directory.path(), ticks, Some(TELEMETRY_FILE))?;
     let telemetry = fs::read(directory.path().join(TELEMETRY_FILE)).map_err(FlyError::io("the telemetry"))?;
-    let mut flight = RawFlight { status: run.status, log: run.log, telemetry, ..RawFlight::default() };
+    let record = results(directory.path())?;
+    let mut flight =
+        RawFlight { status: run.status, log: run.log, telemetry, record, ..RawFlight::default() };
     while let Some(result) = run.results.next_result()? {
         match result {
             FlightResult::Tick(tick) => flight.ticks.push(tick),
@@ -409,6 +446,8 @@ pub struct RawFlight {
     pub summary: Option<Summary>,
     /// What went over the telemetry's line; a restart may have cut a frame.
     pub telemetry: Vec<u8>,
+    /// All of that but log and telemetry, as the flight computer sent it.
+    pub record: Vec<u8>,
 }
 
 fn emulated(
@@ -496,7 +535,8 @@ fn compare(
                 let host = computer.tick(input.time_us);
                 if let Some(downlink) = &mut downlink {
                     let sensor_faults = computer.sensors.faults().count;
-                    let status = ComputerStatus { sensor_faults, ..ComputerStatus::default() };
+                    let wire = computer.onboard.as_ref().map(|onboard| onboard.launch().wire());
+                    let status = ComputerStatus { wire, sensor_faults, ..ComputerStatus::default() };
                     downlink.tell(&host.input, &host.output, &*computer.mission, &status);
                 }
                 let target = Step { input: record.input, output: record.output };
@@ -531,6 +571,7 @@ fn compare(
                 truth: computer.sensors.recorded.counts(),
                 untold_fixes: computer.sensors.recorded.untold_solutions(),
                 agreement: None,
+                consequence: None,
             });
             let telemetry = downlink.map(Downlink::into_bytes).unwrap_or_default();
             let sensor_faults = computer.sensors.faults().count;

@@ -14,6 +14,44 @@ pub enum ImportError {
     /// It is a flight's CSV.
     #[error("it is a flight already, expected a log of another program")]
     AlreadyFlight,
+    /// There is nothing in it.
+    #[error("an empty file: nothing was recorded")]
+    Empty,
+    /// A flight record of another version of the format.
+    #[error(
+        "a flight record of version {found}, and this program reads version {expected}: import it with the pylon of the \
+         checkout that the image was built from"
+    )]
+    RecordVersion {
+        /// The record's.
+        found: u16,
+        /// This program's.
+        expected: u16,
+    },
+    /// A flight record without a tick.
+    #[error(
+        "flight record without a tick ({frames} frames read, {damaged} damaged stretches, {undecodable} frames that do not \
+         decode){}, expected at least one",
+        .said.as_deref().map_or_else(String::new, |said| format!("; {said}"))
+    )]
+    NoTick {
+        /// Frames that were read.
+        frames: usize,
+        /// What is no frame.
+        damaged: usize,
+        /// Frames whose content is none.
+        undecodable: usize,
+        /// What the flight computer said of itself, or the reason.
+        said: Option<String>,
+    },
+    /// A flight record without a fix of the reference.
+    #[error(
+        "flight record of {ticks} ticks without a fix of the receiver, expected at least one: was it connected?"
+    )]
+    NoFixInRecord {
+        /// Ticks.
+        ticks: usize,
+    },
     /// Not one position with an altitude in a recording of messages.
     #[error(
         "{format} without a 3D fix ({messages} messages read, {unreadable} damaged), expected GPS_RAW_INT or \
@@ -27,6 +65,30 @@ pub enum ImportError {
         /// Frames that could not be.
         unreadable: usize,
     },
+    /// Not one fix with an altitude in an autopilot's own log.
+    #[error(
+        "{format} without a 3D fix of a receiver ({messages} messages read, {fixes_without} of them of a receiver without \
+         one), expected {expected}: there is nothing to compare the barometer with"
+    )]
+    NoFixInLog {
+        /// Kind of log.
+        format: &'static str,
+        /// Messages that were read.
+        messages: usize,
+        /// Messages of receivers that had no 3D fix.
+        fixes_without: usize,
+        /// What would have been one.
+        expected: &'static str,
+    },
+    /// A column whose sign is to be turned, and that is not there.
+    #[error("no column {name} in this flight, expected one of its velocities to turn")]
+    NothingToTurn {
+        /// The column.
+        name: String,
+    },
+    /// Text of two bytes a letter.
+    #[error("text in UTF-16, expected UTF-8: save it as UTF-8 (iconv -f UTF-16 -t UTF-8) and import that")]
+    Utf16,
     /// Not one fix with an altitude.
     #[error(
         "{format} log without a usable fix ({fixes} fixes without altitude, {corrupt} unreadable lines), expected at least one"

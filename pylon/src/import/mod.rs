@@ -3,9 +3,21 @@
 //! What a log is, is told by its content, never by its name. An importer turns what it finds into
 //! [`crate::flight`]'s units and axes and says in [`Note`]s what it inferred, left out or could not read.
 
+mod airspeed;
+pub mod altus;
+mod damage;
+pub mod dataflash;
 mod error;
+mod fixes;
+mod gps_time;
 pub mod igc;
+pub mod record;
+pub mod signs;
+mod stamps;
+mod table;
 pub mod tlog;
+pub mod ulog;
+mod words;
 
 use std::path::Path;
 
@@ -30,19 +42,36 @@ pub trait Importer: Sync {
     fn import(&self, log: &[u8]) -> Result<(Flight, Vec<Note>), ImportError>;
 }
 
-/// Every importer.
-pub static IMPORTERS: &[&dyn Importer] = &[&igc::Igc, &tlog::Tlog];
+/// Every importer. Those whose beginning is the surest are asked first. The record is asked before the tlog: its frames have a check of 32 bits, and a MAVLink frame, whose check
+/// has 16, may be found in any long file.
+pub static IMPORTERS: &[&dyn Importer] = &[
+    &ulog::Ulog,
+    &altus::Altus,
+    &dataflash::DataFlash,
+    &dataflash::DataFlashText,
+    &igc::Igc,
+    &record::Record,
+    &tlog::Tlog,
+];
 
 /// Imports a log.
 ///
 /// # Errors
 /// [`Problem::Io`], [`Problem::Import`].
 pub fn import_file(path: &Path) -> Result<(Flight, Vec<Note>), ReadError> {
+    import_file_turned(path, &[])
+}
+
+/// Imports a log and turns the signs of columns, by their names.
+///
+/// # Errors
+/// As [`import_file`]; [`ImportError::NothingToTurn`] for a column that the flight does not have.
+pub fn import_file_turned(path: &Path, turned: &[String]) -> Result<(Flight, Vec<Note>), ReadError> {
     let log = read(path)?;
     if is_flight(&log) {
         return Err(ReadError::new(path, ImportError::AlreadyFlight.into()));
     }
-    import(&log).map_err(|error| ReadError::new(path, error.into()))
+    import_turned(&log, turned).map_err(|error| ReadError::new(path, error.into()))
 }
 
 /// Imports a log from its bytes.
@@ -50,11 +79,43 @@ pub fn import_file(path: &Path) -> Result<(Flight, Vec<Note>), ReadError> {
 /// # Errors
 /// [`ImportError`].
 pub fn import(log: &[u8]) -> Result<(Flight, Vec<Note>), ImportError> {
-    IMPORTERS
-        .iter()
-        .find(|importer| importer.recognises(log))
-        .ok_or(ImportError::UnknownFormat)
-        .and_then(|importer| importer.import(log))
+    import_turned(log, &[])
+}
+
+fn import_turned(log: &[u8], turned: &[String]) -> Result<(Flight, Vec<Note>), ImportError> {
+    let (mut flight, mut notes) = as_logged(log)?;
+    for name in turned {
+        if !signs::turn(&mut flight, name) {
+            return Err(ImportError::NothingToTurn { name: name.clone() });
+        }
+    }
+    notes.extend(signs::notes(&flight));
+    Ok((flight, notes))
+}
+
+fn as_logged(log: &[u8]) -> Result<(Flight, Vec<Note>), ImportError> {
+    if log.is_empty() {
+        return Err(ImportError::Empty);
+    }
+    match IMPORTERS.iter().find(|importer| importer.recognises(log)) {
+        Some(importer) => importer.import(log),
+        None if is_utf16(log) => Err(ImportError::Utf16),
+        None => Err(ImportError::UnknownFormat),
+    }
+}
+
+/// Text of two bytes a letter, as some programs of Windows save it: by its mark, or by zeros in every other place.
+fn is_utf16(log: &[u8]) -> bool {
+    let head = log.get(..64).unwrap_or(log);
+    let (even, odd): (Vec<_>, Vec<_>) = head.iter().enumerate().partition(|(place, _)| place % 2 == 0);
+    let all = |bytes: &[(usize, &u8)], is: fn(u8) -> bool| bytes.iter().all(|(_, byte)| is(**byte));
+    let is_letter = |byte: u8| byte.is_ascii_graphic() || byte.is_ascii_whitespace();
+    let is_zero = |byte: u8| byte == 0;
+    head.starts_with(b"\xff\xfe")
+        || head.starts_with(b"\xfe\xff")
+        || (head.len() >= 8
+            && ((all(&even, is_letter) && all(&odd, is_zero))
+                || (all(&even, is_zero) && all(&odd, is_letter))))
 }
 
 /// Reads a flight: its CSV, or any log that can be imported.
@@ -73,8 +134,11 @@ fn read(path: &Path) -> Result<Vec<u8>, ReadError> {
     whole_file::read(path).map_err(|error| ReadError::new(path, Problem::Io(error.to_string())))
 }
 
-/// A flight's CSV begins with header lines; no log does.
+/// A flight's CSV begins with header lines, one of which says so.
 fn is_flight(bytes: &[u8]) -> bool {
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    bytes.trim_ascii_start().first() == Some(&b'#')
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
+    let mut header = bytes.split(|byte| matches!(byte, b'\n' | b'\r')).map(<[u8]>::trim_ascii);
+    header.by_ref().take_while(|line| line.is_empty() || line.starts_with(b"#")).any(|line| {
+        line.trim_ascii_start().get(1..).is_some_and(|key| key.trim_ascii().starts_with(b"pylon-flight"))
+    })
 }

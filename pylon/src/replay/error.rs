@@ -1,8 +1,6 @@
 //! Why a flight can not be replayed.
 
 use kf_core::estimator::ConfigError;
-use kf_core::mission::ResumeError;
-use kf_core::snapshot::SnapshotError;
 use model::ModelError;
 use thiserror::Error;
 
@@ -37,9 +35,6 @@ pub enum ReplayError {
     /// The estimator refuses the model's numbers.
     #[error("the estimator refuses the model: {0}")]
     Config(&'static str),
-    /// A snapshot is not one of this model's mission.
-    #[error("the snapshot is not of this mission: {0:?}")]
-    Resume(SnapshotError),
 }
 
 fn hint(found: Option<&Calmest>) -> String {
@@ -49,15 +44,6 @@ fn hint(found: Option<&Calmest>) -> String {
              {speed_range_mps:.1} m/s)"
         )
     })
-}
-
-impl From<ResumeError> for ReplayError {
-    fn from(error: ResumeError) -> Self {
-        match error {
-            ResumeError::Config(error) => error.into(),
-            ResumeError::Snapshot(error) => Self::Resume(error),
-        }
-    }
 }
 
 impl From<ConfigError> for ReplayError {

@@ -24,8 +24,8 @@ pub struct InputCounters {
 ///
 /// Time is microseconds of the flight's own time axis, rounded. A fix is a row's `gps_` cells and needs
 /// `gps_alt_m`; of two barometer cells the pressure is taken; attitude and inertial samples are
-/// complete or not there, but for a flight without any gyro (body rates of zero) or any heading (zero). The launch discrete holds its last value; with a window it is 0 up to the
-/// window's end and 1 from there on.
+/// complete or not there, but for a flight without any gyro (body rates of zero) or any heading (zero). The launch discrete and its
+/// doubt hold their last values; with a window the discrete is 0 up to the window's end and 1 from there on, without doubt.
 #[derive(Clone, Debug)]
 pub struct TickInputs<'a> {
     columns: Columns<'a>,
@@ -33,6 +33,7 @@ pub struct TickInputs<'a> {
     row: usize,
     skipped: usize,
     launch: bool,
+    launch_doubt: LaunchDoubt,
     counters: InputCounters,
     /// Where the flight computer makes the UAV's inertial altitude itself.
     inertial_altitude: Option<InertialAltitude>,
@@ -42,6 +43,7 @@ pub struct TickInputs<'a> {
 struct Columns<'a> {
     time_s: &'a [f64],
     launch: Cells<'a>,
+    launch_doubt: Cells<'a>,
     gps_altitude: Cells<'a>,
     gps_velocity: [Cells<'a>; 3],
     gps_accuracy: Cells<'a>,
@@ -99,6 +101,18 @@ impl Columns<'_> {
     }
 }
 
+/// The doubt of a cell that the reader has checked.
+#[inline]
+fn doubt(value: f32) -> LaunchDoubt {
+    if value == 1.0 {
+        LaunchDoubt::Suspected
+    } else if value == 2.0 {
+        LaunchDoubt::Unconfirmed
+    } else {
+        LaunchDoubt::None
+    }
+}
+
 /// Microseconds of a time that the reader has checked.
 #[inline]
 fn microseconds(time_s: f64) -> u64 {
@@ -110,13 +124,14 @@ impl<'a> TickInputs<'a> {
         use Channel::{
             AccelXMps2, AccelYMps2, AccelZMps2, AoaRad, BaroAltM, BaroPa, BaroTempC, GpsAltM, GpsSats,
             GpsTimeS, GpsVaccM, GpsVdMps, GpsVeMps, GpsVnMps, GyroXRadps, GyroYRadps, GyroZRadps,
-            ImuMasterAltM, ImuSlaveAltM, Launch, OatC, PitchRad, RollRad, SideslipRad, TasMps, Throttle,
-            YawRad,
+            ImuMasterAltM, ImuSlaveAltM, Launch, LaunchDoubt as DoubtOfLaunch, OatC, PitchRad, RollRad,
+            SideslipRad, TasMps, Throttle, YawRad,
         };
         let cells = |channel| Cells(flight.channel(channel));
         let columns = Columns {
             time_s: &flight.time_s,
             launch: cells(Launch),
+            launch_doubt: cells(DoubtOfLaunch),
             gps_altitude: cells(GpsAltM),
             gps_velocity: [GpsVnMps, GpsVeMps, GpsVdMps].map(cells),
             gps_accuracy: cells(GpsVaccM),
@@ -144,6 +159,7 @@ impl<'a> TickInputs<'a> {
             row: skipped,
             skipped,
             launch: false,
+            launch_doubt: LaunchDoubt::None,
             counters: InputCounters::default(),
             inertial_altitude: None,
         }
@@ -264,6 +280,9 @@ impl Iterator for TickInputs<'_> {
                 if let Some(value) = self.columns.launch.get(row) {
                     self.launch = value != 0.0;
                 }
+                if let Some(value) = self.columns.launch_doubt.get(row) {
+                    self.launch_doubt = doubt(value);
+                }
             }
         }
         let columns = &self.columns;
@@ -276,7 +295,7 @@ impl Iterator for TickInputs<'_> {
         let mut input = TickInput {
             time_us: microseconds(time_s),
             launch: self.launch,
-            launch_doubt: LaunchDoubt::None,
+            launch_doubt: self.launch_doubt,
             gps: self.gps(row),
             baro,
             imu_master_altitude_m,

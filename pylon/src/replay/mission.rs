@@ -1,31 +1,24 @@
 //! A mission whose shape is only known at run time.
 
+use flight_computer::{Estimation, Retainable};
 use kf_core::input::TickInput;
 use kf_core::latch::LatchRecord;
-use kf_core::mission::{Counters, Mission, ResumeError};
+use kf_core::mission::{Counters, Mission};
 use kf_core::output::TickOutput;
-use kf_core::snapshot::{MissionMark, MissionSnapshot};
+use kf_core::snapshot::{MissionMark, MissionSnapshot, SnapshotError};
 use model::{Model, ModelError};
 
 use super::error::ReplayError;
 
 /// A [`Mission`] of any shape.
-pub trait AnyMission {
-    /// See [`Mission::tick`].
-    fn tick(&mut self, input: &TickInput) -> TickOutput;
+pub trait AnyMission: Retainable {
     /// See [`Mission::latch`].
     fn latch(&self) -> Option<&LatchRecord>;
     /// See [`Mission::counters`].
     fn counters(&self) -> &Counters;
-    /// See [`Mission::snapshot`].
-    fn snapshot(&self) -> Option<MissionSnapshot>;
 }
 
 impl<const HEAD: usize, const TAIL: usize, const E: usize> AnyMission for Mission<HEAD, TAIL, E> {
-    fn tick(&mut self, input: &TickInput) -> TickOutput {
-        Self::tick(self, input)
-    }
-
     fn latch(&self) -> Option<&LatchRecord> {
         Self::latch(self)
     }
@@ -33,25 +26,37 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> AnyMission for Missio
     fn counters(&self) -> &Counters {
         Self::counters(self)
     }
+}
 
-    fn snapshot(&self) -> Option<MissionSnapshot> {
-        Self::snapshot(self)
+impl Estimation for Box<dyn AnyMission> {
+    fn tick(&mut self, input: &TickInput) -> TickOutput {
+        (**self).tick(input)
     }
 }
 
-/// What a mission starts with.
-type Kept = Option<(MissionSnapshot, MissionMark)>;
+impl Retainable for Box<dyn AnyMission> {
+    fn last_us(&self) -> u64 {
+        (**self).last_us()
+    }
+
+    fn mark(&self) -> MissionMark {
+        (**self).mark()
+    }
+
+    fn snapshot(&self) -> Option<MissionSnapshot> {
+        (**self).snapshot()
+    }
+
+    fn restore_snapshot(&mut self, bytes: &[u8], mark: &MissionMark) -> Result<u64, SnapshotError> {
+        (**self).restore_snapshot(bytes, mark)
+    }
+}
 
 fn boxed<const HEAD: usize, const TAIL: usize, const E: usize>(
     model: &Model,
-    kept: Kept,
 ) -> Result<Box<dyn AnyMission>, ReplayError> {
     let config = model.mission_config()?;
-    let mut mission = Mission::<HEAD, TAIL, E>::new(&config)?;
-    if let Some((snapshot, mark)) = kept {
-        mission.go_on(&snapshot, &mark).map_err(ResumeError::Snapshot)?;
-    }
-    Ok(Box::new(mission))
+    Ok(Box::new(Mission::<HEAD, TAIL, E>::new(&config)?))
 }
 
 /// A new mission of the shape that the model needs.
@@ -59,28 +64,12 @@ fn boxed<const HEAD: usize, const TAIL: usize, const E: usize>(
 /// # Errors
 /// [`ReplayError::Model`], [`ReplayError::Config`].
 pub fn mission(model: &Model) -> Result<Box<dyn AnyMission>, ReplayError> {
-    of_its_shape(model, None)
-}
-
-/// The mission that goes on from a snapshot, by the mark of the last tick before it was interrupted.
-///
-/// # Errors
-/// As [`mission`], and [`ReplayError::Resume`].
-pub fn resumed_mission(
-    model: &Model,
-    snapshot: MissionSnapshot,
-    mark: MissionMark,
-) -> Result<Box<dyn AnyMission>, ReplayError> {
-    of_its_shape(model, Some((snapshot, mark)))
-}
-
-fn of_its_shape(model: &Model, kept: Kept) -> Result<Box<dyn AnyMission>, ReplayError> {
     macro_rules! by_shape {
         ($($effects:literal)*) => {
             match (model.shape().head, model.shape().effects) {
                 $(
-                    (0, $effects) => boxed::<0, { 4 + $effects }, $effects>(model, kept),
-                    (3, $effects) => boxed::<3, { 1 + $effects }, $effects>(model, kept),
+                    (0, $effects) => boxed::<0, { 4 + $effects }, $effects>(model),
+                    (3, $effects) => boxed::<3, { 1 + $effects }, $effects>(model),
                 )*
                 // More effects than the estimator holds.
                 (_, effects) => Err(model.validate().err().unwrap_or(

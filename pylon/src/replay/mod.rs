@@ -24,7 +24,7 @@ use crate::flight::{Channel, Flight};
 
 pub use error::ReplayError;
 pub use inputs::{InputCounters, TickInputs};
-pub use mission::{AnyMission, mission, resumed_mission};
+pub use mission::{AnyMission, mission};
 pub use quiet::QuietStretch;
 pub use window::{CalibrationWindow, WindowError};
 

@@ -241,7 +241,7 @@ fn refuses_flights_and_models_that_can_not_be_run() {
     assert!(message(&flight, &Model::default()).starts_with("no altitude besides gps_alt_m"));
 }
 
-/// Rest at 2000 m, 40 s captive and 20 s free, so many inertial samples a second and five fixes; `own` is the cell of
+/// Rest at 2000 m (to a millimetre a second, or the receiver is stuck), 40 s captive and 20 s free, so many inertial samples a second and five fixes; `own` is the cell of
 /// `imu_slave_alt_m`.
 fn inertial_flight(rate_hz: u32, own: &str) -> Flight {
     let mut text = String::from(
@@ -251,7 +251,11 @@ fn inertial_flight(rate_hz: u32, own: &str) -> Flight {
     for row in 0..60 * rate_hz {
         let time_s = f64::from(row) / f64::from(rate_hz);
         let launch = u8::from(row >= 40 * rate_hz);
-        let gps = if row % (rate_hz / 5) == 0 { format!("2000,20,10,0,{time_s}") } else { ",,,,".to_owned() };
+        let gps = if row % (rate_hz / 5) == 0 {
+            format!("2000,20.00{},10,0,{time_s}", row / (rate_hz / 5) % 2)
+        } else {
+            ",,,,".to_owned()
+        };
         text += &format!("{time_s:.4},{launch},{gps},{},{own},0,0,-9.80665,0,0,0\n", 1900 + row % 2);
     }
     read(&text)

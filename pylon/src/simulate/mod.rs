@@ -26,7 +26,7 @@ pub use scenario::{Scenario, ScenarioError};
 pub use truth::{SensorTruth, Truth};
 
 use crate::flight::{self, Flight};
-use crate::output_file::{OutputError, write_atomically};
+use crate::output_file::{OutputError, prepare, write_atomically};
 
 /// Why there is no simulated flight; displays as one line.
 #[derive(Debug, Error)]
@@ -97,20 +97,14 @@ pub fn run_with_seed(
     let seed = seed.unwrap_or(scenario.seed);
     let (flight, truth) = simulate(&scenario, seed)
         .map_err(|reason| SimulateError::Motion { scenario: scenario_file.display().to_string(), reason })?;
-    // The truth gets its name only once the flight has its own, so that neither is there alone.
-    let mut flight_error = None;
-    let written = write_atomically(truth_file, |out| {
-        out.write_all(truth.to_toml().map_err(io::Error::other)?.as_bytes())?;
-        flight::write(output, &flight).map_err(|error| {
-            let reason = io::Error::other(error.to_string());
-            flight_error = Some(error);
-            reason
-        })
-    });
-    if let Some(error) = flight_error {
-        return Err(error.into());
-    }
-    written?;
+    // Both are complete before either has its name, and the truth has its first: killed in between, the program leaves no
+    // flight without its truth.
+    let flight_file = prepare(output, |out| flight::to_writer(out, &flight))?;
+    let toml = truth
+        .to_toml()
+        .map_err(|error| OutputError { path: truth_file.to_path_buf(), reason: io::Error::other(error) })?;
+    write_atomically(truth_file, |out| out.write_all(toml.as_bytes()))?;
+    flight_file.publish()?;
     Ok(Summary {
         name: scenario.name.clone(),
         seed,

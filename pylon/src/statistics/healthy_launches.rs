@@ -51,26 +51,25 @@ impl<'a> HealthyLaunches<'a> {
 /// For each window (in ascending order), and each of `draws` healthy launches, the threshold below
 /// which the sensor would be called untrustworthy before the window is full.
 ///
-/// Reading by reading from the first on, that takes one beyond the threshold and after it an average
-/// of all so far beyond it: the largest of min(largest reading before, average). Only the first
-/// [`FIRST_SAMPLES`] readings are drawn: averages of more are in the steady rate.
+/// Reading by reading from the first on, that takes one beyond the threshold and after it an average beyond it, in which
+/// what is not covered yet counts as no error (`kf_core::monitor`): the largest of min(largest reading before, sum so
+/// far over the whole window). Only the first [`FIRST_SAMPLES`] readings are drawn: averages of more are in the steady rate.
 fn first_window_barriers(model: &ResidualModel, windows: &[u64], draws: u64) -> Vec<Vec<f64>> {
-    let mut barriers = vec![Vec::new(); windows.len()];
+    let mut barriers: Vec<Vec<f64>> = vec![Vec::new(); windows.len()];
     let longest = windows.last().copied().unwrap_or(0).min(FIRST_SAMPLES);
     for seed in 0..draws {
-        let (mut sum, mut largest, mut barrier) = (0.0, 0.0_f64, 0.0_f64);
-        let mut next = 0;
+        let (mut sum, mut largest) = (0.0, 0.0_f64);
+        barriers.iter_mut().for_each(|slot| slot.push(0.0));
         for (index, error) in model.simulate(1, seed).take(longest as usize).enumerate() {
-            let count = index as u64 + 1;
-            while windows.get(next).is_some_and(|window| count > *window) {
-                barriers[next].push(barrier);
-                next += 1;
-            }
             sum += error;
-            barrier = barrier.max(largest.min(f64::abs(sum / count as f64)));
+            let filling = windows.iter().zip(&mut barriers).filter(|(window, _)| index < **window as usize);
+            for (window, slot) in filling {
+                if let Some(barrier) = slot.last_mut() {
+                    *barrier = barrier.max(largest.min(f64::abs(sum) / *window as f64));
+                }
+            }
             largest = largest.max(error.abs());
         }
-        barriers.iter_mut().skip(next).for_each(|slot| slot.push(barrier));
     }
     barriers
 }

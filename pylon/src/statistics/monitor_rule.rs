@@ -98,10 +98,28 @@ pub struct RuleQuality {
     /// the window is full.
     pub false_alarms_per_hour: f64,
     /// Share of launches at which a healthy sensor would be called untrustworthy before the window is
-    /// full: until then the average is of the few readings there are.
+    /// full: until then what is not covered counts as no error.
     pub healthy_alarm_in_first_window: f64,
     /// Detection of the faults asked about.
     pub delays: Vec<Delay>,
+}
+
+impl RuleQuality {
+    /// The same where the error must besides have been beyond the threshold for so long, seconds (`[monitor] persistence_s`): no
+    /// delay is shorter than that and what the fault alone takes to the threshold. False alarms are left as they were: at most so many.
+    #[must_use]
+    pub fn with_persistence(mut self, persistence_s: f64) -> Self {
+        for delay in &mut self.delays {
+            let beyond_s = match delay.fault {
+                Fault::Step { .. } => 0.0,
+                Fault::Ramp { rate_mps } => self.rule.threshold_m / rate_mps,
+            };
+            for quantile_s in [&mut delay.median_s, &mut delay.ninety_percent_s] {
+                *quantile_s = quantile_s.map(|delay_s| delay_s.max(beyond_s + persistence_s));
+            }
+        }
+        self
+    }
 }
 
 pub(super) fn samples_of(model: &ResidualModel, window_s: f64) -> u64 {
@@ -400,6 +418,18 @@ mod tests {
         let rule = MonitorRule { threshold_m: 20.0, window_s: 2.0 };
         let delays = assess_rule(&model, rule, &[STEP]).unwrap().delays;
         assert_eq!((delays[0].median_s, delays[0].ninety_percent_s), (None, None));
+    }
+
+    #[test]
+    fn persistence_bounds_every_delay_from_below() {
+        let rule = MonitorRule { threshold_m: 6.0, window_s: 2.0 };
+        let faults = [Fault::Step { size_m: 60.0 }, Fault::Ramp { rate_mps: 60.0 }, STEP];
+        let quality = assess_rule(&residual(), rule, &faults).unwrap();
+        let lasting = quality.clone().with_persistence(1.25);
+        assert!(quality.delays[0].median_s.unwrap() < 0.5);
+        assert_eq!(lasting.delays[0].median_s, Some(1.25));
+        assert_eq!(lasting.delays[1].ninety_percent_s, Some(1.35));
+        assert_eq!(quality.clone().with_persistence(0.0).delays[0], quality.delays[0]);
     }
 
     #[test]

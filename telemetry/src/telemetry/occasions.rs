@@ -1,6 +1,7 @@
 //! What is said once, when it happens.
 
 use kf_core::input::LaunchDoubt;
+use kf_core::launch::WireCondition;
 use kf_core::output::{Agreement, Trust};
 use kf_core::quality::FailedChecks;
 use kf_core::sensor::Sensor;
@@ -23,6 +24,9 @@ impl Telemetry<'_> {
             self.note(at_us, Event::Cold(report.cause));
             return;
         }
+        if report.pause_us > 0 {
+            self.note(at_us, Event::Standby { cause: report.cause, pause_us: report.pause_us });
+        }
         self.note(at_us, Event::Restarted(report.cause));
         for (copy, refusal) in (0..).zip(report.refused) {
             if let Some(refusal) = refusal.filter(|refusal| *refusal != Refusal::Empty) {
@@ -39,6 +43,12 @@ impl Telemetry<'_> {
             Start::Cold | Start::Standby => return,
         };
         self.note(at_us, how);
+    }
+
+    /// The flight computer runs on its internal oscillator, because its crystal did not start: said again and again, as the model's
+    /// effects are.
+    pub const fn note_internal_clock(&mut self) {
+        self.clock_is_internal = true;
     }
 
     /// What is said once.
@@ -58,8 +68,11 @@ impl Telemetry<'_> {
             self.phase = Some(output.phase);
             self.schedule.at_once(Slot::Heartbeat);
         }
-        if !self.effects.is_empty() && self.announcement_due.is_due(now_us) {
+        if (!self.effects.is_empty() || self.clock_is_internal) && self.announcement_due.is_due(now_us) {
             self.announcement_due.sent(now_us, Rates::ANNOUNCE_US);
+            if self.clock_is_internal {
+                self.note(now_us, Event::InternalClock);
+            }
             for k in 0..self.effects.len() {
                 if let Some(id) = self.effects.get(k) {
                     let event = Event::Effect { number: k as u8, id: *id };
@@ -75,6 +88,17 @@ impl Telemetry<'_> {
         }
         self.note_trust(said, now_us);
         self.note_cross_check(said, now_us);
+    }
+
+    /// A wire that is no witness of a launch any more, or is one again.
+    pub(super) fn note_wire(&mut self, wire: Option<WireCondition>, now_us: u64) {
+        let was = core::mem::replace(&mut self.wire, wire);
+        let is_none = |wire| matches!(wire, Some(WireCondition::Broken | WireCondition::Unreadable));
+        if let Some(wire) = wire.filter(|wire| was != Some(*wire))
+            && (is_none(was) || is_none(Some(wire)))
+        {
+            self.note(now_us, Event::Wire(wire));
+        }
     }
 
     fn note_trust(&mut self, said: &Said<'_>, now_us: u64) {

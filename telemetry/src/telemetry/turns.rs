@@ -20,7 +20,7 @@ const ERRORS: usize = 3 * SENSORS;
 const OF_SENSORS: usize = 4 * SENSORS;
 const COEFFICIENTS: usize = OF_SENSORS + MAX_ESTIMATED_EFFECTS;
 const COEFFICIENT_SIGMAS: usize = COEFFICIENTS + MAX_ESTIMATED_EFFECTS;
-const SINGLE: usize = COEFFICIENT_SIGMAS + 4;
+const SINGLE: usize = COEFFICIENT_SIGMAS + 5;
 const SLOW: usize = SINGLE + MessageKind::COUNT;
 
 impl Turn {
@@ -94,7 +94,8 @@ impl Telemetry<'_> {
                 0 => None,
                 1 => self.innovation.send().map(|(time_ms, value)| (named::FIX_INNOVATION, time_ms, value)),
                 2 => said.latch.and_then(|latch| now(&named::FAILED_CHECKS, f32::from(latch.failed_checks))),
-                _ => now(&named::TICKS, said.counters.ticks as f32),
+                3 => now(&named::TICKS, said.counters.ticks as f32),
+                _ => now(&named::WIRE, named::wire_number(self.wire?)),
             },
             _ => {
                 let k = index - SINGLE;

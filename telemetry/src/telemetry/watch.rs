@@ -87,7 +87,8 @@ impl Watch {
 /// are no fault.
 pub fn refused(counters: &Counters) -> u32 {
     let of = |source: &SourceCounters| {
-        source.not_finite.saturating_add(source.stuck).saturating_add(source.variance)
+        let refused = [source.not_finite, source.stuck, source.variance, source.gated, source.implausible];
+        refused.into_iter().fold(0, u32::saturating_add)
     };
     let sensors =
         counters.sensors.iter().fold(of(&counters.gps), |sum, source| sum.saturating_add(of(source)));

@@ -33,7 +33,13 @@ pub fn configuration<const E: usize>() -> MissionConfig<E> {
         },
         latitude_deg: 45.0,
         sensors: [sensor(1), sensor(2), sensor(3)],
-        monitor: MonitorConfig { sigma: SigmaSource::Residual, multiplier: 1.0, window_s: 2.0 },
+        monitor: MonitorConfig {
+            sigma: SigmaSource::Residual,
+            multiplier: 1.0,
+            window_s: 2.0,
+            persistence_s: 0.0,
+            reference_check: false,
+        },
         second_correction: SecondCorrection::Off,
         quality: QualityConfig {
             minimum_duration_s: 1.0,
@@ -88,6 +94,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Filter for UdFilter<H
             &readings_m,
             &self.regressors_m,
             noise,
+            |_| true,
         );
         if result.is_err() {
             self.refused += 1;

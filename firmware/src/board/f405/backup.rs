@@ -1,7 +1,7 @@
 //! What a reset leaves: the backup SRAM, and what the reset was.
 
 use stm32f4xx_hal::pac::{Peripherals, RCC};
-use survival::{ResetSource, RetainedMemory};
+use survival::ResetSource;
 
 /// Start of the 4 KiB of backup SRAM (RM0090 rev 21, table 1).
 const BACKUP_SRAM: usize = 0x4002_4000;
@@ -10,9 +10,9 @@ const BACKUP_SRAM: usize = 0x4002_4000;
 const REGULATOR_LOOKS: u32 = 20_000;
 
 /// The retained memory: the backup SRAM, which keeps its content over a reset, and over a loss of power as long as
-/// VBAT is there.
-pub const fn retained() -> *mut RetainedMemory {
-    BACKUP_SRAM as *mut RetainedMemory
+/// VBAT is there. It is Device memory: only aligned accesses are allowed (ARMv7-M ARM, section A3.2.1).
+pub const fn retained() -> *mut u32 {
+    BACKUP_SRAM as *mut u32
 }
 
 /// Opens the backup domain, clocks its SRAM and turns its regulator on (RM0090, sections 5.1.2 and 7.3).

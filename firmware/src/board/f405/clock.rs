@@ -21,12 +21,15 @@ pub const TIMER_HZ: u32 = TIMER_MHZ as u32 * 1_000_000;
 /// Prescaler that makes 10 kHz of the timers' clock.
 pub const TIMER_10_KHZ: u16 = TIMER_MHZ * 100 - 1;
 
-/// The clock tree: the crystal, through the PLL.
-pub fn tree() -> Config {
-    Config::hse(CRYSTAL_MHZ.MHz()).sysclk(CORE_MHZ.MHz()).require_pll48clk()
+/// The clock tree: the crystal or the internal oscillator, through the PLL. Both run and are locked by now
+/// (`oscillator.rs`): the HAL waits for nothing.
+pub fn tree(is_internal: bool) -> Config {
+    let config = if is_internal { Config::hsi() } else { Config::hse(CRYSTAL_MHZ.MHz()) };
+    config.sysclk(CORE_MHZ.MHz()).require_pll48clk()
 }
 
-/// Counts the core's cycles.
+/// Counts the core's cycles, for what a tick costs, and microseconds, for when something is. The cycle counter stands still while
+/// some cores sleep: it can not say how long nothing was done.
 #[derive(Clone, Copy)]
 pub struct CostClock;
 
@@ -51,20 +54,26 @@ impl CostClock {
         None
     }
 
-    /// Now, for what a tick costs; wrapping.
+    /// Now, for what a tick costs, cycles; wrapping.
     pub fn now() -> u32 {
-        Self::time()
+        DWT::cycle_count()
     }
 
-    /// Now, for when a tick begins; wrapping.
+    /// Now, for when a tick begins, microseconds: the low half of the mission's; wrapping.
     pub fn time() -> u32 {
-        DWT::cycle_count()
+        // SAFETY: reading the timer changes nothing.
+        unsafe { (*TIM5::ptr()).cnt().read().bits() }
     }
 }
 
-/// So many counts of [`CostClock`] in microseconds.
-pub const fn microseconds(count: u32) -> u32 {
-    count / CORE_MHZ
+/// Starts TIM5: the low half of the mission's microseconds, which runs whatever the core does.
+pub(super) fn start_timer(tim5: &TIM5, rcc: &RCC, now_us: u64) {
+    rcc.apb1enr().modify(|_, w| w.tim5en().enabled());
+    tim5.psc().write(|w| w.psc().set(TIMER_MHZ - 1));
+    tim5.arr().write(|w| w.arr().set(u32::MAX));
+    tim5.egr().write(|w| w.ug().set_bit());
+    tim5.cnt().write(|w| w.set(now_us as u32));
+    tim5.cr1().modify(|_, w| w.cen().enabled());
 }
 
 /// The clock of the mission: TIM5 in microseconds, carried beyond its 32 bits at every tick. The LED changes every
@@ -77,14 +86,8 @@ pub struct Source {
 }
 
 impl Source {
-    pub(super) fn start(tim5: TIM5, led: Led, rcc: &RCC, now_us: u64) -> Self {
-        rcc.apb1enr().modify(|_, w| w.tim5en().enabled());
-        tim5.psc().write(|w| w.psc().set(TIMER_MHZ - 1));
-        tim5.arr().write(|w| w.arr().set(u32::MAX));
-        tim5.egr().write(|w| w.ug().set_bit());
-        // The low half of the mission's microseconds, which others read it as.
-        tim5.cnt().write(|w| w.set(now_us as u32));
-        tim5.cr1().modify(|_, w| w.cen().enabled());
+    /// With the timer that [`start_timer`] has set to that time.
+    pub(super) fn start(tim5: TIM5, led: Led, now_us: u64) -> Self {
         let clock = WideClock::new(now_us, now_us as u32);
         Self { tim5, clock, led: led.into_push_pull_output(), ticks_to_blink: 0 }
     }

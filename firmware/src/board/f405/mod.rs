@@ -6,6 +6,7 @@ mod break_wire;
 mod clock;
 mod independent_watchdog;
 mod line;
+mod oscillator;
 mod results;
 mod sensors;
 mod spi;
@@ -16,19 +17,19 @@ mod wiring;
 
 use cortex_m::peripheral::SCB;
 use defmt_rtt as _;
+use flight_computer::ResetFacts;
 use flight_record::{ExitStatus, Summary};
 use stm32f4xx_hal::dma::StreamsTuple;
 use stm32f4xx_hal::pac::Peripherals;
 use stm32f4xx_hal::prelude::*;
-use survival::{BOARD_WORDS, RestartReport};
+use survival::{NoClock, Oscillator, RestartReport};
 use telemetry::Frame;
 use wiring::CORE_MHZ;
 
-pub use backup::{open_retained, reset_source, retained};
-pub use break_wire::umbilical_is_open;
-pub use clock::{CostClock, Source, microseconds};
-pub use independent_watchdog::INDEPENDENT_WATCHDOG_US;
+pub use backup::retained;
+pub use clock::{CostClock, Source};
 pub use line::Line;
+pub use oscillator::clock_is_internal;
 pub use results::Sink;
 pub use sensors::Sensors;
 pub use watchdog::Watchdog;
@@ -38,6 +39,7 @@ use sensors::{SensorStorage, SensorTeller};
 use wiring::Pins;
 
 use super::Board;
+use crate::retained::RetainedWords;
 use crate::tick_timer::TickTimer;
 
 /// The board's name.
@@ -58,24 +60,61 @@ impl Storage {
 }
 
 /// From a reset to the first tick, microseconds: 2 ms until the crystal runs (DS8626, table 39), 0.3 ms until the PLL has
-/// locked (table 42), the first period of the tick, and the start's code, most of it at 16 MHz: some 8 ms.
-pub const RESTART_US: u64 = 15_000;
+/// locked (table 42), the first period of the tick, and the start's code, most of it at 16 MHz: some 8 ms. A closed wire, which no
+/// vehicle in free flight has, takes 20 ms more.
+const RESTART_US: u64 = 15_000;
+/// More where the crystal does not start: 64,000 looks of five to ten cycles at 16 MHz.
+const CRYSTAL_WAIT_US: u64 = 30_000;
 
-/// Starts the board; after a restart its clock goes on at `resumed_us`.
+/// What comes before anything else: the watchdog, which bounds every wait after it, the clock, and the retained memory.
+pub fn prepare(device: &Peripherals) {
+    // A debugger that halts the core must not find it reset.
+    device.DBGMCU.apb1_fz().modify(|_, w| w.dbg_iwdg_stop().set_bit().dbg_tim4_stop().set_bit());
+    independent_watchdog::start_independent_watchdog(&device.IWDG);
+    match oscillator::start(&device.RCC) {
+        Ok(Oscillator::Crystal) => {}
+        Ok(Oscillator::Internal) => defmt::error!("no crystal: the clock is 1 % to 4 % off"),
+        Err(NoClock) => exit(ExitStatus::Configuration),
+    }
+    backup::open_retained(device);
+}
+
+/// Whether the wire is open, or opens within the 20 ms of the launch's debounce: a separation that shakes the supply makes the wire
+/// bounce as well, and one look at a closed moment would throw the latch away as yesterday's.
+fn umbilical_is_open() -> Option<bool> {
+    /// Looks, each of which takes 63 us at the 16 MHz that a reset leaves: they take 20 ms.
+    const LOOKS: u32 = 320;
+    Some((0..LOOKS).any(|_| break_wire::umbilical_is_open() == Some(true)))
+}
+
+/// What is known of the reset before the board is started.
+pub fn reset_facts() -> ResetFacts {
+    ResetFacts {
+        source: backup::reset_source(),
+        umbilical_is_open: umbilical_is_open(),
+        counts_per_us: 1,
+        independent_watchdog_us: independent_watchdog::INDEPENDENT_WATCHDOG_US,
+        restart_us: if clock_is_internal() { RESTART_US + CRYSTAL_WAIT_US } else { RESTART_US },
+    }
+}
+
+/// Starts the board; after a restart its clock goes on where the report says, less the standby that is still to come.
 pub fn start(
     device: Peripherals,
     mut core: cortex_m::Peripherals,
     storage: &'static mut Storage,
-    resumed_us: Option<u64>,
-    _kept: &'static mut [u32; BOARD_WORDS],
+    restart: Option<&RestartReport>,
+    _kept: RetainedWords,
 ) -> Result<Board, ExitStatus> {
     let Storage { sensors: storage, frames } = storage;
     let storage = &*storage;
-    let mut rcc = device.RCC.freeze(clock::tree());
+    let mut rcc = device.RCC.freeze(clock::tree(clock_is_internal()));
     if rcc.clocks.timclk1().raw() != clock::TIMER_HZ {
         return Err(ExitStatus::Configuration);
     }
     CostClock::start(core.DCB, core.DWT);
+    let now_us = restart.map_or(0, |report| report.resumed_us.saturating_sub(report.pause_us));
+    clock::start_timer(&device.TIM5, &rcc, now_us);
     let ports = (device.GPIOA.split(&mut rcc), device.GPIOB.split(&mut rcc), device.GPIOC.split(&mut rcc));
     let pins = Pins::take(ports.0, ports.1, ports.2);
 
@@ -93,13 +132,10 @@ pub fn start(
         frames,
         &mut rcc,
     );
-    let break_wire = BreakWire::start(pins.break_wire, device.EXTI, &mut device.SYSCFG.constrain(&mut rcc));
+    let break_wire = BreakWire::start(pins.break_wire);
 
-    // A debugger that halts the core must not find it reset.
-    device.DBGMCU.apb1_fz().modify(|_, w| w.dbg_iwdg_stop().set_bit().dbg_tim4_stop().set_bit());
-    independent_watchdog::start_independent_watchdog(&device.IWDG);
     Ok(Board {
-        source: Source::start(device.TIM5, pins.led, &rcc, resumed_us.unwrap_or(0)),
+        source: Source::start(device.TIM5, pins.led, now_us),
         feeder: Feeder { teller: storage.teller() },
         is_recording: false,
         sensors: sensors::suite(storage, receiver, barometer, imu, umbilical, break_wire),
@@ -110,19 +146,17 @@ pub fn start(
     })
 }
 
-/// Without a mission: nothing is said of any sensor, and log and telemetry go on saying why.
-pub fn stand_by(report: &RestartReport, mut line: Line) -> ! {
-    let mut sequence = 0_u8;
-    loop {
+/// The pause of a flight computer that keeps crashing: nothing is said of any sensor, and log and telemetry say why, once a second.
+pub fn stand_by(report: &RestartReport, line: &mut Line, watchdog: &mut Watchdog) {
+    for (second, _) in (0_u8..).zip(0..report.pause_us / 1_000_000) {
         defmt::error!("standby after {=str}", report.cause.name());
         // Free, a second after the last one.
         if line.is_free() {
-            line.send(&telemetry::standby(report, sequence));
+            line.send(&telemetry::standby(report, second));
         }
-        sequence = sequence.wrapping_add(1);
         for _ in 0..10 {
             cortex_m::asm::delay(CORE_MHZ * 100_000);
-            independent_watchdog::feed_independent_watchdog();
+            watchdog.feed();
         }
     }
 }

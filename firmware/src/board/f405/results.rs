@@ -7,7 +7,7 @@ use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::serial::{Config, Tx};
 
 use super::wiring::{RESULTS_BAUD, ResultsTx, ResultsUart};
-use crate::flown_model::FINGERPRINT;
+use flown_mission::FINGERPRINT;
 
 /// Sends results, each a frame of the flight record.
 pub struct Sink {
@@ -21,7 +21,9 @@ impl Sink {
         let config = Config::default().baudrate(RESULTS_BAUD.bps());
         let line = usart.tx(pin, config, rcc).map_err(|_| ExitStatus::NoOutput)?;
         let mut sink = Self { line, encoder: Encoder::new(), failed: false };
-        sink.write(&Header::new(Stream::Outputs, FINGERPRINT, SensorSource::Ideal));
+        // A reset may have torn a frame, to which a header without a zero before it would be glued, and be lost with it.
+        sink.failed = !sink.send(&[0]);
+        sink.write(&Header::new(Stream::Outputs, FINGERPRINT, SensorSource::Chips));
         Ok(sink)
     }
 

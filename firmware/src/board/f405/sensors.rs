@@ -1,8 +1,11 @@
 //! The sensors of this board.
 
 use drivers::Suite;
+#[cfg(feature = "baro-bmp390")]
+pub use drivers::bmp390::{Bmp390 as BaroDriver, MAX_POLL_BYTES as BARO_POLL_BYTES};
 use drivers::icm42688p::{self, AccelRange, GyroRange, Icm42688p, Mounting};
-use drivers::ms5611::Ms5611;
+#[cfg(not(feature = "baro-bmp390"))]
+pub use drivers::ms5611::{MAX_POLL_BYTES as BARO_POLL_BYTES, Ms5611 as BaroDriver};
 use drivers::ublox::{self, Datum, Ublox};
 use drivers::umbilical::Umbilical;
 use stm32f4xx_hal::prelude::*;
@@ -15,7 +18,7 @@ use super::spi::{BaroDevice, ImuDevice};
 use super::uart::{LineCounts, Port, Ring, ring};
 use super::watched::{Teller, Watch, Watched};
 use super::wiring::{
-    RECEIVER_BAUD, RECEIVER_CHANNEL, RECEIVER_PERIOD_MS, ReceiverRx, ReceiverStream, ReceiverTx,
+    MOTHER_SHIP, RECEIVER_BAUD, RECEIVER_CHANNEL, RECEIVER_PERIOD_MS, ReceiverRx, ReceiverStream, ReceiverTx,
     ReceiverUart, UMBILICAL_BAUD, UMBILICAL_CHANNEL, UmbilicalRx, UmbilicalStream, UmbilicalTx,
     UmbilicalUart,
 };
@@ -27,7 +30,8 @@ const IMU: icm42688p::Config = icm42688p::Config {
     mounting: Mounting::ALIGNED,
 };
 /// The flight's datum is mean sea level: what the mother ship sends over the umbilical has it too.
-const RECEIVER: ublox::Config = ublox::Config { datum: Datum::MeanSeaLevel, period_ms: RECEIVER_PERIOD_MS };
+const RECEIVER: ublox::Config =
+    ublox::Config { datum: Datum::MeanSeaLevel, period_ms: RECEIVER_PERIOD_MS, baud: RECEIVER_BAUD };
 
 /// The line to the satellite receiver.
 pub type ReceiverPort = Port<ReceiverUart, ReceiverStream>;
@@ -38,7 +42,7 @@ pub type UmbilicalPort = Port<UmbilicalUart, UmbilicalStream>;
 /// All of them.
 pub type Sensors = Suite<
     Watched<Ublox<ReceiverPort>>,
-    Watched<Ms5611<BaroDevice>>,
+    Watched<BaroDriver<BaroDevice>>,
     Watched<Icm42688p<ImuDevice>>,
     Watched<Umbilical<UmbilicalPort>>,
     Absent,
@@ -139,9 +143,9 @@ pub fn suite(
 ) -> Sensors {
     Suite::new(
         Watched::new(Ublox::new(receiver, RECEIVER), &storage.receiver),
-        Watched::new(Ms5611::new(barometer), &storage.barometer),
+        Watched::new(BaroDriver::new(barometer), &storage.barometer),
         Watched::new(Icm42688p::new(imu, IMU), &storage.imu),
-        Watched::new(Umbilical::new(umbilical), &storage.umbilical),
+        Watched::new(Umbilical::new(umbilical, MOTHER_SHIP), &storage.umbilical),
         Absent,
         Absent,
         Watched::new(break_wire, &storage.break_wire),

@@ -18,14 +18,22 @@ use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::serial::{Flag, Instance, Rx, RxISR, Serial, TxISR};
 
 use super::clock::CostClock;
-use super::wiring::CORE_MHZ;
+use super::wiring;
 
 /// Bytes of a ring: 22 ms at 115,200 baud, so that ticks may come 11 ms apart.
 const RING_BYTES: usize = 256;
 // What has arrived in that time must go in one poll.
-const _: () = assert!(RING_BYTES / 2 <= ublox::MAX_POLL_BYTES && RING_BYTES / 2 <= umbilical::MAX_POLL_BYTES);
+const _: () = assert!(
+    arrived(wiring::RECEIVER_BAUD) <= ublox::MAX_POLL_BYTES
+        && arrived(wiring::UMBILICAL_BAUD) <= umbilical::MAX_POLL_BYTES
+);
 /// Bits of a byte on the line: start, data, stop.
 const BITS: u64 = 10;
+
+/// Bytes that arrive in 11 ms.
+const fn arrived(baud: u32) -> usize {
+    baud as usize / BITS as usize * 11 / 1_000
+}
 
 /// What the DMA writes into.
 pub type Ring = [AtomicU8; RING_BYTES];
@@ -95,14 +103,9 @@ impl<UART: Instance, Stream: stm32f4xx_hal::dma::traits::Stream> Port<UART, Stre
             stream.set_peripheral_size(DmaDataSize::Byte);
             stream.set_memory_size(DmaDataSize::Byte);
         }
-        let lap_cycles = RING_BYTES as u64 * BITS * CORE_MHZ as u64 * 1_000_000 / u64::from(baud);
-        let mut port = Self {
-            serial,
-            stream,
-            ring,
-            counts,
-            reader: RingReader::new(CostClock::now(), lap_cycles as u32),
-        };
+        let lap_us = RING_BYTES as u64 * BITS * 1_000_000 / u64::from(baud);
+        let mut port =
+            Self { serial, stream, ring, counts, reader: RingReader::new(CostClock::time(), lap_us as u32) };
         port.begin();
         port
     }
@@ -120,7 +123,7 @@ impl<UART: Instance, Stream: stm32f4xx_hal::dma::traits::Stream> Port<UART, Stre
         self.stream.set_number_of_transfers(RING_BYTES as u16);
         // What came before nobody waits for: it has left its error behind.
         self.serial.clear_idle_interrupt();
-        self.reader.restart(CostClock::now());
+        self.reader.restart(CostClock::time());
         // SAFETY: the stream is stopped and set up; the ring is static, and nobody but the stream writes to it.
         unsafe { self.stream.enable() };
     }
@@ -140,7 +143,7 @@ impl<UART: Instance, Stream: stm32f4xx_hal::dma::traits::Stream> Port<UART, Stre
         let flags = self.serial.flags();
         fence(Ordering::Acquire);
         let has_broken = flags.contains(Flag::FramingError) || flags.contains(Flag::Overrun);
-        self.reader.look(CostClock::now(), remaining.into(), has_broken).map_err(|error| match error {
+        self.reader.look(CostClock::time(), remaining.into(), has_broken).map_err(|error| match error {
             RingError::Broken => {
                 count(&self.counts.broken);
                 ErrorKind::InvalidData

@@ -19,10 +19,10 @@ enum Outcome {
     Silent,
     Delivers,
     Fails(SensorError),
-    /// With so many openings that no poll has seen.
+    /// It has closed again so often.
     Closed(u32),
-    /// Since then, microseconds of the mission, if that is known.
-    Open(Option<u64>),
+    /// Since then, microseconds of the mission.
+    Open(u64),
 }
 
 impl Outcome {
@@ -108,8 +108,8 @@ impl LaunchDiscrete for Watched<BreakWire> {
     fn poll(&mut self, now_us: u64) -> Result<bool, SensorError> {
         let polled = self.driver.poll(now_us);
         self.watch.note(Some(match polled {
-            Ok(false) => Outcome::Closed(self.driver.short_openings()),
-            Ok(true) => Outcome::Open(self.driver.opened_us()),
+            Ok(false) => Outcome::Closed(self.driver.closings()),
+            Ok(true) => Outcome::Open(self.driver.opened_us().unwrap_or(now_us)),
             Err(error) => Outcome::Fails(error),
         }));
         polled
@@ -143,11 +143,10 @@ impl Told {
             Outcome::Delivers => defmt::info!("{=str}: delivers", name),
             Outcome::Fails(error) => defmt::warn!("{=str}: {}", name, error),
             Outcome::Closed(0) => defmt::info!("{=str}: closed", name),
-            Outcome::Closed(short) => {
-                defmt::warn!("{=str}: closed, {=u32} openings too short for a tick", name, short);
+            Outcome::Closed(times) => {
+                defmt::warn!("{=str}: closed; it has been open {=u32} times", name, times);
             }
-            Outcome::Open(Some(since_us)) => defmt::info!("{=str}: open since {=u64} us", name, since_us),
-            Outcome::Open(None) => defmt::info!("{=str}: open since before the start", name),
+            Outcome::Open(since_us) => defmt::info!("{=str}: open since {=u64} us", name, since_us),
         }
     }
 }

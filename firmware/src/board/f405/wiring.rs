@@ -5,6 +5,7 @@
 //! inertial unit on SPI1, the barometer on SPI3, pads for the UARTs. `docs/bring-up.md` has this as tables, from the first
 //! lines of these comments; `cargo test --package xtask` holds the one against the other.
 
+use drivers::umbilical::Sender;
 use stm32f4xx_hal::dma::{Stream1, Stream2, Stream7};
 use stm32f4xx_hal::gpio::{
     Debugger, Input, PA0, PA1, PA3, PA4, PA5, PA6, PA7, PA9, PB3, PB5, PB10, PB11, PC6, PC10, PC11, PC12,
@@ -33,16 +34,16 @@ pub const IMU_SPI_HZ: u32 = 10_500_000;
 
 /// The barometer's bus.
 pub type BaroSpi = SPI3;
-/// SPI3_SCK: MS5611, SCLK
+/// SPI3_SCK: MS5611, SCLK (BMP390: SCK)
 pub type BaroSck = PC10;
-/// SPI3_MISO: MS5611, SDO
+/// SPI3_MISO: MS5611, SDO (BMP390: SDO)
 pub type BaroMiso = PC11;
-/// SPI3_MOSI: MS5611, SDI
+/// SPI3_MOSI: MS5611, SDI (BMP390: SDI)
 pub type BaroMosi = PC12;
-/// output: MS5611, CSB (its PS pin to ground: SPI)
+/// output: MS5611, CSB (its PS pin to ground: SPI; BMP390: CSB)
 pub type BaroSelect<Mode = Debugger> = PB3<Mode>;
-/// Clock of the barometer's bus, Hz: the chip takes 20 MHz.
-pub const BARO_SPI_HZ: u32 = 10_500_000;
+/// Clock of the barometer's bus, Hz: an MS5611 takes 20 MHz, a BMP390 10 MHz, which the bus can only halve from 10.5.
+pub const BARO_SPI_HZ: u32 = 5_250_000;
 
 /// The satellite receiver's UART.
 pub type ReceiverUart = USART3;
@@ -71,6 +72,8 @@ pub type UmbilicalTx = PA0;
 pub type UmbilicalRx = PA1;
 /// Rate of the umbilical's line, baud: an altitude is 44 bytes, and other messages share the line.
 pub const UMBILICAL_BAUD: u32 = 115_200;
+/// Whose altitudes on it are the mother ship's.
+pub const MOTHER_SHIP: Sender = Sender::FIRST_AUTOPILOT;
 
 /// input, pulled up: umbilical's break-wire, whose other end is ground on the mother ship; open is launched
 pub type BreakWirePin<Mode = Input> = PA3<Mode>;

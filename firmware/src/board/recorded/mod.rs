@@ -23,6 +23,7 @@ use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{NVIC, SCB, SYST};
 use cortex_m_rt::exception;
 use defmt_semihosting as _;
+use flight_computer::ResetFacts;
 use flight_record::{
     CostUnit, Decoder, Encoder, End, ExitStatus, Header, INPUT_FILE, Kind, MAX_STUFFED, OUTPUT_FILE, Payload,
     SensorSource, Stream, Summary,
@@ -35,7 +36,7 @@ use semihosting::io::{Read, Seek, SeekFrom, Write};
 use stm32f4xx_hal::pac::{Interrupt, Peripherals, TIM5};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Config;
-use survival::{BOARD_WORDS, Cause, ResetSource, RestartReport, RetainedMemory};
+use survival::{BOARD, BOARD_WORDS, ResetSource, RestartReport, WordMemory as _};
 
 #[cfg(feature = "board-qemu")]
 use emulated as machine;
@@ -47,9 +48,10 @@ pub use machine::NAME;
 use machine::{BATCH, CHUNK, CORE_HZ, TIMER_HZ};
 
 use super::{Board, Next};
-use crate::flown_model::FINGERPRINT;
+use crate::retained::RetainedWords;
 use crate::tick_timer::{TICK_HZ, TickTimer};
 use crate::watchdog::{TIMEOUT_MS, unmask};
+use flown_mission::FINGERPRINT;
 
 /// Inputs read ahead, one slot of which stays empty.
 const INPUTS: usize = 16;
@@ -113,10 +115,7 @@ impl KeptSensors {
 
 /// From the last tick to the first after a restart, microseconds, beside the time that something hung: the record
 /// goes on for as long as the flight computer may take.
-pub const RESTART_US: u64 = 100_000;
-
-/// No independent watchdog runs.
-pub const INDEPENDENT_WATCHDOG_US: u64 = 0;
+const RESTART_US: u64 = 100_000;
 
 unsafe extern "C" {
     /// Where the linker puts nothing (`memory.x`).
@@ -124,53 +123,46 @@ unsafe extern "C" {
 }
 
 /// The retained memory: RAM, which a reset leaves as it is.
-pub fn retained() -> *mut RetainedMemory {
-    (&raw const _retained_start).cast_mut().cast()
+pub fn retained() -> *mut u32 {
+    (&raw const _retained_start).cast_mut()
 }
 
-/// Nothing guards it.
-pub const fn open_retained(_device: &Peripherals) {}
+/// Nothing guards the memory, and nothing has to be waited for.
+pub const fn prepare(_device: &Peripherals) {}
 
-/// There is no other; before a flight the memory is full of zeros, in which nothing was kept: QEMU's RAM comes so, and the host
-/// writes them into a board's.
-pub const fn reset_source() -> ResetSource {
-    ResetSource::Software
+/// There is no crystal that could fail.
+pub const fn clock_is_internal() -> bool {
+    false
 }
 
-/// Not known before the first tick.
-pub const fn umbilical_is_open() -> Option<bool> {
-    None
+/// There is no other source; before a flight the memory is full of zeros, in which nothing was kept: QEMU's RAM comes so, and the host
+/// writes them into a board's. The wire is not known before the first tick.
+pub const fn reset_facts() -> ResetFacts {
+    ResetFacts {
+        source: ResetSource::Software,
+        umbilical_is_open: None,
+        counts_per_us: TIMER_HZ / 1_000_000,
+        // None runs.
+        independent_watchdog_us: 0,
+        restart_us: RESTART_US,
+    }
 }
 
-/// So many counts of [`CostClock`] in microseconds.
-pub const fn microseconds(count: u32) -> u32 {
-    count / (TIMER_HZ / 1_000_000)
-}
-
-/// There is nothing to wait for: no flight but the record's.
-pub fn stand_by(report: &RestartReport, mut line: Line) -> ! {
+/// There is nothing to wait for: the record goes on where standby has ended.
+pub fn stand_by(report: &RestartReport, line: &mut Line, _watchdog: &mut Watchdog) {
     line.send(&telemetry::standby(report, 0));
-    exit(match report.cause {
-        Cause::Panic => ExitStatus::Panic,
-        Cause::HardFault => ExitStatus::HardFault,
-        Cause::Unrecorded
-        | Cause::StackOverflow
-        | Cause::Stuck
-        | Cause::Supply
-        | Cause::ResetPin
-        | Cause::IndependentWatchdog => ExitStatus::Standby,
-    })
 }
 
-/// Starts the board; after a restart, where the record is by `resumed_us`.
+/// Starts the board; after a restart, where the record is by the time at which the clock goes on.
 pub fn start(
     device: Peripherals,
     mut core: cortex_m::Peripherals,
     storage: &'static mut Storage,
-    resumed_us: Option<u64>,
-    kept: &'static mut [u32; BOARD_WORDS],
+    restart: Option<&RestartReport>,
+    kept: RetainedWords,
 ) -> Result<Board, ExitStatus> {
     let Storage { inputs, ended, batch } = storage;
+    let resumed_us = restart.map(|report| report.resumed_us);
     let has_restarted = resumed_us.is_some();
     let (inputs_in, inputs_out) = inputs.split();
     machine::stop_with_the_core(&device.DBGMCU);
@@ -351,12 +343,15 @@ struct Place {
 }
 
 impl Place {
-    fn keep(self, kept: &mut [u32; BOARD_WORDS]) {
+    fn keep(self, kept: &mut RetainedWords) {
         let Self { offset, sequence, received } = self;
-        *kept = [offset, sequence, received, !(offset ^ sequence ^ received), 0, 0, 0, 0];
+        let words = [offset, sequence, received, !(offset ^ sequence ^ received)];
+        const { assert!(BOARD_WORDS >= 4) };
+        words.into_iter().enumerate().for_each(|(word, value)| kept.write(BOARD + word, value));
     }
 
-    fn kept([offset, sequence, received, check, ..]: [u32; BOARD_WORDS]) -> Option<Self> {
+    fn kept(kept: &RetainedWords) -> Option<Self> {
+        let [offset, sequence, received, check] = [0, 1, 2, 3].map(|word| kept.read(BOARD + word));
         (check == !(offset ^ sequence ^ received)).then_some(Self { offset, sequence, received })
     }
 }
@@ -374,7 +369,7 @@ pub struct Feeder {
     /// before a reset comes once more after it.
     places: [Place; INPUTS],
     oldest: usize,
-    kept: &'static mut [u32; BOARD_WORDS],
+    kept: RetainedWords,
     received: u32,
     bad_frames: u32,
     bad_payloads: u32,
@@ -388,7 +383,7 @@ impl Feeder {
         inputs: Producer<'static, Item>,
         ended: &'static AtomicBool,
         resumed_us: Option<u64>,
-        kept: &'static mut [u32; BOARD_WORDS],
+        mut kept: RetainedWords,
     ) -> Result<(Self, Header), ExitStatus> {
         let file = File::open(INPUT_FILE).map_err(|_| ExitStatus::NoInput)?;
         let mut bytes = Bytes { file, chunk: [0; CHUNK], at: 0, len: 0, read: 0 };
@@ -407,12 +402,12 @@ impl Feeder {
             return Err(ExitStatus::OtherModel);
         }
         let mut place = Place { offset: bytes.offset(), sequence: 1, received: 0 };
-        if let (Some(there), true) = (Place::kept(*kept), resumed_us.is_some()) {
+        if let (Some(there), true) = (Place::kept(&kept), resumed_us.is_some()) {
             bytes.go_to(there.offset).map_err(|_| ExitStatus::NoInput)?;
             decoder = Decoder::at(there.sequence);
             place = there;
         }
-        place.keep(kept);
+        place.keep(&mut kept);
         let feeder = Self {
             inputs,
             ended,
@@ -480,7 +475,7 @@ impl Feeder {
             self.received = self.received.saturating_add(1);
             let place = Place { offset: self.bytes.offset(), sequence, received: self.received };
             if let Some(oldest) = self.places.get_mut(self.oldest) {
-                oldest.keep(self.kept);
+                oldest.keep(&mut self.kept);
                 *oldest = place;
             }
             self.oldest = (self.oldest + 1) % INPUTS;

@@ -4,7 +4,7 @@ use super::*;
 use crate::config::MAX_ESTIMATED_EFFECTS;
 use crate::input::ImuSample;
 use crate::output::{Agreement, Trust};
-use crate::snapshot::{MAX_SNAPSHOT_BYTES, MissionSnapshot, RaisedFlags, SnapshotError};
+use crate::snapshot::{MAX_SNAPSHOT_BYTES, MissionMark, RaisedFlags, SnapshotError};
 
 /// The interruption: between launch at tick 6,000 and the end at 8,000.
 const CUT: u64 = 7_000;
@@ -28,11 +28,31 @@ fn ticks() -> Vec<TickInput> {
         .collect()
 }
 
-/// Through bytes, as it is kept.
-fn kept<const H: usize, const T: usize, const E: usize>(mission: &Mission<H, T, E>) -> MissionSnapshot {
+/// A snapshot's bytes and the mark of the same tick.
+#[derive(Clone)]
+struct Kept {
+    bytes: Vec<u8>,
+    mark: MissionMark,
+}
+
+fn kept<const H: usize, const T: usize, const E: usize>(mission: &Mission<H, T, E>) -> Kept {
     let mut bytes = [0; MAX_SNAPSHOT_BYTES];
     let length = mission.snapshot().unwrap().to_bytes(&mut bytes).unwrap();
-    MissionSnapshot::from_bytes(&bytes[..length]).unwrap()
+    Kept {
+        bytes: bytes[..length].to_vec(),
+        mark: MissionMark { flags: RaisedFlags::default(), ..mission.mark() },
+    }
+}
+
+/// A mission that goes on from it, with the flags of a later mark.
+fn resumed<const H: usize, const T: usize, const E: usize>(
+    config: &MissionConfig<E>,
+    kept: &Kept,
+    flags: RaisedFlags,
+) -> Result<Mission<H, T, E>, SnapshotError> {
+    let mut mission = Mission::new(config).unwrap();
+    mission.restore_snapshot(&kept.bytes, &MissionMark { flags, ..kept.mark })?;
+    Ok(mission)
 }
 
 /// Flies to the cut, restarts from a snapshot, and holds every later output against a mission that was
@@ -44,8 +64,8 @@ fn goes_on_to_the_bit<const H: usize, const T: usize, const E: usize>(config: &M
         whole.tick(input);
     }
     let snapshot = kept(&whole);
-    assert_eq!(snapshot.time_us(), (CUT - 1) * TICK_US);
-    let mut resumed = Mission::<H, T, E>::resume(config, snapshot, RaisedFlags::default()).unwrap();
+    assert_eq!(whole.snapshot().unwrap().time_us(), (CUT - 1) * TICK_US);
+    let mut resumed = resumed::<H, T, E>(config, &snapshot, RaisedFlags::default()).unwrap();
     assert_eq!(resumed.latch(), whole.latch());
     for (k, input) in ticks.iter().enumerate().skip(CUT as usize) {
         let expected = whole.tick(input);
@@ -129,14 +149,14 @@ fn flags_raised_before_the_restart_outlive_it_even_if_raised_after_the_snapshot(
     let flags = mission.raised_flags();
     assert_eq!(flags.of(Sensor::Baro), Some(Trust::Untrustworthy));
     assert_eq!((flags.of(Sensor::ImuSlave), flags.of_cross_check()), (None, None));
-    let resumed = |flags| {
-        let mut mission = Dense::resume(&config, snapshot.clone().unwrap(), flags).unwrap();
+    let after_restart = |flags| {
+        let mut mission: Dense = resumed(&config, snapshot.as_ref().unwrap(), flags).unwrap();
         // Sound again: nothing but the flag says what there was.
         mission.tick(&ticks()[7_440]).sensors.map(|sensor| sensor.trust)
     };
     let kept = RaisedFlags::from_bits(flags.bits());
-    assert_eq!(resumed(kept), [Trust::Unmonitored, Trust::Trusted, Trust::Untrustworthy]);
-    assert_eq!(resumed(RaisedFlags::default()), [Trust::Unmonitored, Trust::Trusted, Trust::Trusted]);
+    assert_eq!(after_restart(kept), [Trust::Unmonitored, Trust::Trusted, Trust::Untrustworthy]);
+    assert_eq!(after_restart(RaisedFlags::default()), [Trust::Unmonitored, Trust::Trusted, Trust::Trusted]);
 }
 
 /// The inertial sensor's last error and trust with an effect on it, after a gap of so many ticks.
@@ -148,7 +168,7 @@ fn after_a_gap(gap: usize) -> (Option<f32>, Trust, Option<u64>, u32) {
     ticks[..=6_200].iter().for_each(|input| {
         mission.tick(input);
     });
-    let mut mission = Dense::resume(&config, kept(&mission), RaisedFlags::default()).unwrap();
+    let mut mission: Dense = resumed(&config, &kept(&mission), RaisedFlags::default()).unwrap();
     let mut last = (None, Trust::Calibrating, None, 0);
     for input in &ticks[6_200 + gap..] {
         let output = mission.tick(input);
@@ -183,13 +203,13 @@ fn a_long_gap_takes_no_flag_back_and_stops_no_sensor_without_such_an_effect() {
         mission.tick(input);
     });
     let flags = RaisedFlags::default().with_sensor(Sensor::ImuSlave, Some(Trust::Doubtful));
-    let mut mission = Dense::resume(&config, kept(&mission), flags).unwrap();
+    let mut mission: Dense = resumed(&config, &kept(&mission), flags).unwrap();
     for input in &ticks[6_800..] {
         let trust = mission.tick(input).sensors.map(|sensor| sensor.trust);
         assert_eq!(trust[1..], [Trust::Doubtful, Trust::Trusted]);
     }
     // The next restart does not forget.
-    let mut again = Dense::resume(&config, kept(&mission), RaisedFlags::default()).unwrap();
+    let mut again: Dense = resumed(&config, &kept(&mission), RaisedFlags::default()).unwrap();
     let output = again.tick(&TickInput { time_us: 8_000 * TICK_US, ..ticks[7_996] });
     assert_eq!(output.sensors[1].trust, Trust::Doubtful);
     assert_eq!((output.sensors[1].moving_average_m, again.counters().restarts), (None, 2));
@@ -202,7 +222,7 @@ fn a_clock_that_did_not_go_on_is_said_at_every_tick() {
     ticks()[..7_000].iter().for_each(|input| {
         mission.tick(input);
     });
-    let mut mission = Dense::resume(&config, kept(&mission), RaisedFlags::default()).unwrap();
+    let mut mission: Dense = resumed(&config, &kept(&mission), RaisedFlags::default()).unwrap();
     let output = mission.tick(&TickInput { time_us: TICK_US, launch: true, ..TickInput::default() });
     assert!(output.out_of_order && output.bridged_us.is_none());
 }
@@ -213,33 +233,21 @@ fn a_snapshot_of_another_mission_is_refused() {
     ticks()[..7_000].iter().for_each(|input| {
         mission.tick(input);
     });
-    let snapshot = kept(&mission);
-    let mut bytes = [0; MAX_SNAPSHOT_BYTES];
-    let length = snapshot.to_bytes(&mut bytes).unwrap();
-    let mark = mission.mark();
+    let kept = kept(&mission);
     let refused = |other: &MissionConfig<0>| {
-        if let Ok(mut fresh) = Dense::new(other) {
-            let by_fields = fresh.go_on_from(&bytes[..length], &mark).map_err(ResumeError::Snapshot);
-            assert_eq!(by_fields.err(), Dense::resume(other, snapshot.clone(), RaisedFlags::default()).err());
-            assert_eq!(fresh.snapshot().is_some(), by_fields.is_ok());
-        }
-        Dense::resume(other, snapshot.clone(), RaisedFlags::default()).err()
+        let mut fresh = Dense::new(other).unwrap();
+        let restored = fresh.restore_snapshot(&kept.bytes, &kept.mark);
+        assert_eq!(fresh.snapshot().is_some(), restored.is_ok());
+        restored.err()
     };
-    let other_mission = Some(ResumeError::Snapshot(SnapshotError::OtherMission));
+    let other_mission = Some(SnapshotError::OtherMission);
     assert_eq!(refused(&config(true)), None);
     let second_correction = SecondCorrection::MovingAverage;
     assert_eq!(refused(&MissionConfig { second_correction, ..config(true) }), other_mission);
     let mut with_effect = config(true);
     with_effect.constant_effects.push(EffectTerm::new(EffectId::BaroLag, 0.1, 0.1)).unwrap();
     assert_eq!(refused(&with_effect), other_mission);
-    let mut broken = config(true);
-    broken.settling_s = -1.0;
-    assert_eq!(refused(&broken), Some(ResumeError::Config(ConfigError::OutOfRange)));
-    let other_shape =
-        Mission::<0, 5, 1>::resume(&super::config(true), snapshot.clone(), RaisedFlags::default());
-    assert_eq!(other_shape.err(), other_mission);
-    let mut other_shape = Mission::<0, 5, 1>::new(&super::config(true)).unwrap();
-    assert_eq!(other_shape.go_on_from(&bytes[..length], &mark), Err(SnapshotError::OtherMission));
+    assert_eq!(resumed::<0, 5, 1>(&config(true), &kept, RaisedFlags::default()).err(), other_mission);
 }
 
 #[test]
@@ -253,10 +261,9 @@ fn bytes_that_are_no_snapshot_are_refused() {
     let mark = mission.mark();
     let refused = |bytes: &[u8]| {
         let mut fresh = Dense::new(&config(true)).unwrap();
-        let by_fields = fresh.go_on_from(bytes, &mark).err();
-        assert_eq!(by_fields, MissionSnapshot::from_bytes(bytes).err());
-        assert_eq!(fresh.snapshot().is_some(), by_fields.is_none());
-        by_fields
+        let refused = fresh.restore_snapshot(bytes, &mark).err();
+        assert_eq!(fresh.snapshot().is_some(), refused.is_none());
+        refused
     };
     assert_eq!(refused(&bytes[..length]), None);
     for cut in 1..length {
@@ -290,17 +297,23 @@ fn the_largest_snapshot_fits() {
         }
         mission.tick(&input);
     }
+    // A source has one of them a reading: a month has room for one that takes all its bytes.
+    const OTHERS: u32 = u32::MAX >> 4;
     let sensor = SourceCounters {
         accepted: u32::MAX,
-        not_finite: u32::MAX,
-        held: u32::MAX,
-        stuck: u32::MAX,
-        variance: u32::MAX,
+        not_finite: OTHERS,
+        implausible: OTHERS,
+        held: OTHERS,
+        stuck: OTHERS,
+        variance: OTHERS,
+        gated: OTHERS,
     };
+    // A fix is held and a sensor stuck, never the other way round.
+    let [gps, sensor] = [SourceCounters { stuck: 0, ..sensor }, SourceCounters { held: 0, ..sensor }];
     mission.counters = Counters {
         ticks: u32::MAX,
         out_of_order: u32::MAX,
-        gps: sensor,
+        gps,
         sensors: [sensor; SENSORS],
         signals_not_finite: u32::MAX,
         effects_without_signal: u32::MAX,
@@ -308,6 +321,7 @@ fn the_largest_snapshot_fits() {
         launch_repeats: u32::MAX,
         restarts: u32::MAX,
         launch_suspicions: u32::MAX,
+        readings_unjudged: u32::MAX,
     };
     let length = mission.snapshot().unwrap().to_bytes(&mut [0; 4_096]).unwrap();
     // A second byte for the count of each part of the four windows, which takes longer windows.

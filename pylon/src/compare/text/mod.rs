@@ -121,6 +121,9 @@ pub(crate) fn meaning(check: &str) -> &'static str {
         "inputs_valid" => "numbers were not finite, or time ran backward",
         "sensors_alive" => "a sensor was stuck or silent",
         "launch_confirmed" => "nothing but the umbilical's wire showed the launch",
+        "readings_consistent" => {
+            "a source had many outliers, stepped in mid-calibration, or has a bias that its prior rules out"
+        }
         _ => "see the documentation of kf_core::quality",
     }
 }

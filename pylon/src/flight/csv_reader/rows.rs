@@ -183,6 +183,7 @@ fn put<T>(cells: &mut [T], row: usize, value: T) -> bool {
 fn is_possible(meaning: &Meaning, value: f32) -> bool {
     match meaning {
         Meaning::Known(Channel::Launch) => value == 0.0 || value == 1.0,
+        Meaning::Known(Channel::LaunchDoubt) => [0.0, 1.0, 2.0].contains(&value),
         Meaning::Known(Channel::GpsTimeS) => !(value.is_finite() && value.abs() >= MAX_GPS_TIME_S),
         _ => true,
     }
@@ -277,6 +278,7 @@ fn bad_row(row: u64, text: &[u8], from: &[u8], index: usize, layout: &Layout<'_>
     let expected = match layout.meanings.get(index) {
         Some(Meaning::Time) => "seconds from 0 on (up to 9e9)",
         Some(Meaning::Known(Channel::Launch)) => "0 or 1",
+        Some(Meaning::Known(Channel::LaunchDoubt)) => "0, 1 or 2",
         Some(Meaning::Known(Channel::GpsTimeS)) => {
             "seconds below 1048576 (count them from the flight's start)"
         }

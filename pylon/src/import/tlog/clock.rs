@@ -51,15 +51,23 @@ pub fn longest_run(values: Vec<Timed>) -> (Vec<Timed>, usize) {
 
 /// From the receiver's clock to the sender's.
 pub struct Clock {
-    /// What the receiver's clock is ahead, with the least delay that was seen.
+    /// What the receiver's clock is ahead, with the least delay that was seen, but for one in a hundred: a receiver's time that is
+    /// wrong by less than a second is not found, and must not move all others.
     ahead_us: Option<u64>,
 }
 
 impl Clock {
     /// By the values that have a time of both clocks.
     pub fn of(values: &[Timed]) -> Self {
-        let ahead = |timed: &Timed| timed.recorded_us.checked_sub(boot_us(timed.stamp)?);
-        Self { ahead_us: values.iter().filter_map(ahead).min() }
+        let ahead =
+            |timed: &Timed| Some((timed.recorded_us, timed.recorded_us.checked_sub(boot_us(timed.stamp)?)?));
+        // A frame of several values counts once.
+        let mut frames: Vec<(u64, u64)> = values.iter().filter_map(ahead).collect();
+        frames.dedup();
+        let mut found: Vec<u64> = frames.into_iter().map(|(_, ahead_us)| ahead_us).collect();
+        let place = (found.len() / 100).max(usize::from(found.len() > 2));
+        let ahead_us = (place < found.len()).then(|| *found.select_nth_unstable(place).1);
+        Self { ahead_us }
     }
 
     /// When a value was. Without any time of the sender it is the receiver's.

@@ -1,7 +1,5 @@
 //! From a recording's values to a flight's columns.
 
-use kf_core::atmosphere::pressure_altitude_m;
-
 use super::Sender;
 use super::clock::{Clock, Time, longest_run};
 use super::frame::Losses;
@@ -9,7 +7,8 @@ use super::rows::Rows;
 use super::value::{Fix, Global, Sampled, Timed, Value};
 use crate::flight::{Channel, Column, Flight, Header, Note};
 use crate::import::ImportError;
-use crate::import::igc::units::{standard_temperature_c, true_airspeed_factor};
+use crate::import::airspeed::put_true_airspeed;
+use crate::import::gps_time::utc_text;
 
 /// The phase of a Pylon in free flight (HEARTBEAT's custom_mode).
 const FREE_FLIGHT: u32 = 2;
@@ -30,6 +29,7 @@ pub fn convert(
     values: Vec<Timed>,
     losses: Losses,
     others: usize,
+    left_out: Option<String>,
 ) -> Result<(Flight, Vec<Note>), ImportError> {
     let (values, restarts) = longest_run(values);
     let is_reference = |timed: &Timed| matches!(timed.value, Value::Fix(_) | Value::Global(_));
@@ -42,14 +42,8 @@ pub fn convert(
     let rows = Rows::new(&times);
     let start_us = values.iter().map(|timed| timed.recorded_us).min().unwrap_or(0);
     let mut other = vec![("log_format".to_owned(), "tlog".to_owned())];
-    let start = i64::try_from(start_us / 1_000_000)
-        .ok()
-        .and_then(|second| time::UtcDateTime::from_unix_timestamp(second).ok());
-    if let Some(start) = start.filter(|_| start_us > 0) {
-        let (date, (hour, minute, second)) = (start.date(), start.as_hms());
-        let date = format!("{:04}-{:02}-{:02}", date.year(), u8::from(date.month()), date.day());
-        other.push(("start_utc".to_owned(), format!("{date}T{hour:02}:{minute:02}:{second:02}Z")));
-    }
+    let start = i64::try_from(start_us / 1_000_000).ok().and_then(utc_text);
+    other.extend(start.filter(|_| start_us > 0).map(|start| ("start_utc".to_owned(), start)));
     let header = Header {
         vehicle: format!("MAVLink system {}, component {}", sender.0, sender.1),
         source: "imported MAVLink tlog".to_owned(),
@@ -58,6 +52,7 @@ pub fn convert(
     };
     let flight = Flight { header, time_s: rows.seconds(), ..Flight::default() };
     let mut converter = Converter { values, times, rows, flight, notes: Vec::new() };
+    converter.notes.extend(left_out.map(Note::new));
     converter.note_losses(&losses, others, restarts);
     converter.reference();
     converter.inertial_and_barometer();
@@ -307,37 +302,10 @@ impl Converter {
         if calibrated.iter().all(|(_, mps)| *mps == 0.0) {
             return;
         }
-        let altitudes: Vec<Option<f64>> = self.held_pressure_altitudes();
-        let factor = |row: usize| {
-            let altitude_m = altitudes.get(row).copied().flatten()?;
-            Some(true_airspeed_factor(altitude_m, standard_temperature_c(altitude_m)))
-        };
-        let samples: Vec<(usize, f64)> =
-            calibrated.iter().filter_map(|(row, mps)| Some((*row, mps * factor(*row)?))).collect();
-        if samples.is_empty() {
+        if !put_true_airspeed(&mut self.flight, calibrated) {
             return;
         }
-        self.put(Channel::TasMps, samples);
         self.note("tas_mps is VFR_HUD's airspeed, taken as calibrated, by the standard atmosphere's density");
-    }
-
-    /// Pressure altitude of each row, held from the last that has one; the reference's where there is no barometer.
-    fn held_pressure_altitudes(&self) -> Vec<Option<f64>> {
-        let pressure = self.flight.channel(Channel::BaroPa);
-        let altitude = self.flight.channel(Channel::BaroAltM);
-        let reference = self.flight.channel(Channel::GpsAltM);
-        let mut held = None;
-        let at = |row: usize| match (pressure, altitude) {
-            (Some(pressure), _) => pressure.get(row).and_then(pressure_altitude_m),
-            (None, Some(altitude)) => altitude.get(row),
-            (None, None) => reference.and_then(|reference| reference.get(row)),
-        };
-        (0..self.rows.len())
-            .map(|row| {
-                held = at(row).map(f64::from).or(held);
-                held
-            })
-            .collect()
     }
 
     fn launch(&mut self) {

@@ -24,6 +24,8 @@ const SIGNED: u8 = 1;
 pub struct Packet {
     /// When it was received, microseconds since 1970.
     pub recorded_us: u64,
+    /// Which of the recording's frames it is, from 1.
+    pub number: usize,
     /// Who sent it.
     pub sender: Sender,
     /// The message.
@@ -120,7 +122,10 @@ impl<'a> Packets<'a> {
             self.losses.unreadable += 1;
             return Found::Skipped(len);
         };
-        let packet = Packet { recorded_us: u64::from_be_bytes(*stamp), sender: frame.sender, message };
+        let losses = &self.losses;
+        let number = losses.read + losses.bad_crc + losses.unknown + losses.unreadable + 1;
+        let packet =
+            Packet { recorded_us: u64::from_be_bytes(*stamp), number, sender: frame.sender, message };
         Found::Packet(Box::new(packet), len)
     }
 
@@ -206,6 +211,6 @@ pub fn unstamped(line: &[u8]) -> impl Iterator<Item = (&[u8], Packet)> {
         let is_whole = calculate_crc(frame.checked, MavMessage::extra_crc(frame.id)) == frame.crc;
         let message = MavMessage::parse(frame.version, frame.id, frame.payload).ok().filter(|_| is_whole)?;
         at += frame.len;
-        Some((rest.get(..frame.len)?, Packet { recorded_us: 0, sender: frame.sender, message }))
+        Some((rest.get(..frame.len)?, Packet { recorded_us: 0, number: 0, sender: frame.sender, message }))
     })
 }

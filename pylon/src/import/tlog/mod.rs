@@ -14,11 +14,13 @@
 //!
 //! What a Pylon estimated (biases, errors, flags) is left out: a flight is what was measured, and `compare` says
 //! the rest anew. MAVLink 1 and 2 are read, signatures are not checked. Times are the sender's where a message has
-//! one, else the receiver's less the least delay that was seen.
+//! one, else the receiver's less the least delay that was seen (but for one in a hundred). A receiver's time has no CRC: frames with one
+//! that contradicts the frames around them and the message's own are left out.
 
 mod clock;
 mod convert;
 mod frame;
+mod received;
 mod rows;
 mod value;
 
@@ -28,6 +30,7 @@ use crate::flight::{Flight, Note};
 use crate::import::{ImportError, Importer};
 
 use frame::Packets;
+use received::Received;
 use value::Timed;
 
 /// A log is recognised by a frame within this many bytes.
@@ -48,12 +51,13 @@ impl Importer for Tlog {
 
     fn import(&self, log: &[u8]) -> Result<(Flight, Vec<Note>), ImportError> {
         let (sender, others) = sender(log);
-        let mut values = Vec::new();
+        let mut received = Received::default();
         let mut packets = Packets::new(log);
         for packet in packets.by_ref().filter(|packet| packet.sender == sender) {
-            value::take(&packet, &mut values);
+            received.take(&packet);
         }
-        convert::convert(sender, values, packets.losses(), others)
+        let (values, left_out) = received.believed();
+        convert::convert(sender, values, packets.losses(), others, left_out)
     }
 }
 

@@ -294,8 +294,8 @@ fn garbage_damage_and_a_cut_end_are_counted_and_cost_nothing_else() {
     log[second_fix] ^= 4;
     log.truncate(log.len() - 7);
     // A message of another dialect, and a signed frame.
-    let mut unknown = stamped(AHEAD_US, &[0xfd, 2, 0, 0, 0, 1, 1, 0x39, 0x30, 0, 1, 2, 3, 4]);
-    let mut signed = v2(AHEAD_US, PYLON, &pressure(5_500_000, 890.0));
+    let mut unknown = stamped(AHEAD_US + 5_010_000, &[0xfd, 2, 0, 0, 0, 1, 1, 0x39, 0x30, 0, 1, 2, 3, 4]);
+    let mut signed = v2(AHEAD_US + 5_010_000, PYLON, &pressure(5_500_000, 890.0));
     signed[8 + 2] = 1;
     let crc_at = signed.len() - 2;
     let crc = mavlink::calculate_crc(&signed[9..crc_at], 93).to_le_bytes();
@@ -325,14 +325,16 @@ fn garbage_damage_and_a_cut_end_are_counted_and_cost_nothing_else() {
 #[test]
 fn recorders_times_that_go_back_and_a_restarted_sender_are_said() {
     let mut log = seconds(3);
-    log.extend(v2(AHEAD_US, PYLON, &value(8_000, "tas", 30.0)));
+    // A frame that came 0.3 s late is one; its own time is in order.
+    log.extend(v2(AHEAD_US + 7_400_000, PYLON, &value(7_200, "tas", 30.0)));
+    log.extend(v2(AHEAD_US + 7_100_000, PYLON, &value(7_080, "tas", 31.0)));
     let (flight, notes) = import(&log);
     assert!(
         notes.iter().any(|note| note.contains("before the one before") && note.ends_with(": 1")),
         "{notes:?}"
     );
-    // The sender's own time counts, unless it is far from the receiver's clock.
     assert!(flight.time_s.is_sorted());
+    assert_eq!(samples(&flight, Channel::TasMps), [(2.08, 31.0), (2.2, 30.0)]);
 
     let mut log = Vec::new();
     for k in 0..20_u64 {
@@ -382,11 +384,77 @@ fn launch_is_by_the_heartbeat_where_no_value_says_it() {
         })
     };
     let mut log = seconds(4);
-    log.extend(v2(AHEAD_US + 6_020_000, PYLON, &mode(1)));
-    log.extend(v2(AHEAD_US + 7_020_000, PYLON, &mode(2)));
+    log.extend(v2(AHEAD_US + 8_520_000, PYLON, &mode(1)));
     // The same of an autopilot is a mode of its own.
-    log.extend(v2(AHEAD_US + 6_520_000, (1, 1), &mode(2)));
+    log.extend(v2(AHEAD_US + 9_020_000, (1, 1), &mode(2)));
+    log.extend(v2(AHEAD_US + 9_520_000, PYLON, &mode(2)));
     let (flight, notes) = import(&log);
-    assert_eq!(samples(&flight, Channel::Launch), [(1.0, 0.0), (2.0, 1.0)]);
+    assert_eq!(samples(&flight, Channel::Launch), [(3.5, 0.0), (4.5, 1.0)]);
     assert!(notes.iter().any(|note| note.contains("up to a second late")), "{notes:?}");
+}
+
+/// A fix, a pressure and a value without a time of its own, a second; and where each frame begins.
+fn with_hud(count: u64) -> (Vec<u8>, Vec<usize>) {
+    let (mut log, mut places) = (Vec::new(), Vec::new());
+    for k in 0..count {
+        let at_us = 5_000_000 + k * 1_000_000;
+        let hud = MavMessage::VFR_HUD(VFR_HUD_DATA { throttle: k as u16, ..VFR_HUD_DATA::default() });
+        for (late_us, message) in
+            [(20_000, fix(at_us, 1_000_000)), (21_000, pressure(at_us, 900.0)), (520_000, hud)]
+        {
+            places.push(log.len());
+            log.extend(v2(AHEAD_US + at_us + late_us, PYLON, &message));
+        }
+    }
+    (log, places)
+}
+
+#[test]
+fn a_flipped_bit_of_a_receivers_time_moves_nothing_but_its_own_frame() {
+    let (log, places) = with_hud(40);
+    let clean = import(&log).0;
+    let all = samples(&clean, Channel::Throttle);
+    for (frame, place) in places.iter().enumerate() {
+        for bit in 0..64 {
+            let mut log = log.clone();
+            log[place + 7 - bit / 8] ^= 1 << (bit % 8);
+            let (flight, notes) = import(&log);
+            let what = format!("bit {bit} of frame {frame}: {notes:?}");
+            let (first, last) = (flight.time_s[0], flight.time_s[flight.rows() - 1]);
+            assert!(first == 0.0 && last <= clean.time_s[clean.rows() - 1] + 5.0, "{what}");
+            // The others keep their distances from each other.
+            let own = (frame % 3 == 2).then_some((frame / 3) as f32 / 100.0);
+            let others = |samples: &[(f64, f32)]| -> Vec<(f64, f32)> {
+                samples.iter().copied().filter(|(_, value)| Some(*value) != own).collect()
+            };
+            let (found, expected) = (others(&samples(&flight, Channel::Throttle)), others(&all));
+            assert_eq!(found.len(), expected.len(), "{what}");
+            let shift = found[0].0 - expected[0].0;
+            assert!(
+                found.iter().zip(&expected).all(|(one, other)| (one.0 - other.0 - shift).abs() < 1e-6),
+                "{what}"
+            );
+            // A frame at an end may be the first row, some seconds off.
+            assert!(shift.abs() <= 5.0 && (shift == 0.0 || !(6..114).contains(&frame)), "{shift} {what}");
+        }
+    }
+}
+
+#[test]
+fn a_wrong_receivers_time_is_said_in_words() {
+    let (log, places) = with_hud(40);
+    let with = |frame: usize, stamp: u64| {
+        let mut log = log.clone();
+        log[places[frame]..places[frame] + 8].copy_from_slice(&stamp.to_be_bytes());
+        import(&log).1
+    };
+    // 2283 years of 365.2425 days after 1970, and half of one.
+    let notes = with(60, (2_283 * 31_556_952 + 15_000_000) * 1_000_000);
+    assert!(
+        notes.iter().any(|note| note == "frame 61: the receiver's time is in the year 4253; frame left out"),
+        "{notes:?}"
+    );
+    let notes = with(62, AHEAD_US + 25_520_000 - 24_000_000);
+    let words = "frame 63: the receiver's time is 24.5 s before that of the frames around it; frame left out";
+    assert!(notes.iter().any(|note| note == words), "{notes:?}");
 }

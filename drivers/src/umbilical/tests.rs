@@ -1,0 +1,162 @@
+//! Whatever bytes come on the line.
+
+use core::convert::Infallible;
+
+use embedded_io::ErrorType;
+
+use super::*;
+
+/// A frame's longest, and shortest: a payload of one byte.
+const LONGEST: usize = 44;
+const SHORTEST: usize = 13;
+
+/// A line that is never idle: as many bytes as are asked for.
+struct Noise {
+    state: u32,
+    /// Bytes that are next, whatever the noise would be.
+    planned: Vec<u8>,
+    /// What was given last.
+    given: Vec<u8>,
+}
+
+impl Noise {
+    fn next(&mut self) -> u32 {
+        self.state = self.state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        self.state >> 8
+    }
+
+    /// Bytes of all kinds: random ones, starts of frames, headers that fit, whole frames and frames with a flipped bit.
+    fn plan(&mut self) {
+        let kind = self.next() % 16;
+        let bytes = match kind {
+            0..8 => vec![(self.next() >> 8) as u8],
+            8..11 => vec![0xFD; 1 + self.next() as usize % 50],
+            11 => vec![0xFD, (self.next() % 40) as u8, 0, 0, 7, 1, 1, 141, 0, 0],
+            _ => {
+                let sender = [(1, 1), (2, 1), (1, 2)][self.next() as usize % 3];
+                let altitude_m = f32::from_bits(self.next() << 8 | self.next() & 0xff);
+                let mut frame = frame(sender, altitude_m, self.next() as u8);
+                if kind == 15 {
+                    let place = self.next() as usize % frame.len();
+                    frame[place] ^= 1 << (self.next() % 8);
+                } else if kind == 14 {
+                    frame.truncate(self.next() as usize % frame.len());
+                }
+                frame
+            }
+        };
+        self.planned = bytes.into_iter().rev().collect();
+    }
+}
+
+impl ErrorType for Noise {
+    type Error = Infallible;
+}
+
+impl ReadReady for Noise {
+    fn read_ready(&mut self) -> Result<bool, Infallible> {
+        Ok(true)
+    }
+}
+
+impl Read for Noise {
+    fn read(&mut self, buffer: &mut [u8]) -> Result<usize, Infallible> {
+        for slot in &mut *buffer {
+            while self.planned.is_empty() {
+                self.plan();
+            }
+            *slot = self.planned.pop().unwrap_or_default();
+            self.given.push(*slot);
+        }
+        Ok(buffer.len())
+    }
+}
+
+/// MAVLink's checksum, a bit at a time.
+fn checksum(bytes: &[u8]) -> u16 {
+    bytes.iter().fold(0xFFFF, |sum, byte| {
+        (0..8).fold(sum ^ u16::from(*byte), |sum, _| (sum >> 1) ^ if sum & 1 == 0 { 0 } else { 0x8408 })
+    })
+}
+
+fn frame((system, component): (u8, u8), altitude_m: f32, sequence: u8) -> Vec<u8> {
+    let mut payload = [0; 32];
+    payload[12..16].copy_from_slice(&altitude_m.to_le_bytes());
+    let mut bytes = vec![0xFD, 32, 0, 0, sequence, system, component, 141, 0, 0];
+    bytes.extend(payload);
+    let checked: Vec<u8> = bytes[1..].iter().copied().chain([47]).collect();
+    bytes.extend(checksum(&checked).to_le_bytes());
+    bytes
+}
+
+/// Whether these bytes hold a whole frame of that sender with that altitude.
+fn holds(bytes: &[u8], sender: Sender, altitude_m: f32) -> bool {
+    bytes.windows(SHORTEST).enumerate().any(|(start, head)| {
+        let length = usize::from(head[1]);
+        let end = start + 10 + length;
+        let is_altitude = head[0] == 0xFD && head[7..10] == [141, 0, 0] && head[2] & !1 == 0;
+        if !is_altitude || [head[5], head[6]] != [sender.system, sender.component] || end + 2 > bytes.len() {
+            return false;
+        }
+        let checked: Vec<u8> = bytes[start + 1..end].iter().copied().chain([47]).collect();
+        let mut payload = bytes[start + 10..end].to_vec();
+        payload.resize(32, 0);
+        checksum(&checked).to_le_bytes() == bytes[end..end + 2] && payload[12..16] == altitude_m.to_le_bytes()
+    })
+}
+
+/// Ten million bytes: every altitude that is accepted is in a frame of the mother ship's whose checksum is right, and no poll
+/// does more than its share.
+#[test]
+fn ten_million_bytes_of_anything() {
+    let noise = Noise { state: 20_261_122, planned: Vec::new(), given: Vec::new() };
+    let mut driver = Umbilical::new(noise, Sender::FIRST_AUTOPILOT);
+    let (mut accepted, mut refused) = (0_u32, 0_u32);
+    for tick in 0..10_000_000 / MAX_POLL_BYTES as u64 {
+        let before = driver.link_counts();
+        let polled = driver.poll(tick * 5_000);
+        let counts = driver.link_counts();
+        assert!(counts.bytes - before.bytes <= MAX_POLL_BYTES as u32);
+        // Every attempt at a frame begins with a header that fits.
+        let checked = counts.frames + counts.strangers + counts.bad_frames
+            - before.frames
+            - before.strangers
+            - before.bad_frames;
+        assert!(checked as usize <= (MAX_POLL_BYTES + LONGEST) / 10, "{checked}");
+        match polled {
+            Ok(Some(altitude_m)) => {
+                accepted += 1;
+                assert!(ALTITUDES_M.contains(&altitude_m));
+                assert!(holds(&driver.port_mut().given, Sender::FIRST_AUTOPILOT, altitude_m), "{altitude_m}");
+            }
+            Err(SensorError::OutOfRange) => refused += 1,
+            Ok(None) | Err(_) => {}
+        }
+        let given = &mut driver.port_mut().given;
+        given.drain(..given.len().saturating_sub(LONGEST + MAX_POLL_BYTES));
+    }
+    let counts = driver.link_counts();
+    assert!(accepted > 1_000 && refused > 1_000, "{accepted} {refused}");
+    assert!(counts.strangers > 10_000 && counts.bad_frames > 10_000, "{counts:?}");
+}
+
+/// A stranger's altitude is no message of the mother ship's, and neither is one that no mother ship can have.
+#[test]
+fn only_the_mother_ships_plausible_altitudes_count() {
+    let only = |bytes: Vec<u8>| {
+        // A line that ends is noise that is no frame.
+        let planned = bytes.into_iter().chain([0; MAX_POLL_BYTES]).rev().collect();
+        let mut driver =
+            Umbilical::new(Noise { state: 1, planned, given: Vec::new() }, Sender::FIRST_AUTOPILOT);
+        (driver.poll(0), driver.link_counts())
+    };
+    assert_eq!(only(frame((1, 1), 2_000.0, 0)).0, Ok(Some(2_000.0)));
+    for sender in [(2, 1), (1, 2), (0, 0), (255, 190)] {
+        let (polled, counts) = only(frame(sender, 2_000.0, 0));
+        assert_eq!((polled, counts.strangers, counts.frames), (Ok(None), 1, 0));
+    }
+    for altitude_m in [f32::NAN, f32::INFINITY, 1e38, -1e38, 60_001.0, -1_001.0] {
+        let (polled, counts) = only(frame((1, 1), altitude_m, 0));
+        assert_eq!((polled, counts.absurd), (Err(SensorError::OutOfRange), 1), "{altitude_m}");
+    }
+}

@@ -1,0 +1,105 @@
+//! A flight computer that a test interrupts.
+
+use drivers::Sensors;
+use survival::{MarkWriter, PAYLOAD_BYTES, RestartReport, Start, WordMemory};
+
+use crate::computer::{FlightComputer, Step};
+use crate::estimation::Retainable;
+use crate::onboard::Onboard;
+use crate::restart::{ResetFacts, assess_restart, resume_mission};
+use crate::retention::{SnapshotKeeper, keep_mark};
+
+/// One run of a flight computer, from a reset to the next, with everything that an image does between the two to what a reset
+/// leaves alone: the start, each tick's mark, and the snapshots of the task below the tick.
+///
+/// To interrupt it, drop it. To interrupt it while it writes, call [`survival::RetainedImage::cut_after`] before
+/// [`Self::tick`] or [`Self::start`]; what came after the cut is in the dropped run only.
+///
+/// ```ignore
+/// let mut memory = RetainedImage::default();
+/// let facts = ResetFacts::host(ResetSource::Supply, Some(false));
+/// let mut run = Interruptible::start(sensors, mission(), onboard(), &mut memory, model, facts)?;
+/// for tick in 1..=100 {
+///     run.tick(&mut memory, tick * 5_000);
+/// }
+/// memory.cut_after(2); // the supply dips in the next tick, after two words of its mark
+/// run.tick(&mut memory, 505_000);
+/// memory.restore_supply();
+/// let facts = ResetFacts::host(ResetSource::Supply, Some(true)); // the wire is open
+/// let run = Interruptible::start(sensors, mission(), onboard(), &mut memory, model, facts)?;
+/// let first_us = run.report().map_or(0, |report| report.resumed_us);
+/// ```
+/// `host-tests/tests/interrupted_runs.rs` runs it.
+#[derive(Clone, Debug)]
+pub struct Interruptible<Suite, Mission> {
+    /// The chain of a tick.
+    pub computer: FlightComputer<Suite, Mission>,
+    marks: MarkWriter,
+    keeper: SnapshotKeeper,
+    report: Option<RestartReport>,
+}
+
+impl<Suite: Sensors, Mission: Retainable> Interruptible<Suite, Mission> {
+    /// Starts with what is kept in `memory`; the clock goes on at the report's `resumed_us`, or at 0. `onboard` is `None` for a
+    /// recording's sensors.
+    ///
+    /// # Errors
+    /// The report, if there is no mission any more ([`Start::Standby`]: only with a guard taken out).
+    pub fn start(
+        sensors: Suite,
+        mut mission: Mission,
+        onboard: Option<Onboard>,
+        memory: &mut impl WordMemory,
+        model: u64,
+        facts: ResetFacts,
+    ) -> Result<Self, RestartReport> {
+        let mut buffer = [0; PAYLOAD_BYTES];
+        let mut assessment = assess_restart(memory, model, &facts, &mut buffer);
+        if let Some(report) = assessment.report.filter(|report| report.start == Start::Standby) {
+            return Err(report);
+        }
+        let inertial = resume_mission(&mut mission, memory, model, &mut assessment, &mut buffer);
+        let report = assessment.report;
+        let onboard = onboard.map(|onboard| onboard.after(report.as_ref(), inertial.as_ref()));
+        Ok(Self {
+            computer: FlightComputer { sensors, mission, onboard },
+            marks: MarkWriter::find(memory),
+            keeper: SnapshotKeeper::new(assessment.order, model),
+            report,
+        })
+    }
+
+    /// How it has started; `None` where nothing was found.
+    #[must_use]
+    pub const fn report(&self) -> Option<&RestartReport> {
+        self.report.as_ref()
+    }
+
+    /// Snapshots that could not be kept.
+    #[must_use]
+    pub const fn lost_snapshots(&self) -> u32 {
+        self.keeper.lost()
+    }
+
+    /// A tick, and the task below it.
+    pub fn tick(&mut self, memory: &mut impl WordMemory, now_us: u64) -> Step {
+        let step = self.tick_only(memory, now_us);
+        self.keep_snapshot(memory);
+        step
+    }
+
+    /// A tick, with a reset before the task below it has run. The board's free-running timer counts microseconds of the
+    /// mission.
+    pub fn tick_only(&mut self, memory: &mut impl WordMemory, now_us: u64) -> Step {
+        let step = self.computer.tick(now_us);
+        keep_mark(&mut self.marks, memory, &self.computer.mission, &step, now_us as u32);
+        step
+    }
+
+    /// The task below the tick: a snapshot, if it is time for one.
+    pub fn keep_snapshot(&mut self, memory: &mut impl WordMemory) {
+        if let Some(due) = self.keeper.due(&self.computer.mission, self.computer.onboard.as_ref()) {
+            self.keeper.keep(memory, &due, &mut [0; PAYLOAD_BYTES]);
+        }
+    }
+}

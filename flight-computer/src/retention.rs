@@ -1,0 +1,147 @@
+//! What is kept of a mission while it flies, for a restart to go on from.
+
+use kf_core::navigation::KeptInertial;
+use kf_core::snapshot::{MissionMark, MissionSnapshot, RaisedFlags, SnapshotError, Stage};
+use survival::{Flight, MarkWriter, PAYLOAD_BYTES, SlotOrder, TickMark, WordMemory};
+
+use crate::computer::Step;
+use crate::estimation::Retainable;
+use crate::onboard::Onboard;
+
+/// A snapshot is kept this often, microseconds of the mission, and whenever its mark has changed: a launch is suspected or
+/// decided, or a flag has been raised.
+const EVERY_US: u64 = 100_000;
+
+/// Keeps the mark of a tick, at its end; `count` is the board's free-running timer.
+#[inline]
+pub fn keep_mark(
+    writer: &mut MarkWriter,
+    memory: &mut impl WordMemory,
+    mission: &impl Retainable,
+    step: &Step,
+    count: u32,
+) {
+    if !step.output.out_of_order {
+        writer.keep(memory, &tick_mark(step.input.time_us, count, &mission.mark()));
+    }
+}
+
+/// A mission's mark as it is kept.
+#[inline]
+const fn tick_mark(time_us: u64, count: u32, mark: &MissionMark) -> TickMark {
+    TickMark {
+        time_us,
+        count,
+        flags: mark.flags.bits(),
+        failed_checks: mark.failed_checks,
+        suspicions: mark.suspicions,
+        flight: match mark.stage {
+            Stage::Captive => Flight::Captive,
+            Stage::Suspected => Flight::Suspected,
+            Stage::Launched => Flight::Free,
+        },
+    }
+}
+
+/// What a kept mark says of the mission.
+#[must_use]
+pub const fn mission_mark(mark: &TickMark) -> MissionMark {
+    MissionMark {
+        stage: match mark.flight {
+            Flight::Captive => Stage::Captive,
+            Flight::Suspected => Stage::Suspected,
+            Flight::Free => Stage::Launched,
+        },
+        flags: RaisedFlags::from_bits(mark.flags),
+        failed_checks: mark.failed_checks,
+        suspicions: mark.suspicions,
+    }
+}
+
+/// What one snapshot holds: the mission, the inertial altitude that it flies with, and the mark of the same tick.
+#[derive(Clone, Debug)]
+pub struct Snapshot {
+    mark: MissionMark,
+    inertial: Option<KeptInertial>,
+    mission: MissionSnapshot,
+}
+
+impl Snapshot {
+    /// Writes the inertial altitude, then the mission, and returns how many bytes they take. Where both do not fit (a mission of eight
+    /// effects with windows of a minute takes all there is), the mission is kept alone.
+    #[inline(never)]
+    fn to_bytes(&self, buffer: &mut [u8; PAYLOAD_BYTES]) -> Result<usize, SnapshotError> {
+        let written = self.write(self.inertial.as_ref(), buffer);
+        if self.inertial.is_some() && written.is_err() { self.write(None, buffer) } else { written }
+    }
+
+    fn write(
+        &self,
+        inertial: Option<&KeptInertial>,
+        buffer: &mut [u8; PAYLOAD_BYTES],
+    ) -> Result<usize, SnapshotError> {
+        let inertial = postcard::to_slice(&inertial, buffer).map_err(|_| SnapshotError::BufferTooShort)?;
+        let length = inertial.len();
+        let rest = buffer.get_mut(length..).ok_or(SnapshotError::BufferTooShort)?;
+        Ok(length + self.mission.to_bytes(rest)?)
+    }
+}
+
+/// Takes the inertial altitude off a snapshot's bytes; the mission's follow.
+#[inline(never)]
+pub(crate) fn split_snapshot(bytes: &[u8]) -> Result<(Option<KeptInertial>, &[u8]), SnapshotError> {
+    postcard::take_from_bytes(bytes).map_err(|_| SnapshotError::Format)
+}
+
+/// Keeps snapshots of a mission, below the tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SnapshotKeeper {
+    order: SlotOrder,
+    model: u64,
+    last: Option<(u64, MissionMark)>,
+    lost: u32,
+}
+
+impl SnapshotKeeper {
+    /// None has been kept since the start.
+    #[must_use]
+    pub const fn new(order: SlotOrder, model: u64) -> Self {
+        Self { order, model, last: None, lost: 0 }
+    }
+
+    /// The snapshot, if it is time for one. Under the pylon there is none to keep.
+    pub fn due(&self, mission: &impl Retainable, onboard: Option<&Onboard>) -> Option<Snapshot> {
+        let mark = mission.mark();
+        if mark.stage == Stage::Captive {
+            return None;
+        }
+        let is_due = self.last.is_none_or(|(last_us, last)| {
+            mark != last || mission.last_us().saturating_sub(last_us) >= EVERY_US
+        });
+        if !is_due {
+            return None;
+        }
+        let inertial = onboard.and_then(Onboard::kept);
+        mission.snapshot().map(|mission| Snapshot { mark, inertial, mission })
+    }
+
+    /// Keeps it; `buffer` is ordinary memory.
+    pub fn keep(
+        &mut self,
+        memory: &mut impl WordMemory,
+        snapshot: &Snapshot,
+        buffer: &mut [u8; PAYLOAD_BYTES],
+    ) {
+        self.last = Some((snapshot.mission.time_us(), snapshot.mark));
+        let bytes = snapshot.to_bytes(buffer).ok().and_then(|length| buffer.get(..length));
+        if bytes.is_none_or(|bytes| self.order.keep(memory, self.model, bytes).is_err()) {
+            self.lost = self.lost.saturating_add(1);
+        }
+    }
+
+    /// How many could not be kept.
+    #[must_use]
+    pub const fn lost(&self) -> u32 {
+        self.lost
+    }
+}

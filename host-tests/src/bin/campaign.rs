@@ -1,0 +1,182 @@
+//! A campaign of faults on the whole chain: `cargo xtask campaign`.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::Context as _;
+use clap::Parser;
+use host_tests::campaign::fly;
+use host_tests::campaign::judge::{Verdict, Violation, judge};
+use host_tests::campaign::known::Known;
+use host_tests::campaign::matrix::Matrix;
+use host_tests::campaign::mutants::{Outcome, without};
+use host_tests::campaign::run::{Case, config};
+use indicatif::{ProgressBar, ProgressStyle};
+use kf_core::guard::Guard;
+
+/// The page that `--write` writes the tables into.
+const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/fault-campaign.md");
+/// They lie between these lines of it.
+const BEGIN: &str = "<!-- tables: written by `cargo xtask campaign --write` -->";
+const END: &str = "<!-- end of the tables -->";
+/// So many guards must be missed when they are taken out.
+const MUTANTS: usize = 10;
+
+/// Fly random flights with random faults, and hold each against the same flight without them.
+#[derive(Debug, Parser)]
+#[command(name = "campaign", bin_name = "cargo xtask campaign")]
+struct Arguments {
+    /// How many runs.
+    #[arg(default_value_t = 1_000)]
+    runs: u64,
+    /// The campaign's seed.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Fly this run alone, and print what was drawn and what came of it.
+    #[arg(long)]
+    run: Option<u64>,
+    /// Take out each guard in turn, and fail unless the campaign reports it.
+    #[arg(long)]
+    mutants: bool,
+    /// Write the tables into docs/fault-campaign.md.
+    #[arg(long)]
+    write: bool,
+    /// Fail for what this list does not name, and for what it names and does not happen any more, instead of for any violation.
+    #[arg(long, value_name = "FILE")]
+    known: Option<PathBuf>,
+    /// Write the list anew from this campaign.
+    #[arg(long, requires = "known")]
+    accept: bool,
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    // A panic is a finding, and is told with the others.
+    std::panic::set_hook(Box::new(|_| ()));
+    let outcome = match arguments.run {
+        Some(index) => detail(arguments.seed, index),
+        None => campaign(&arguments),
+    };
+    match outcome {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn bar(length: u64, message: String) -> anyhow::Result<ProgressBar> {
+    let style = ProgressStyle::with_template("{msg} {wide_bar} {pos} of {len}, {eta} left")?;
+    Ok(ProgressBar::new(length).with_message(message).with_style(style))
+}
+
+fn campaign(arguments: &Arguments) -> anyhow::Result<bool> {
+    let progress = bar(arguments.runs, "runs".to_owned())?;
+    let cases: Vec<Case> =
+        (0..arguments.runs).map(|index| Case::draw(arguments.seed, index, false)).collect();
+    let verdicts = fly(arguments.seed, &cases, &|| progress.inc(1))?;
+    progress.finish_and_clear();
+    let mut matrix = Matrix::default();
+    let mut violations = Vec::new();
+    for (case, verdict) in cases.iter().zip(&verdicts) {
+        matrix.take(case, verdict);
+        violations.extend(lines(arguments.seed, case, verdict));
+    }
+    violations.sort();
+    violations.iter().for_each(|line| println!("{line}"));
+    let tables = format!("{}\n{}", matrix.table(), matrix.summary());
+    println!("{tables}");
+    if arguments.write {
+        write(arguments, &tables, &violations)?;
+    }
+    let caught = if arguments.mutants { Some(mutants(arguments.seed, &cases, &verdicts)?) } else { None };
+    let Some(file) = &arguments.known else {
+        return Ok(matrix.violated() == 0 && caught.is_none_or(|caught| caught.len() >= MUTANTS));
+    };
+    let found = Known::found(arguments.seed, &cases, &verdicts, caught.as_deref());
+    if arguments.accept {
+        found.save(file)?;
+    }
+    let changes = found.changes_from(&Known::load(file)?);
+    for change in &changes {
+        println!("not as in {}: {change}", file.display());
+    }
+    println!(
+        "{} of {} runs break an invariant, all known; {} of {} guards are missed when they are taken out",
+        matrix.violated(),
+        cases.len(),
+        caught.map_or(0, |caught| caught.len()),
+        Guard::ALL.len()
+    );
+    Ok(changes.is_empty())
+}
+
+/// One line a violation.
+fn lines(seed: u64, case: &Case, verdict: &Verdict) -> Vec<String> {
+    let names: Vec<_> =
+        case.faults.iter().map(|fault| format!("{} ({})", fault.name, fault.phase.name())).collect();
+    let line = |violation: &Violation| {
+        format!(
+            "{}: {}: {}: `cargo xtask campaign --run {} --seed {seed}`",
+            violation.invariant.name(),
+            names.join(" and "),
+            violation.what,
+            case.index
+        )
+    };
+    verdict.violations.iter().map(line).collect()
+}
+
+/// The guards that are missed when they are taken out.
+fn mutants(seed: u64, cases: &[Case], verdicts: &[Verdict]) -> anyhow::Result<Vec<Guard>> {
+    let mut missed = Vec::new();
+    println!("| guard taken out | runs | of these report it | first |\n|---|---|---|---|");
+    for guard in Guard::ALL {
+        let progress = bar(0, format!("without {guard:?}"))?;
+        let Outcome { runs, reports, .. } = without(guard, seed, cases, verdicts, &|| progress.inc(1))?;
+        progress.finish_and_clear();
+        if !reports.is_empty() {
+            missed.push(guard);
+        }
+        let first = reports.first().map_or_else(
+            || "-".to_owned(),
+            |(index, invariant)| format!("run {index}: {}", invariant.name()),
+        );
+        println!("| {guard:?} | {runs} | {} | {first} |", reports.len());
+    }
+    println!("\n{} of {} guards are missed when they are taken out", missed.len(), Guard::ALL.len());
+    Ok(missed)
+}
+
+fn write(arguments: &Arguments, tables: &str, violations: &[String]) -> anyhow::Result<()> {
+    let page = std::fs::read_to_string(Path::new(PAGE)).with_context(|| PAGE)?;
+    let (before, rest) = page.split_once(BEGIN).with_context(|| format!("{PAGE} has no line `{BEGIN}`"))?;
+    let (_, after) = rest.split_once(END).with_context(|| format!("{PAGE} has no line `{END}`"))?;
+    let violations = match violations {
+        [] => "No invariant was broken.".to_owned(),
+        violations => violations.iter().map(|line| format!("- {line}")).collect::<Vec<_>>().join("\n"),
+    };
+    let command = format!("`cargo xtask campaign {} --seed {}`", arguments.runs, arguments.seed);
+    let text = format!("{before}{BEGIN}\n\n{command}\n\n{tables}\n{violations}\n\n{END}{after}");
+    std::fs::write(Path::new(PAGE), text).with_context(|| PAGE)
+}
+
+fn detail(seed: u64, index: u64) -> anyhow::Result<bool> {
+    let case = Case::draw(seed, index, false);
+    println!("{case:#?}");
+    let flown = case.fly(seed, &config()?)?;
+    let verdict = judge(&case, &flown);
+    for (name, flight) in [("clean", &flown.clean), ("faulty", &flown.faulty)] {
+        println!(
+            "{name}: edge {:?}, launched {:?}, flagged {:?}, operations {}, step {:?}",
+            flight.first_edge, flight.launched, flight.flagged, flight.most_operations, flight.step_m
+        );
+        println!("{name}: restarts {:#?}", flight.restarts);
+        let latch = flight.latch.as_ref().map(|latch| (latch.time_us, latch.failed_checks, latch.sensors));
+        println!("{name}: latch {latch:#?}");
+    }
+    println!("{verdict:#?}");
+    Ok(verdict.violations.is_empty())
+}

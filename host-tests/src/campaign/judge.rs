@@ -1,0 +1,500 @@
+//! What a run must keep, and what its faults have cost.
+
+use std::fmt;
+
+use kf_core::output::Trust;
+use kf_core::sensor::Sensor;
+use survival::Start;
+
+use super::fault::{Drawn, Place};
+use super::run::{Case, Flown};
+use super::watch::{REFERENCE, Watched};
+
+/// A latched bias may be so many of its own sigmas from the clean run's.
+const BIAS_SIGMAS: f32 = 4.0;
+/// A bound may differ from the clean run's by this factor.
+const BOUND_FACTOR: f32 = 1.3;
+/// A failure may be flagged so many times later than in the clean run.
+const DELAY_FACTOR: f32 = 1.5;
+/// What a transient may cost beyond its own length, ticks: half a second.
+const GRACE_TICKS: usize = 100;
+/// Most operations on ports that a tick may take. A clean flight's worst tick takes 14; the budget of instructions, which the
+/// QEMU sample is held to, is for all of them.
+const MOST_OPERATIONS: u32 = 40;
+/// A sensor is called untrustworthy rightly if its true error is beyond this share of the bound: the reference, which the bound
+/// allows for, has an error of its own.
+const RIGHTLY: f32 = 0.6;
+
+/// What a run must keep.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Invariant {
+    /// No launch without separation.
+    Launch,
+    /// A latch called good has each bias within 4 of its own sigmas of the clean run's.
+    Bias,
+    /// The monitor's bound is within 1.3 of the clean run's, or the calibration is called degraded.
+    Bound,
+    /// A failure after launch is flagged within 1.5 times the clean delay, or the sensor was said not to be monitored.
+    Detection,
+    /// A healthy sensor is not called untrustworthy by somebody else's fault.
+    Blame,
+    /// A transient costs a sensor at most its length and half a second.
+    Transient,
+    /// A transient costs no sensor the rest of the flight.
+    Permanent,
+    /// No panic.
+    Panic,
+    /// No late tick: its work is bounded.
+    Work,
+    /// No restart that is not told.
+    Told,
+    /// No number is published that is none.
+    Finite,
+    /// The latch never changes.
+    Latch,
+}
+
+impl Invariant {
+    /// Every one.
+    pub const ALL: [Self; 12] = [
+        Self::Launch,
+        Self::Bias,
+        Self::Bound,
+        Self::Detection,
+        Self::Blame,
+        Self::Transient,
+        Self::Permanent,
+        Self::Panic,
+        Self::Work,
+        Self::Told,
+        Self::Finite,
+        Self::Latch,
+    ];
+
+    /// For tables.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Launch => "false launch",
+            Self::Bias => "wrong bias called good",
+            Self::Bound => "wrong bound called good",
+            Self::Detection => "failure not flagged in time",
+            Self::Blame => "healthy sensor called untrustworthy",
+            Self::Transient => "transient costs too much",
+            Self::Permanent => "transient costs the sensor",
+            Self::Panic => "panic",
+            Self::Work => "tick with too much work",
+            Self::Told => "restart not told",
+            Self::Finite => "not finite",
+            Self::Latch => "latch changed",
+        }
+    }
+}
+
+/// A broken invariant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Violation {
+    /// Which.
+    pub invariant: Invariant,
+    /// What happened.
+    pub what: String,
+}
+
+/// The worst that a run came to, from harmless to grave.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub enum Consequence {
+    /// Nothing that is seen.
+    None,
+    /// The calibration is called degraded.
+    Degraded,
+    /// A sensor, or the reference, brought nothing for so many seconds longer than in the clean run.
+    Silent(f32),
+    /// A sensor is said not to be monitored for so many seconds longer.
+    Unmonitored(f32),
+    /// A sensor that is wrong is called so.
+    Flagged,
+    /// The launch is confirmed so many seconds later.
+    LateLaunch(f32),
+    /// The launch is not seen.
+    NoLaunch,
+    /// An invariant is broken.
+    Violation(Invariant),
+}
+
+impl fmt::Display for Consequence {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::None => formatter.write_str("none"),
+            Self::Degraded => formatter.write_str("degraded"),
+            Self::Silent(seconds) => write!(formatter, "silent {seconds:.1} s"),
+            Self::Unmonitored(seconds) => write!(formatter, "unmonitored {seconds:.0} s"),
+            Self::Flagged => formatter.write_str("flagged"),
+            Self::LateLaunch(seconds) => write!(formatter, "launch {seconds:.1} s late"),
+            Self::NoLaunch => formatter.write_str("launch not seen"),
+            Self::Violation(invariant) => write!(formatter, "**{}**", invariant.name()),
+        }
+    }
+}
+
+/// What a run came to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Verdict {
+    /// What is broken.
+    pub violations: Vec<Violation>,
+    /// The worst of it.
+    pub worst: Consequence,
+}
+
+/// Sensors that fly free.
+const FREE: [Sensor; 2] = [Sensor::ImuSlave, Sensor::Baro];
+
+/// Judges a run.
+#[must_use]
+pub fn judge(case: &Case, flown: &Flown) -> Verdict {
+    let mut judge = Judge { case, clean: &flown.clean, faulty: &flown.faulty, violations: Vec::new() };
+    judge.machine();
+    judge.launch();
+    judge.calibration();
+    judge.blame();
+    judge.detection();
+    judge.transients();
+    let worst = judge.worst();
+    Verdict { violations: judge.violations, worst }
+}
+
+struct Judge<'a> {
+    case: &'a Case,
+    clean: &'a Watched,
+    faulty: &'a Watched,
+    violations: Vec<Violation>,
+}
+
+fn seconds(ticks: usize) -> f32 {
+    ticks as f32 * 0.005
+}
+
+/// The sensor whose own measurement a fault spoils.
+fn is_own(fault: &Drawn, sensor: Sensor, has_unit: bool) -> bool {
+    match sensor {
+        Sensor::Baro => fault.place == Place::Baro,
+        Sensor::ImuSlave => fault.place == Place::Imu && !has_unit,
+        Sensor::ImuMaster => fault.place == Place::Master,
+    }
+}
+
+impl Judge<'_> {
+    fn broken(&mut self, invariant: Invariant, what: String) {
+        self.violations.push(Violation { invariant, what });
+    }
+
+    fn is_degraded(watched: &Watched) -> bool {
+        watched.latch.as_ref().is_some_and(|latch| latch.failed_checks != 0)
+    }
+
+    fn machine(&mut self) {
+        for (name, flight) in [("clean", self.clean), ("faulty", self.faulty)] {
+            if let Some(panic) = &flight.panic {
+                self.violations.push(Violation {
+                    invariant: Invariant::Panic,
+                    what: format!("{name} flight, tick {}: {panic}", flight.ticks.len()),
+                });
+            }
+            if let Some((tick, what)) = flight.not_finite {
+                self.violations.push(Violation {
+                    invariant: Invariant::Finite,
+                    what: format!("{name} flight, {:.3} s: {what}", seconds(tick)),
+                });
+            }
+            if flight.most_operations > MOST_OPERATIONS {
+                self.violations.push(Violation {
+                    invariant: Invariant::Work,
+                    what: format!("{name} flight: {} operations in a tick", flight.most_operations),
+                });
+            }
+            if flight.other_latches > 0 {
+                self.violations.push(Violation {
+                    invariant: Invariant::Latch,
+                    what: format!("{name} flight: {} times", flight.other_latches),
+                });
+            }
+        }
+        if self.faulty.standby_ticks > 0 {
+            self.violations.push(Violation {
+                invariant: Invariant::Permanent,
+                what: format!(
+                    "the flight computer stands by for {:.2} s",
+                    seconds(self.faulty.standby_ticks)
+                ),
+            });
+        }
+        for restart in self.faulty.restarts.iter().filter(|restart| !restart.is_told) {
+            self.violations.push(Violation {
+                invariant: Invariant::Told,
+                what: format!("at {:.3} s: {:?}", seconds(restart.tick), restart.report),
+            });
+        }
+    }
+
+    fn launch(&mut self) {
+        let separation = self.case.plan.separates.then(|| self.case.plan.separation());
+        for (name, flight) in [("clean", self.clean), ("faulty", self.faulty)] {
+            let Some(launched) = flight.launched else { continue };
+            if separation.is_none_or(|separation| launched < separation) {
+                let truth = separation.map_or_else(
+                    || "and there is no separation".to_owned(),
+                    |separation| format!("{:.3} s before separation", seconds(separation - launched)),
+                );
+                self.violations.push(Violation {
+                    invariant: Invariant::Launch,
+                    what: format!("{name} flight: launched at {:.3} s, {truth}", seconds(launched)),
+                });
+            }
+        }
+    }
+
+    fn calibration(&mut self) {
+        let (Some(clean), Some(faulty)) = (&self.clean.latch, &self.faulty.latch) else { return };
+        if faulty.failed_checks != 0 || self.has(Invariant::Launch) {
+            return;
+        }
+        for sensor in Sensor::ALL {
+            let (clean, faulty) = (&clean.sensors[sensor.index()], &faulty.sensors[sensor.index()]);
+            if clean.readings < 2 || faulty.readings < 2 {
+                continue;
+            }
+            let sigma_m = faulty.bias_variance_m2.max(0.0).sqrt();
+            let off_m = faulty.bias_m - clean.bias_m;
+            // NaN is wrong as well.
+            if off_m.is_nan() || off_m.abs() > BIAS_SIGMAS * sigma_m {
+                self.broken(
+                    Invariant::Bias,
+                    format!(
+                        "{}: {:.2} m, clean {:.2} m: {:.1} sigmas of {sigma_m:.2} m",
+                        sensor.name(),
+                        faulty.bias_m,
+                        clean.bias_m,
+                        off_m.abs() / sigma_m
+                    ),
+                );
+            }
+            if !sensor.flies_free() || clean.bound_m2 <= 0.0 || faulty.bound_m2 == 0.0 {
+                continue;
+            }
+            let factor = (faulty.bound_m2 / clean.bound_m2).sqrt();
+            if !(1.0 / BOUND_FACTOR..=BOUND_FACTOR).contains(&factor) {
+                self.broken(
+                    Invariant::Bound,
+                    format!(
+                        "{}: bound {:.2} m, clean {:.2} m",
+                        sensor.name(),
+                        faulty.bound_m(),
+                        clean.bound_m()
+                    ),
+                );
+            }
+        }
+    }
+
+    fn has(&self, invariant: Invariant) -> bool {
+        self.violations.iter().any(|violation| violation.invariant == invariant)
+    }
+
+    fn bound_m(&self, sensor: Sensor) -> f32 {
+        self.faulty.latch.as_ref().map_or(f32::INFINITY, |latch| latch.sensors[sensor.index()].bound_m())
+    }
+
+    /// Whether a sensor was called untrustworthy without being wrong.
+    fn wrongly(&self, sensor: Sensor) -> Option<usize> {
+        let flagged = self.faulty.flagged[sensor.index()]?;
+        if self.clean.flagged[sensor.index()].is_some() {
+            return None;
+        }
+        let fails = self.case.failure.filter(|failure| failure.sensor == sensor);
+        if fails.is_some_and(|failure| flagged.tick >= failure.tick) {
+            return None;
+        }
+        (flagged.true_error_m.abs() < RIGHTLY * self.bound_m(sensor)).then_some(flagged.tick)
+    }
+
+    fn blame(&mut self) {
+        if self.has(Invariant::Launch) {
+            return;
+        }
+        let has_unit = self.case.plan.own_unit.is_some();
+        for sensor in FREE {
+            let own = self.case.faults.iter().find(|fault| is_own(fault, sensor, has_unit));
+            let Some(tick) = self.wrongly(sensor) else { continue };
+            let error_m = self.faulty.flagged[sensor.index()].map_or(0.0, |flagged| flagged.true_error_m);
+            let what = format!(
+                "{} at {:.3} s, {error_m:.2} m off, bound {:.2} m",
+                sensor.name(),
+                seconds(tick),
+                self.bound_m(sensor)
+            );
+            match own {
+                None => self.broken(Invariant::Blame, what),
+                Some(fault) if fault.is_transient() => {
+                    self.broken(Invariant::Permanent, format!("flagged: {what}"))
+                }
+                Some(_) => {}
+            }
+        }
+    }
+
+    fn detection(&mut self) {
+        let Some(failure) = self.case.failure else { return };
+        if self.has(Invariant::Launch) {
+            return;
+        }
+        let (sensor, i) = (failure.sensor, failure.sensor.index());
+        let Some(clean) = self.clean.flagged[i].filter(|clean| clean.tick >= failure.tick) else { return };
+        let delay = clean.tick - failure.tick;
+        let latest = failure.tick + (delay as f32 * DELAY_FACTOR) as usize + GRACE_TICKS;
+        // What of the faults lies between is no time in which anybody could have seen it.
+        let blind: usize = self
+            .case
+            .faults
+            .iter()
+            .map(|fault| fault.to.min(latest).saturating_sub(fault.from.max(failure.tick)))
+            .sum();
+        let latest = latest + blind;
+        let flagged = self.faulty.flagged[i].map(|flagged| flagged.tick);
+        if latest >= self.faulty.ticks.len() || flagged.is_some_and(|tick| tick <= latest) {
+            return;
+        }
+        // Where nothing is promised, nothing is missed.
+        let is_promised =
+            |tick: usize| matches!(self.faulty.trust(sensor, tick), Some(Trust::Trusted | Trust::Doubtful));
+        let promised = (failure.tick..latest).filter(|tick| is_promised(*tick)).count();
+        if promised < delay || !is_promised(latest) || (Self::is_degraded(self.faulty) && flagged.is_some()) {
+            return;
+        }
+        let later = flagged.map_or_else(
+            || "never flagged".to_owned(),
+            |tick| format!("flagged after {:.2} s", seconds(tick - failure.tick)),
+        );
+        self.broken(
+            Invariant::Detection,
+            format!(
+                "{} {:?} at {:.3} s: {later}, clean after {:.2} s",
+                sensor.name(),
+                failure.kind,
+                seconds(failure.tick),
+                seconds(delay)
+            ),
+        );
+    }
+
+    /// When everything that goes wrong is over within a second: from when to when.
+    fn transient(&self) -> Option<(usize, usize)> {
+        let faults = &self.case.faults;
+        let is_brief = faults.iter().all(|fault| fault.is_transient() && fault.place != Place::Clock);
+        if !is_brief {
+            return None;
+        }
+        let (from, to) =
+            faults.iter().fold((usize::MAX, 0), |(from, to), fault| (from.min(fault.from), to.max(fault.to)));
+        (to <= from + 200 && to + 1_000 < self.faulty.ticks.len()).then_some((from, to))
+    }
+
+    fn transients(&mut self) {
+        let Some((from, to)) = self.transient() else { return };
+        if self.has(Invariant::Launch) {
+            return;
+        }
+        let end = self.faulty.ticks.len().min(self.clean.ticks.len());
+        let parted = if self.case.plan.separates { self.case.plan.separation() } else { end };
+        // What a restart under the pylon costs is a calibration, and that is told.
+        // At the first edge as well, until the task below that tick has kept a copy.
+        let begins_anew = |start: Start| matches!(start, Start::Captive | Start::Cold);
+        let restarts_captive = from <= self.clean.first_edge.unwrap_or(end) + 1
+            && self
+                .faulty
+                .restarts
+                .iter()
+                .any(|restart| restart.report.is_some_and(|report| begins_anew(report.start)));
+        for source in 0..=REFERENCE {
+            let until = if source == Sensor::ImuMaster.index() { parted } else { end };
+            if from >= until || restarts_captive {
+                continue;
+            }
+            let usual = self.clean.longest_gap(source, from, until);
+            let gap = self.faulty.longest_gap(source, from, until);
+            let name = Sensor::ALL.get(source).map_or("reference", |sensor| sensor.name());
+            let allowed = (to - from) + GRACE_TICKS + usual;
+            if gap > allowed {
+                let until_end = until.saturating_sub(to) <= gap + 400;
+                let invariant = if until_end { Invariant::Permanent } else { Invariant::Transient };
+                self.broken(
+                    invariant,
+                    format!(
+                        "{name} brings nothing for {:.2} s; the fault takes {:.2} s from {:.3} s on",
+                        seconds(gap),
+                        seconds(to - from),
+                        seconds(from)
+                    ),
+                );
+            }
+        }
+        for sensor in FREE {
+            let extra = self.faulty.unmonitored(sensor).saturating_sub(self.clean.unmonitored(sensor));
+            if extra > (to - from) + GRACE_TICKS && self.faulty.launched.is_some() && !restarts_captive {
+                let last = self.faulty.ticks.iter().rev().flatten().next();
+                let for_good = last.is_some_and(|seen| seen.trust[sensor.index()] == Trust::Unmonitored);
+                let invariant = if for_good { Invariant::Permanent } else { Invariant::Transient };
+                self.broken(
+                    invariant,
+                    format!("{} is not monitored for {:.2} s more", sensor.name(), seconds(extra)),
+                );
+            }
+        }
+    }
+
+    fn worst(&self) -> Consequence {
+        if let Some(violation) = self.violations.first() {
+            return Consequence::Violation(violation.invariant);
+        }
+        let late = match (self.clean.launched, self.faulty.launched) {
+            (Some(_), None) => return Consequence::NoLaunch,
+            (Some(clean), Some(faulty)) => faulty.saturating_sub(clean),
+            _ => 0,
+        };
+        if late > 40 {
+            return Consequence::LateLaunch(seconds(late));
+        }
+        if FREE.into_iter().any(|sensor| {
+            self.faulty.flagged[sensor.index()].is_some() && self.clean.flagged[sensor.index()].is_none()
+        }) {
+            return Consequence::Flagged;
+        }
+        let unmonitored = FREE
+            .into_iter()
+            .map(|sensor| self.faulty.unmonitored(sensor).saturating_sub(self.clean.unmonitored(sensor)))
+            .max()
+            .unwrap_or(0);
+        if unmonitored > 0 {
+            return Consequence::Unmonitored(seconds(unmonitored));
+        }
+        let from = self.case.faults.iter().map(|fault| fault.from).min().unwrap_or(0);
+        let end = self.faulty.ticks.len().min(self.clean.ticks.len());
+        let parted = if self.case.plan.separates { self.case.plan.separation() } else { end };
+        let silent = (0..=REFERENCE)
+            .map(|source| {
+                let until = if source == Sensor::ImuMaster.index() { parted } else { end };
+                if from >= until {
+                    return 0;
+                }
+                let usual = self.clean.longest_gap(source, from, until);
+                self.faulty.longest_gap(source, from, until).saturating_sub(usual)
+            })
+            .max()
+            .unwrap_or(0);
+        if silent > 10 {
+            return Consequence::Silent(seconds(silent));
+        }
+        if Self::is_degraded(self.faulty) && !Self::is_degraded(self.clean) {
+            return Consequence::Degraded;
+        }
+        Consequence::None
+    }
+}

@@ -1,0 +1,227 @@
+//! What a flight shows from outside: what the flight computer publishes at each tick, beside the truth.
+
+use flight_computer::Step;
+use kf_core::atmosphere::pressure_altitude_m;
+use kf_core::input::BaroReading;
+use kf_core::latch::LatchRecord;
+use kf_core::mission::Counters;
+use kf_core::output::{Phase, TickOutput, Trust};
+use kf_core::sensor::{SENSORS, Sensor};
+use survival::{RestartReport, Start};
+use telemetry::{ComputerStatus, FrameQueue, Link, Rates, Said, Telemetry};
+
+/// The reference's bit among those of [`Seen::fresh`], after the sensors'.
+pub const REFERENCE: usize = SENSORS;
+/// What a sensor's true error is smoothed over, seconds: the monitor's window.
+const SMOOTH_S: f32 = 2.0;
+/// Ticks after a restart within which it must be told: a second.
+const TELLING_TICKS: usize = 200;
+
+/// One tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Seen {
+    /// What each sensor is said to be worth.
+    pub trust: [Trust; SENSORS],
+    /// Which sensors, and then the reference, brought a reading that was used: one bit each.
+    pub fresh: u8,
+}
+
+/// A sensor that is called untrustworthy.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Flagged {
+    /// Since what tick.
+    pub tick: usize,
+    /// How far its calibrated reading really was off then, over the monitor's window, metres.
+    pub true_error_m: f32,
+}
+
+/// A start of the flight computer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Restarted {
+    /// At what tick.
+    pub tick: usize,
+    /// What it said of itself.
+    pub report: Option<RestartReport>,
+    /// Whether the telemetry said so.
+    pub is_told: bool,
+}
+
+/// What was seen of a flight.
+#[derive(Clone, Debug, Default)]
+pub struct Watched {
+    /// Every tick of the flight; `None`: the flight computer was not there.
+    pub ticks: Vec<Option<Seen>>,
+    /// At what tick the launch was confirmed.
+    pub launched: Option<usize>,
+    /// The first tick whose wire read open.
+    pub first_edge: Option<usize>,
+    /// The calibration.
+    pub latch: Option<LatchRecord>,
+    /// Calibrations that differ from the first.
+    pub other_latches: usize,
+    /// Sensors called untrustworthy.
+    pub flagged: [Option<Flagged>; SENSORS],
+    /// Each start after the first.
+    pub restarts: Vec<Restarted>,
+    /// A number that was published and is none.
+    pub not_finite: Option<(usize, &'static str)>,
+    /// Most operations on ports in a tick.
+    pub most_operations: u32,
+    /// It panicked, and said this.
+    pub panic: Option<String>,
+    /// Ticks in standby.
+    pub standby_ticks: usize,
+    /// Size of the step that was planted, metres.
+    pub step_m: Option<f32>,
+    smooth: [Option<(f32, usize)>; SENSORS],
+    telling: Option<(RestartReport, Vec<(Step, Counters)>)>,
+}
+
+impl Watched {
+    /// A tick without a mission.
+    pub fn take_nothing(&mut self, stands_by: bool) {
+        self.standby_ticks += usize::from(stands_by);
+        self.ticks.push(None);
+    }
+
+    /// A start.
+    pub fn take_restart(&mut self, report: Option<RestartReport>) {
+        self.end_telling();
+        let tick = self.ticks.len();
+        // Standby has a message of its own, once a second, which `telemetry`'s tests hold.
+        let is_told = report.is_some_and(|report| report.start == Start::Standby || report.pause_us > 0);
+        self.restarts.push(Restarted { tick, report, is_told });
+        self.telling = report.filter(|_| !is_told).map(|report| (report, Vec::new()));
+    }
+
+    /// A tick.
+    pub fn take(
+        &mut self,
+        step: &Step,
+        latch: Option<&LatchRecord>,
+        counters: &Counters,
+        altitude_m: f32,
+        operations: u32,
+    ) {
+        let tick = self.ticks.len();
+        let Step { input, output } = step;
+        if output.phase == Phase::FreeFlight && self.launched.is_none() {
+            self.launched = Some(tick);
+        }
+        match (&self.latch, latch) {
+            (None, Some(latch)) => self.latch = Some(latch.clone()),
+            (Some(known), Some(latch)) if output.latched_now && known != latch => self.other_latches += 1,
+            _ => {}
+        }
+        self.most_operations = self.most_operations.max(operations);
+        if self.not_finite.is_none() {
+            self.not_finite = not_finite(output).map(|what| (tick, what));
+        }
+        let baro_m = input.baro.and_then(|reading| match reading {
+            BaroReading::PressurePa(pa) => pressure_altitude_m(pa),
+            BaroReading::AltitudeM(metres) => Some(metres),
+        });
+        let readings_m = [input.imu_master_altitude_m, input.imu_slave_altitude_m, baro_m];
+        let mut fresh = u8::from(input.gps.is_some() && output.gps_rejection.is_none()) << REFERENCE;
+        for sensor in Sensor::ALL {
+            let i = sensor.index();
+            let said = &output.sensors[i];
+            if let (Some(reading_m), None) = (readings_m[i], said.rejection) {
+                fresh |= 1 << i;
+                let error_m = reading_m - said.bias_m - altitude_m;
+                let (smooth_m, last) = self.smooth[i].unwrap_or((error_m, tick));
+                let share = (((tick - last) as f32 * 0.005) / SMOOTH_S).clamp(0.0, 1.0);
+                self.smooth[i] = Some((smooth_m + share * (error_m - smooth_m), tick));
+            }
+            if said.trust == Trust::Untrustworthy && self.flagged[i].is_none() {
+                let true_error_m = self.smooth[i].map_or(0.0, |(error_m, _)| error_m);
+                self.flagged[i] = Some(Flagged { tick, true_error_m });
+            }
+        }
+        let trust = output.sensors.map(|sensor| sensor.trust);
+        self.ticks.push(Some(Seen { trust, fresh }));
+        if let Some((_, steps)) = &mut self.telling {
+            steps.push((step.clone(), *counters));
+            if steps.len() >= TELLING_TICKS {
+                self.end_telling();
+            }
+        }
+    }
+
+    /// Looks whether the last restart was told.
+    pub fn end_telling(&mut self) {
+        if let (Some((report, steps)), Some(last)) = (self.telling.take(), self.restarts.last_mut()) {
+            // A flight computer that is off again before its first tick has had no time to say anything.
+            last.is_told = steps.is_empty() || is_told(&report, &steps, self.latch.as_ref());
+        }
+    }
+
+    /// What was said of a sensor at a tick, if the flight computer was there.
+    #[must_use]
+    pub fn trust(&self, sensor: Sensor, tick: usize) -> Option<Trust> {
+        self.ticks.get(tick).copied().flatten().map(|seen| seen.trust[sensor.index()])
+    }
+
+    /// The longest time without a reading that was used, of a sensor or the reference, in ticks from `from` to `to`.
+    #[must_use]
+    pub fn longest_gap(&self, source: usize, from: usize, to: usize) -> usize {
+        let is_fresh = |tick: &usize| {
+            self.ticks.get(*tick).copied().flatten().is_some_and(|seen| seen.fresh & 1 << source != 0)
+        };
+        let mut last = (0..from).rev().find(is_fresh).unwrap_or(from);
+        let mut longest = 0;
+        for tick in from..to {
+            if is_fresh(&tick) {
+                longest = longest.max(tick - last);
+                last = tick;
+            }
+        }
+        longest.max(to.saturating_sub(last))
+    }
+
+    /// Ticks of free flight at which a sensor was not monitored.
+    #[must_use]
+    pub fn unmonitored(&self, sensor: Sensor) -> usize {
+        self.ticks.iter().flatten().filter(|seen| seen.trust[sensor.index()] == Trust::Unmonitored).count()
+    }
+}
+
+fn not_finite(output: &TickOutput) -> Option<&'static str> {
+    let is_bad = |value: f32| !value.is_finite();
+    if is_bad(output.altitude_m) || is_bad(output.altitude_variance_m2) {
+        return Some("altitude");
+    }
+    if output.sensors.iter().any(|sensor| is_bad(sensor.bias_m) || is_bad(sensor.bias_variance_m2)) {
+        return Some("bias");
+    }
+    let optional = output
+        .sensors
+        .iter()
+        .flat_map(|sensor| [sensor.innovation_m, sensor.signed_nis, sensor.error_m, sensor.moving_average_m]);
+    if optional.flatten().any(is_bad) {
+        return Some("error");
+    }
+    let check =
+        output.cross_check.is_some_and(|check| is_bad(check.difference_m) || is_bad(check.moving_average_m));
+    check.then_some("cross-check")
+}
+
+/// Whether the telemetry of these ticks says that there was a start.
+fn is_told(report: &RestartReport, steps: &[(Step, Counters)], latch: Option<&LatchRecord>) -> bool {
+    let mut queue = FrameQueue::new();
+    let (frames, mut line) = queue.split();
+    let mut telemetry = Telemetry::new(Link::new(frames), Rates::FULL, &[]);
+    telemetry.note_start(report);
+    let words: &[&[u8]] = &[b"restart", b"cold start", b"standby"];
+    for (step, counters) in steps {
+        let said = Said { input: &step.input, output: &step.output, latch, counters };
+        telemetry.tick(&said, &ComputerStatus::default());
+        while let Some(frame) = line.dequeue() {
+            let bytes = frame.bytes();
+            if words.iter().any(|word| bytes.windows(word.len()).any(|part| part == *word)) {
+                return true;
+            }
+        }
+    }
+    false
+}

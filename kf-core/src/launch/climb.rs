@@ -1,0 +1,48 @@
+//! The climb rate by the fixes: a witness of a fall that is not the accelerometer.
+
+/// A loss of climb rate that no mother ship flies in the time of a suspicion, m/s: in 3 s it is a push-over to 0.83 g, which she
+/// does not begin, with a vehicle under her, in the moment in which its cable tears. Near free fall takes 0.7 s for it.
+const FALL_MPS: f32 = 5.0;
+/// A fix older than this says nothing, microseconds: of 1 Hz, one may be late.
+const FRESH_US: u64 = 1_500_000;
+/// No aircraft of this class climbs or sinks faster, m/s.
+const FASTEST_MPS: f32 = 500.0;
+
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Climb {
+    last_us: Option<u64>,
+    last_mps: f32,
+    captive_us: Option<u64>,
+    captive_mps: f32,
+}
+
+impl Climb {
+    /// A fix's, upward, m/s.
+    pub(super) fn take(&mut self, now_us: u64, climb_mps: f32, is_captive: bool) {
+        // NaN is none either.
+        if climb_mps.is_nan() || climb_mps.abs() > FASTEST_MPS {
+            return;
+        }
+        self.last_us = Some(now_us);
+        self.last_mps = climb_mps;
+        if is_captive {
+            self.captive_us = Some(now_us);
+            self.captive_mps = climb_mps;
+        }
+    }
+
+    /// Whether it has fallen since the suspicion that began then.
+    pub(super) fn has_fallen(&self, since_us: u64) -> bool {
+        self.was_known(since_us) && self.captive_mps - self.last_mps >= FALL_MPS
+    }
+
+    /// Whether a fall would have been seen.
+    pub(super) fn is_known(&self, since_us: u64, now_us: u64) -> bool {
+        self.was_known(since_us)
+            && self.last_us.is_some_and(|last_us| now_us.saturating_sub(last_us) <= FRESH_US)
+    }
+
+    fn was_known(&self, since_us: u64) -> bool {
+        self.captive_us.is_some_and(|captive_us| since_us.saturating_sub(captive_us) <= FRESH_US)
+    }
+}

@@ -1,0 +1,66 @@
+//! The reference as the sensors are compared with it.
+
+use super::Mission;
+use crate::output::Rejection;
+use crate::reference::AcceptedFix;
+
+/// What a fix is to be held against, from before it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Carried {
+    /// The altitude carried on to now, metres.
+    altitude_m: f32,
+    /// The climb rate that did it, m/s, if there was one.
+    rate_mps: Option<f32>,
+}
+
+impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E> {
+    /// The reference now, free of its effects, metres; `None` when it is lost.
+    pub(super) fn reference_m(&self, time_us: u64) -> Option<f32> {
+        let altitude_m = self.tracker.altitude_m(time_us)?;
+        if self.latch.is_some()
+            && let Some(carried_m) = self.free_flight.carried_m()
+        {
+            return Some(carried_m + self.tracker.climbed_m(time_us));
+        }
+        Some(self.freed_m(altitude_m))
+    }
+
+    /// An altitude by the last fix, free of the estimated effects.
+    fn freed_m(&self, altitude_m: f32) -> f32 {
+        // As they stand; after launch, as latched.
+        let coefficients = self.coefficients();
+        let products = coefficients.iter().zip(&self.fix_regressors_m);
+        altitude_m - products.map(|(coefficient, phi)| coefficient * phi).sum::<f32>()
+    }
+
+    /// What the next fix is to be held against, if it comes now; `None` in captive flight, and where the reference is lost.
+    pub(super) fn carried(&self, time_us: u64) -> Option<Carried> {
+        self.latch.as_ref()?;
+        Some(Carried { altitude_m: self.reference_m(time_us)?, rate_mps: self.tracker.carrying_rate_mps() })
+    }
+
+    /// Holds a fix that was just accepted against what was carried on to it.
+    pub(super) fn check_fix(
+        &mut self,
+        time_us: u64,
+        fix: AcceptedFix,
+        carried: Option<Carried>,
+    ) -> Option<Rejection> {
+        self.latch.as_ref()?;
+        let altitude_m = self.freed_m(fix.altitude_m);
+        let carried_m = carried.map_or(altitude_m, |carried| carried.altitude_m);
+        let rates_mps = (carried.and_then(|carried| carried.rate_mps), self.tracker.carrying_rate_mps());
+        let is_good = match (rates_mps, fix.interval_s) {
+            ((Some(before_mps), Some(now_mps)), Some(interval_s)) => {
+                // By the mean of the climb rates at both ends.
+                let carried_m = carried_m + 0.5 * (now_mps - before_mps) * interval_s;
+                self.free_flight.take_fix(time_us, Some(carried_m), altitude_m)
+            }
+            _ => {
+                self.free_flight.move_reference(altitude_m - carried_m);
+                self.free_flight.take_fix(time_us, None, altitude_m)
+            }
+        };
+        (!is_good).then_some(Rejection::Gated)
+    }
+}

@@ -1,0 +1,293 @@
+//! The monitor in free flight: transients, gaps, and faults of the reference that look like faults of the sensors.
+
+use super::*;
+use crate::snapshot::MAX_SNAPSHOT_BYTES;
+
+/// Tick of the launch.
+const LAUNCH: u64 = 6_000;
+const SLAVE: usize = 1;
+const BARO: usize = 2;
+
+/// What a flight came to.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Seen {
+    /// When the flag of the inertial altitude and of the barometer first were doubtful and untrustworthy, seconds after launch.
+    flags_s: [[Option<f32>; 2]; 2],
+    /// Trust of both at every tick of free flight.
+    trust: Vec<[Trust; 2]>,
+    /// Ticks at which the two were checked against each other, and what was said last.
+    cross_checks: u32,
+    agreement: Option<crate::output::Agreement>,
+}
+
+impl Seen {
+    fn take(&mut self, k: u64, output: &TickOutput) {
+        if k < LAUNCH {
+            return;
+        }
+        let trust = [output.sensors[SLAVE].trust, output.sensors[BARO].trust];
+        for (flags_s, trust) in self.flags_s.iter_mut().zip(trust) {
+            let level = match trust {
+                Trust::Doubtful => 1,
+                Trust::Untrustworthy => 2,
+                _ => 0,
+            };
+            for flag_s in &mut flags_s[..level] {
+                flag_s.get_or_insert((k - LAUNCH) as f32 * 0.005);
+            }
+        }
+        self.trust.push(trust);
+        if let Some(said) = output.cross_check {
+            self.cross_checks += 1;
+            self.agreement = Some(said.agreement);
+        }
+    }
+
+    /// The trust of both, so many seconds after launch.
+    fn at(&self, after_s: f32) -> [Trust; 2] {
+        self.trust[(after_s * 200.0) as usize]
+    }
+}
+
+fn flown(config: &MissionConfig<0>, change: impl Fn(f32, &mut TickInput)) -> (Seen, Counters) {
+    let mut seen = Seen::default();
+    let change = |k: u64, input: &mut TickInput| change((k as f32 - LAUNCH as f32) * 0.005, input);
+    let mission = fly::<0, 4, 0>(config, change, |k, output| seen.take(k, output));
+    (seen, *mission.counters())
+}
+
+fn add_to_baro(input: &mut TickInput, error_m: f32) {
+    if let Some(BaroReading::AltitudeM(altitude_m)) = &mut input.baro {
+        *altitude_m += error_m;
+    }
+}
+
+fn add_to_fix(input: &mut TickInput, error_m: f32) {
+    if let Some(fix) = &mut input.gps {
+        fix.altitude_m += error_m;
+    }
+}
+
+const NO_FLAG: [[Option<f32>; 2]; 2] = [[None; 2]; 2];
+
+#[test]
+fn three_readings_of_a_transient_at_release_or_after_a_gap_make_doubtful_only() {
+    for start_s in [0.0, 0.1, 2.3, 6.5] {
+        let (seen, _) = flown(&config(true), |time_s, input| {
+            if (6.0..6.5).contains(&time_s) {
+                input.baro = None;
+            }
+            if (start_s..start_s + 0.055).contains(&time_s) {
+                add_to_baro(input, 20.0);
+            }
+        });
+        let [slave, baro] = seen.flags_s;
+        assert_eq!((slave, baro[1]), ([None; 2], None), "{start_s}");
+        assert!(baro[0].is_some(), "{start_s}");
+    }
+}
+
+#[test]
+fn a_transient_of_a_second_costs_no_sensor_its_flight_and_no_other_anything() {
+    for (size_m, start_s, end_s) in [(4e3, 3.0, 3.015), (4e3, 0.0, 0.015), (200.0, 3.0, 4.0)] {
+        let (seen, _) = flown(&config(true), |time_s, input| {
+            if (start_s..end_s).contains(&time_s) {
+                add_to_baro(input, size_m);
+            }
+        });
+        assert_eq!(seen.flags_s[0], [None; 2], "{size_m} {start_s}");
+        assert!(seen.flags_s[1][0].is_some() && seen.flags_s[1][1].is_none(), "{size_m} {start_s}");
+    }
+}
+
+#[test]
+fn a_step_at_release_is_flagged_as_soon_as_one_later() {
+    let delay_s = |start_s: f32| {
+        let (seen, _) = flown(&config(true), |time_s, input| {
+            if time_s >= start_s {
+                add_to_baro(input, 25.0);
+            }
+        });
+        assert_eq!(seen.flags_s[0], [None; 2]);
+        seen.flags_s[1][1].unwrap() - start_s
+    };
+    // The bound of about 8.9 m is 0.36 of 25 m: 0.72 s. It must last for 1.25 s.
+    for start_s in [0.0, 0.5, 5.0] {
+        assert!((1.2..1.35).contains(&delay_s(start_s)), "{start_s}: {}", delay_s(start_s));
+    }
+}
+
+#[test]
+fn a_short_jump_of_the_receiver_is_bridged_and_costs_no_sensor_anything() {
+    for jump_m in [100.0, -100.0, 25.0, 5e4] {
+        let (seen, counters) = flown(&config(true), |time_s, input| {
+            if (3.0..4.0).contains(&time_s) {
+                add_to_fix(input, jump_m);
+            }
+        });
+        assert_eq!(seen.flags_s, NO_FLAG, "{jump_m}");
+        assert!(seen.trust.iter().all(|trust| *trust == [Trust::Trusted; 2]), "{jump_m}");
+        assert_eq!((counters.gps.gated, counters.readings_unjudged), (5, 0), "{jump_m}");
+    }
+}
+
+#[test]
+fn a_jump_that_lasts_leaves_the_sensors_unmonitored_until_it_ends() {
+    let (seen, counters) = flown(&config(true), |time_s, input| {
+        if (2.0..7.0).contains(&time_s) {
+            add_to_fix(input, 100.0);
+        }
+    });
+    assert_eq!(seen.flags_s, NO_FLAG);
+    // Carried on for the 2 s after which a reference counts as lost.
+    assert_eq!(seen.at(3.7), [Trust::Trusted; 2]);
+    assert_eq!(seen.at(5.0), [Trust::Unmonitored; 2]);
+    assert_eq!(seen.at(7.1), [Trust::Trusted; 2]);
+    assert!(seen.cross_checks > 100 && seen.agreement == Some(crate::output::Agreement::Agree));
+    assert_eq!(counters.gps.gated, 25);
+    assert!(counters.readings_unjudged > 200);
+}
+
+#[test]
+fn a_jump_from_before_the_launch_that_ends_after_it_is_nobodys_but_the_receivers() {
+    let (seen, _) = flown(&config(true), |time_s, input| {
+        if (-0.5..1.0).contains(&time_s) {
+            add_to_fix(input, 100.0);
+        }
+    });
+    // The captive gate has refused the jump, so the altitude from before it is what the free flight's check goes by.
+    assert_eq!(seen.flags_s, NO_FLAG);
+    assert_eq!(seen.at(0.5), [Trust::Trusted; 2]);
+    assert_eq!(seen.at(1.1), [Trust::Trusted; 2]);
+}
+
+#[test]
+fn a_jump_without_a_climb_rate_is_the_receivers_if_both_sensors_say_so() {
+    let (seen, counters) = flown(&config(true), |time_s, input| {
+        if let Some(fix) = &mut input.gps {
+            fix.velocity_down_mps = None;
+        }
+        if (3.0..4.0).contains(&time_s) {
+            add_to_fix(input, 40.0);
+        }
+    });
+    assert_eq!(seen.flags_s, NO_FLAG);
+    assert_eq!(seen.at(3.5), [Trust::Unmonitored; 2]);
+    assert_eq!(seen.at(4.1), [Trust::Trusted; 2]);
+    assert_eq!(counters.gps.gated, 0);
+    // One second of both sensors.
+    assert_eq!(counters.readings_unjudged, 100);
+}
+
+#[test]
+fn a_single_sensor_is_not_blamed_for_a_jump_that_the_climb_rate_denies() {
+    for end_s in [4.0, 20.0] {
+        let (seen, _) = flown(&config(true), |time_s, input| {
+            input.imu_slave_altitude_m = None;
+            if (3.0..end_s).contains(&time_s) {
+                add_to_fix(input, 100.0);
+            }
+        });
+        assert_eq!(seen.flags_s, NO_FLAG);
+        assert_eq!(seen.at(3.5)[1], Trust::Trusted);
+        assert_eq!(seen.at(9.0)[1], if end_s > 10.0 { Trust::Unmonitored } else { Trust::Trusted });
+    }
+}
+
+#[test]
+fn a_reference_that_drifts_away_from_both_is_suspect_and_with_the_check_off_both_sensors_are() {
+    let drift = |time_s: f32, input: &mut TickInput| add_to_fix(input, 5.0 * time_s.clamp(0.0, 6.0));
+    let (seen, _) = flown(&config(true), drift);
+    assert!(seen.flags_s.iter().all(|flags_s| flags_s[1].is_none()), "{:?}", seen.flags_s);
+    assert_eq!(seen.at(6.0), [Trust::Unmonitored; 2]);
+    assert!(seen.cross_checks > 50 && seen.agreement == Some(crate::output::Agreement::Agree));
+    let mut papers = config(true);
+    papers.monitor.reference_check = false;
+    let (seen, counters) = flown(&papers, drift);
+    assert_eq!(seen.at(6.0), [Trust::Untrustworthy; 2]);
+    assert_eq!((counters.gps.gated, counters.readings_unjudged), (0, 0));
+}
+
+#[test]
+fn a_sensor_that_fails_is_flagged_as_soon_with_the_check_as_without() {
+    let mut unchecked = config(true);
+    unchecked.monitor.reference_check = false;
+    for drift_mps in [2.0, -2.0, 4.0] {
+        let drift = |time_s: f32, input: &mut TickInput| add_to_baro(input, drift_mps * time_s.max(0.0));
+        let ([_, clean], [slave, baro]) =
+            (flown(&unchecked, drift).0.flags_s, flown(&config(true), drift).0.flags_s);
+        assert_eq!(slave, [None; 2]);
+        assert!((baro[1].unwrap() - clean[1].unwrap()).abs() < 0.1, "{drift_mps}: {baro:?} {clean:?}");
+        // And as soon with a jump of the receiver on the way.
+        let (seen, _) = flown(&config(true), |time_s, input| {
+            drift(time_s, input);
+            if (1.0..2.0).contains(&time_s) {
+                add_to_fix(input, -100.0);
+            }
+        });
+        assert_eq!(seen.flags_s[0], [None; 2]);
+        let jumped_s = seen.flags_s[1][1].unwrap();
+        assert!((jumped_s / clean[1].unwrap() - 1.0).abs() < 0.2, "{drift_mps}: {jumped_s} {clean:?}");
+    }
+}
+
+#[test]
+fn an_untrustworthy_sensor_is_no_witness() {
+    let (seen, _) = flown(&config(true), |time_s, input| {
+        if time_s > 1.0 {
+            add_to_baro(input, 40.0);
+        }
+        if let (true, Some(altitude_m)) = (time_s > 5.0, &mut input.imu_slave_altitude_m) {
+            *altitude_m += 40.0;
+        }
+    });
+    assert!(seen.flags_s[1][1].unwrap() < 2.5);
+    assert!((6.0..6.5).contains(&seen.flags_s[0][1].unwrap()), "{:?}", seen.flags_s);
+}
+
+#[test]
+fn a_mission_that_goes_on_in_the_middle_of_a_jump_says_the_same() {
+    let change = |k: u64, input: &mut TickInput| {
+        if (6_600..7_600).contains(&k) {
+            add_to_fix(input, 100.0);
+        }
+        add_to_baro(input, (k as f32 - 7_000.0).max(0.0) * 0.02);
+    };
+    let inputs: Vec<TickInput> = {
+        let mut flight = Flight { seed: 7, noise: 1.0 };
+        (0..8_000)
+            .map(|k| {
+                let mut input = flight.tick(k);
+                change(k, &mut input);
+                input
+            })
+            .collect()
+    };
+    let fly = |interrupted_at: Option<usize>| {
+        let mut mission = Dense::new(&config(true)).unwrap();
+        inputs
+            .iter()
+            .enumerate()
+            .map(|(k, input)| {
+                if Some(k) == interrupted_at {
+                    let mut bytes = [0; MAX_SNAPSHOT_BYTES];
+                    let length = mission.snapshot().unwrap().to_bytes(&mut bytes).unwrap();
+                    let mark = mission.mark();
+                    mission = Dense::new(&config(true)).unwrap();
+                    mission.restore_snapshot(&bytes[..length], &mark).unwrap();
+                }
+                let output = mission.tick(input);
+                (
+                    output.sensors.map(|sensor| (sensor.error_m, sensor.moving_average_m, sensor.trust)),
+                    output.gps_rejection,
+                )
+            })
+            .collect::<Vec<_>>()
+    };
+    let whole = fly(None);
+    assert_eq!(whole.last().unwrap().0[BARO].2, Trust::Untrustworthy);
+    // Where a sensor that is not monitored has just delivered, so that the first tick says all.
+    for at in [6_300, 6_704, 7_204, 7_700] {
+        assert_eq!(fly(Some(at))[at..], whole[at..], "{at}");
+    }
+}

@@ -1,0 +1,91 @@
+//! What a channel in free flight keeps over a restart of the flight computer.
+
+use serde::{Deserialize, Serialize};
+
+use super::sum::Sum;
+use super::tie::Tie;
+use super::vector::{Down, Vector};
+use super::{Config, Last, Phase, VerticalChannel};
+
+/// A channel in free flight, or held for a launch that is suspected: all that its next sample goes on from. Body axes, SI units.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct KeptChannel {
+    time_us: u64,
+    force: Vector,
+    rate: Vector,
+    acceleration_mps2: f32,
+    down: Vector,
+    gyro_bias: Vector,
+    accel_bias: Vector,
+    altitude: Sum,
+    climb_rate: Sum,
+    tie: Tie,
+    tie_time_us: u64,
+    bridged_m2ps2: f32,
+    is_mending: bool,
+}
+
+impl KeptChannel {
+    /// Whether every number is one; a copy that is damaged passes its check once in four billion times.
+    fn is_finite(&self) -> bool {
+        let vectors = [self.force, self.rate, self.down, self.gyro_bias, self.accel_bias];
+        let sums = [self.altitude.value(), self.climb_rate.value()];
+        vectors.iter().flatten().chain(&sums).all(|number| number.is_finite())
+            && self.acceleration_mps2.is_finite()
+            && self.bridged_m2ps2.is_finite()
+            && self.tie.altitude_m2().is_finite()
+            && self.tie.climb_m2ps2().is_finite()
+    }
+}
+
+impl VerticalChannel {
+    /// What is to be kept: `None` in captive flight, where a restart begins anew, and where there is no altitude to keep.
+    #[must_use]
+    pub fn kept(&self) -> Option<KeptChannel> {
+        let Phase::Free { accel_bias, aligned: true } = self.phase else { return None };
+        let (last, down) = (self.last?, self.down?);
+        Some(KeptChannel {
+            time_us: last.time_us,
+            force: last.force,
+            rate: last.rate,
+            acceleration_mps2: last.acceleration_mps2,
+            down: down.get(),
+            gyro_bias: self.gyro_bias_radps(),
+            accel_bias,
+            altitude: self.altitude,
+            climb_rate: self.climb_rate,
+            tie: self.tie,
+            tie_time_us: self.tie_time_us,
+            bridged_m2ps2: self.bridged_m2ps2,
+            is_mending: self.is_mending,
+        })
+    }
+
+    /// The channel as it was kept. `unknown_s` is how much longer than the clock has it the gap until the next sample may be,
+    /// seconds. `None` if a number is none.
+    #[must_use]
+    pub fn resumed(config: Config, kept: &KeptChannel, unknown_s: f32) -> Option<Self> {
+        if !kept.is_finite() {
+            return None;
+        }
+        let mut channel = Self::new(config);
+        channel.phase = Phase::Free { accel_bias: kept.accel_bias, aligned: true };
+        channel.down = Some(Down::from_unit(kept.down));
+        channel.levelling.gyro_bias = kept.gyro_bias.map(Sum::new);
+        channel.last = Some(Last {
+            time_us: kept.time_us,
+            force: kept.force,
+            rate: kept.rate,
+            acceleration_mps2: kept.acceleration_mps2,
+        });
+        channel.altitude = kept.altitude;
+        channel.climb_rate = kept.climb_rate;
+        channel.tie = kept.tie;
+        channel.tie_time_us = kept.tie_time_us;
+        channel.bridged_m2ps2 = kept.bridged_m2ps2;
+        channel.is_mending = kept.is_mending;
+        channel.is_resumed = true;
+        channel.unknown_s = unknown_s;
+        Some(channel)
+    }
+}

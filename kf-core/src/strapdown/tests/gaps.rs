@@ -1,0 +1,135 @@
+//! Gaps between inertial samples, and samples that leap.
+
+use super::*;
+
+fn rest() -> ImuSample {
+    sample([0.0, 0.0, -G], [0.0; 3])
+}
+
+#[test]
+fn a_gap_restarts_the_alignment_and_ends_free_flight() {
+    let mut captive = Rig::captive(30);
+    assert!(captive.channel.is_aligned());
+    captive.tick += 261;
+    assert_eq!(captive.channel.inertial(captive.time_us(), &rest()), Err(StrapdownError::Gap));
+    assert!(!captive.channel.is_aligned() && captive.channel.altitude_m().is_none());
+    captive.step(&rest());
+
+    let mut free = Rig::captive(30);
+    free.channel.launch();
+    // 1.3 s are bridged.
+    free.tick += 259;
+    free.step(&rest());
+    assert!(free.channel.altitude_m().is_some());
+    free.tick += 261;
+    assert_eq!(free.channel.inertial(free.time_us(), &rest()), Err(StrapdownError::Gap));
+    assert_eq!((free.channel.altitude_m(), free.channel.climb_rate_mps()), (None, None));
+    free.tick += 1;
+    assert_eq!(free.channel.inertial(free.time_us(), &rest()), Err(StrapdownError::Lost));
+}
+
+/// The reset of a unit, 105 ms: neither the alignment nor free flight ends, and what it costs is known.
+#[test]
+fn a_reset_of_the_unit_is_bridged() {
+    let mut captive = Rig::captive(60);
+    let before = captive.channel.clone();
+    captive.tick += 20;
+    captive.step(&rest());
+    assert_eq!(captive.channel.counts().bridged, 1);
+    assert!(captive.channel.is_aligned() && captive.channel.gyro_bias_radps() == before.gyro_bias_radps());
+    let cost = captive.channel.tie.climb_m2ps2() - before.tie.climb_m2ps2();
+    assert!((0.004..0.008).contains(&cost), "{cost}");
+
+    // In free flight every reset costs as much; once they have cost half a metre a second, fixes are wanted.
+    captive.channel.launch();
+    let mut resets = 0;
+    while !captive.channel.is_mending() {
+        captive.tick += 20;
+        captive.step(&rest());
+        resets += 1;
+    }
+    assert!((45..55).contains(&resets), "{resets}");
+    assert!(captive.channel.altitude_m().is_some());
+    assert!(captive.channel.altitude_variance_m2() > before.altitude_variance_m2());
+}
+
+/// The bound that a bridge puts on the climb rate holds for accelerations and vibration of the size that it assumes.
+#[test]
+fn what_a_bridge_costs_is_what_it_says() {
+    for gap in [20u64, 60, 99, 200] {
+        let (mut squares, mut variance) = (0.0, 0.0);
+        let mut random = 5u64;
+        let mut normal = || {
+            (0..12).fold(-6.0, |sum, _| {
+                random =
+                    random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                sum + (random >> 40) as f64 / (1u64 << 24) as f64
+            })
+        };
+        let runs = 400;
+        let start = Rig::captive(30);
+        for _ in 0..runs {
+            let mut rig = start.clone();
+            rig.channel.launch();
+            // An acceleration of 2 m/s^2 that wanders within 0.5 s, and vibration of 0.8 m/s^2 in what is read of it.
+            let (mut acceleration, mut climb) = (0.0, 0.0);
+            for tick in 0..gap + 1 {
+                let last = acceleration;
+                if tick > 0 {
+                    let kept = (-STEP_S / 0.5f64).exp();
+                    acceleration = kept * acceleration + 2.0 * (1.0 - kept * kept).sqrt() * normal();
+                    climb += 0.5 * STEP_S * (last + acceleration);
+                }
+                rig.tick += 1;
+                if tick == 0 || tick == gap {
+                    let read = acceleration + 0.8 * normal();
+                    rig.channel.inertial(rig.time_us(), &sample([0.0, 0.0, -G - read], [0.0; 3])).unwrap();
+                }
+            }
+            // The first interval, of one tick, has half its vibration to itself.
+            squares += (f64::from(rig.channel.climb_rate.value()) - climb).powi(2);
+            variance = f64::from(rig.channel.bridged_m2ps2);
+        }
+        let ratio = squares / f64::from(runs) / variance;
+        // 400 squares: five times their spread of 7 %; the interval before the gap adds 5 % at 0.1 s, and the walk's
+        // bend back to zero takes away up to a third of the longest one.
+        assert!((0.55..1.45).contains(&ratio), "{gap}: {ratio}");
+    }
+}
+
+/// One sample with a flipped bit, or two: refused. A change that stays is the aircraft's.
+#[test]
+fn a_leap_of_two_samples_is_refused() {
+    let leaps = [
+        sample([0.0, 0.0, 68.0], [0.0; 3]),
+        sample([157.0, 0.0, -G], [0.0; 3]),
+        sample([0.0, 0.0, -G], [0.0, 34.9, 0.0]),
+        sample([0.0, 0.0, -G], [2.2, 0.0, 0.0]),
+    ];
+    for leap in leaps {
+        for length in [1, 2] {
+            let mut rig = Rig::captive(30);
+            rig.channel.launch();
+            for _ in 0..length {
+                rig.tick += 1;
+                assert_eq!(rig.channel.inertial(rig.time_us(), &leap), Err(StrapdownError::Spike));
+            }
+            for _ in 0..30 * SECOND {
+                rig.step(&rest());
+            }
+            let error = rig.channel.altitude_m().unwrap() - 1_000.0;
+            assert!(error.abs() < 0.02 && rig.channel.counts().refused == length, "{leap:?} {error}");
+        }
+    }
+    // A release at 6 g: seen from the third sample on, and the two before on the straight line to it.
+    let mut rig = Rig::captive(30);
+    rig.channel.launch();
+    let ejected = sample([0.0, 0.0, 50.0], [0.0; 3]);
+    let taken: Vec<_> = (0..4)
+        .map(|_| {
+            rig.tick += 1;
+            rig.channel.inertial(rig.time_us(), &ejected)
+        })
+        .collect();
+    assert_eq!(taken, [Err(StrapdownError::Spike), Err(StrapdownError::Spike), Ok(()), Ok(())]);
+}

@@ -1,0 +1,144 @@
+//! Gaps of free flight that fixes make good for, and channels that a restart goes on with.
+
+use super::*;
+
+fn rest() -> ImuSample {
+    sample([0.0, 0.0, -G], [0.0; 3])
+}
+
+/// A channel in free flight after a gap of a second, with a climb rate that is off by so much since.
+fn after_gap(off_mps: f32) -> Rig {
+    let mut rig = Rig::captive(60);
+    rig.channel.launch();
+    rig.tick += 199;
+    rig.step(&rest());
+    rig.channel.climb_rate.add(off_mps);
+    rig
+}
+
+/// Flies on at rest at 1,000 m with ten fixes a second, of this altitude.
+fn fly_on(rig: &mut Rig, seconds: u64, fix_m: impl Fn(u64) -> Option<f32>) -> u32 {
+    let mut taken = 0;
+    for tick in 0..seconds * SECOND {
+        rig.step(&rest());
+        if let (true, Some(altitude_m)) = (tick.is_multiple_of(20), fix_m(tick)) {
+            taken += u32::from(rig.channel.reference(rig.time_us(), altitude_m).is_ok());
+        }
+    }
+    taken
+}
+
+#[test]
+fn a_gap_of_a_second_is_mended_within_ten() {
+    for off_mps in [-2.5, -1.3, 0.0, 1.3, 2.5] {
+        let mut rig = after_gap(off_mps);
+        assert!(rig.channel.is_mending() && rig.channel.altitude_m().is_some());
+        let taken = fly_on(&mut rig, 20, |_| Some(1_000.0));
+        // Until its variance is that of half a metre a second, and no longer: it has to be watched.
+        assert!((20..100).contains(&taken) && !rig.channel.is_mending(), "{off_mps}: {taken}");
+        let climb_mps = rig.channel.climb_rate.value();
+        assert!(climb_mps.abs() < 3.0 * 0.5, "{off_mps}: {climb_mps}");
+        assert!((rig.channel.altitude.value() - 1_000.0).abs() < 20.0 * 0.5);
+    }
+}
+
+#[test]
+fn without_fixes_it_says_what_it_has_until_that_is_nothing() {
+    let mut rig = after_gap(0.0);
+    let mut said = 0;
+    while rig.channel.altitude_m().is_some() {
+        rig.step(&rest());
+        said += 1;
+    }
+    // 5 m, of a climb rate known to 1.3 m/s and a level known to ten degrees.
+    assert!((2 * SECOND..6 * SECOND).contains(&said), "{said}");
+    // And again with the first fixes.
+    fly_on(&mut rig, 10, |_| Some(1_000.0));
+    assert!(rig.channel.altitude_m().is_some());
+}
+
+/// In free flight the channel watches the reference as much as it is watched by it.
+#[test]
+fn a_receiver_that_has_jumped_mends_nothing() {
+    let mut rig = after_gap(0.0);
+    let altitude_m = rig.channel.altitude.value();
+    let taken = fly_on(&mut rig, 3, |_| Some(1_100.0));
+    assert_eq!(taken, 0);
+    assert!((rig.channel.altitude.value() - altitude_m).abs() < 0.1);
+}
+
+#[test]
+fn without_a_gap_nothing_is_mended() {
+    let mut rig = Rig::captive(60);
+    rig.channel.launch();
+    assert_eq!(rig.channel.reference(rig.time_us() + 1, 1_000.0), Err(StrapdownError::Launched));
+    assert_eq!(fly_on(&mut rig, 10, |_| Some(1_010.0)), 0);
+    assert!((rig.channel.altitude.value() - 1_000.0).abs() < 0.1);
+}
+
+/// What is kept goes on as if nothing had been: the same altitude, at every sample.
+#[test]
+fn a_channel_that_is_kept_goes_on() {
+    let mut whole = Rig::captive(60);
+    assert_eq!(whole.channel.kept(), None);
+    whole.channel.launch();
+    let reading = sample([0.3, -0.1, -G + 0.02], [0.01, -0.02, 0.03]);
+    for _ in 0..10 * SECOND {
+        whole.step(&reading);
+    }
+    let mut bytes = [0; 160];
+    let bytes = postcard::to_slice(&whole.channel.kept(), &mut bytes).unwrap();
+    let kept: Option<KeptChannel> = postcard::from_bytes(bytes).unwrap();
+    let channel = VerticalChannel::resumed(Config::MEMS, &kept.unwrap(), 0.0).unwrap();
+    let mut resumed = Rig { channel, tick: whole.tick };
+    for _ in 0..10 * SECOND {
+        whole.step(&reading);
+        resumed.step(&reading);
+        let altitudes = [&whole, &resumed].map(|rig| rig.channel.altitude_m().unwrap());
+        // What the sums of its direction lost is not kept: some last bits.
+        assert!((altitudes[0] - altitudes[1]).abs() < 1e-3, "{altitudes:?}");
+    }
+}
+
+/// A dip of the supply: the clock stands still, nobody knows for how long.
+#[test]
+fn an_interruption_of_unknown_length_costs_the_altitude_until_the_next_fix() {
+    let mut rig = Rig::captive(60);
+    rig.channel.launch();
+    rig.channel.climb_rate.add(-20.0);
+    let kept = rig.channel.kept().unwrap();
+    rig.channel = VerticalChannel::resumed(Config::MEMS, &kept, 1.0).unwrap();
+    let altitude_m = rig.channel.altitude.value();
+    rig.step(&rest());
+    assert_eq!(rig.channel.altitude_m(), None);
+    // In truth 0.6 s have passed: 12 m.
+    let mut fallen_m = 12.0;
+    for tick in 0..5 * SECOND {
+        rig.step(&rest());
+        fallen_m += 20.0 * 0.005;
+        if tick.is_multiple_of(20) {
+            rig.channel.reference(rig.time_us(), altitude_m - fallen_m).unwrap();
+            assert!(rig.channel.altitude_m().is_some(), "{tick}: {:?}", rig.channel.tie);
+        }
+    }
+    let error_m = rig.channel.altitude.value() - (altitude_m - fallen_m);
+    assert!(error_m.abs() < 1.0, "{error_m}");
+}
+
+#[test]
+fn a_suspicion_that_was_none_begins_anew_after_a_restart() {
+    let mut rig = Rig::captive(60);
+    rig.channel.hold();
+    let kept = rig.channel.kept().unwrap();
+    let mut resumed = VerticalChannel::resumed(Config::MEMS, &kept, 0.0).unwrap();
+    resumed.resume_captive();
+    assert!(!resumed.is_aligned() && resumed.down_body().is_none());
+}
+
+#[test]
+fn a_copy_with_a_number_that_is_none_is_refused() {
+    let mut rig = Rig::captive(60);
+    rig.channel.launch();
+    rig.channel.altitude = Sum::new(f32::NAN);
+    assert_eq!(VerticalChannel::resumed(Config::MEMS, &rig.channel.kept().unwrap(), 0.0), None);
+}

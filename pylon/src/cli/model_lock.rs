@@ -1,0 +1,41 @@
+//! One program at a time changes a model.
+
+use std::fs::{File, TryLockError};
+use std::path::Path;
+
+use same_file::Handle;
+
+use super::failure::Failure;
+use super::progress::while_busy;
+
+/// Nobody else changes the model while this is held.
+#[derive(Debug)]
+pub struct ModelLock {
+    /// Locked; closing it lets go.
+    _file: File,
+}
+
+/// Waits until nobody else changes the model at `path`, and keeps others from it. What was read of the model before is
+/// then to be read again.
+///
+/// The lock is on the file itself, which every change replaces: one that was replaced while this program waited is
+/// locked anew under its name.
+pub fn lock_model(path: &Path) -> Result<ModelLock, Failure> {
+    let in_file =
+        |error: std::io::Error| Failure::input(format!("{}: can not be locked: {error}", path.display()));
+    loop {
+        let file = File::open(path).map_err(in_file)?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                while_busy("waiting for another pylon that changes this model", || file.lock())
+                    .map_err(in_file)?;
+            }
+            Err(TryLockError::Error(error)) => return Err(in_file(error)),
+        }
+        let locked = Handle::from_file(file.try_clone().map_err(in_file)?).map_err(in_file)?;
+        if Handle::from_path(path).is_ok_and(|now| now == locked) {
+            return Ok(ModelLock { _file: file });
+        }
+    }
+}

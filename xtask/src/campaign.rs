@@ -1,0 +1,99 @@
+//! `cargo xtask campaign`: faults on the whole chain, against the same flights without them.
+
+use std::path::PathBuf;
+
+use anyhow::Context;
+
+use crate::child;
+use crate::setup::{self, Need};
+use crate::steps::Done;
+use crate::workspace;
+
+/// What the campaign is asked for; see `host-tests/src/bin/campaign.rs`.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// How many runs.
+    #[arg(default_value_t = 1_000)]
+    pub runs: u64,
+    /// The campaign's seed.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Fly this run alone, and print what was drawn and what came of it.
+    #[arg(long)]
+    pub run: Option<u64>,
+    /// Fly so many short runs in QEMU instead, every tick bit for bit the host's.
+    #[arg(long, value_name = "RUNS")]
+    pub qemu: Option<u64>,
+    /// Take out each guard in turn, and fail unless the campaign reports it.
+    #[arg(long)]
+    pub mutants: bool,
+    /// Write docs/fault-campaign.md's tables.
+    #[arg(long)]
+    pub write: bool,
+    /// Fail for what host-tests/campaign-known.toml does not name, instead of for any violation.
+    #[arg(long)]
+    pub known: bool,
+    /// Write that list anew from this campaign.
+    #[arg(long, requires = "known")]
+    pub accept: bool,
+}
+
+/// Flies it; says whether every invariant was kept. The tables go to standard output.
+pub fn run(arguments: &Arguments, verbose: bool) -> anyhow::Result<bool> {
+    if let Some(runs) = arguments.qemu {
+        return qemu(runs, arguments.seed, verbose);
+    }
+    let mut program = built(verbose)?;
+    program.args([&arguments.runs.to_string(), "--seed", &arguments.seed.to_string()]);
+    if let Some(index) = arguments.run {
+        program.args(["--run", &index.to_string()]);
+    }
+    for (flag, is_set) in
+        [("--mutants", arguments.mutants), ("--write", arguments.write), ("--accept", arguments.accept)]
+    {
+        if is_set {
+            program.arg(flag);
+        }
+    }
+    if arguments.known {
+        program.arg("--known").arg(known());
+    }
+    // The bar is the program's own: it must have the terminal.
+    let status = program.status().with_context(|| format!("`{}`", child::shown(&program)))?;
+    Ok(status.success())
+}
+
+/// Flies the sample that is a test of `host-tests`, with another number of runs.
+fn qemu(runs: u64, seed: u64, verbose: bool) -> anyhow::Result<bool> {
+    for need in [Need::Target, Need::Qemu, Need::Npm] {
+        setup::provide(need, verbose)?;
+    }
+    let arguments = ["test", "--package", "host-tests", "--test", "qemu_campaign", "--", "--nocapture"];
+    let mut test = workspace::cargo(arguments);
+    test.env("PYLON_CAMPAIGN_RUNS", runs.to_string()).env("PYLON_CAMPAIGN_SEED", seed.to_string());
+    let status = test.status().with_context(|| format!("`{}`", child::shown(&test)))?;
+    Ok(status.success())
+}
+
+/// Runs the campaign of the test command: a thousand runs, and without each guard in turn. It fails for any violation that
+/// `host-tests/campaign-known.toml` does not name.
+pub fn test(echo: bool) -> anyhow::Result<Done> {
+    let said = child::run(built(echo)?.args(["--mutants", "--known"]).arg(known()), echo)?;
+    let last = said.stdout.trim_end().lines().last().unwrap_or_default().to_owned();
+    Ok(Done::all(last))
+}
+
+/// What the campaign is known to break.
+fn known() -> PathBuf {
+    workspace::root().join("host-tests/campaign-known.toml")
+}
+
+/// The program, built.
+fn built(echo: bool) -> anyhow::Result<std::process::Command> {
+    setup::provide(Need::Npm, echo)?;
+    eprintln!("building the fault campaign");
+    let arguments = ["build", "--release", "--package", "host-tests", "--bin", "campaign"];
+    child::run(&mut workspace::cargo(arguments), echo)?;
+    let file = workspace::workbench().with_file_name(format!("campaign{}", std::env::consts::EXE_SUFFIX));
+    Ok(workspace::program(file))
+}
