@@ -50,7 +50,7 @@ pub fn flight() -> Vec<TickInput> {
                 gps: (k % 40 == 0).then(|| GpsFix {
                     altitude_m: altitude_m + 2.0 * noise.next(),
                     velocity_north_mps: Some(airspeed_mps),
-                    velocity_east_mps: Some(noise.next()),
+                    velocity_east_mps: Some(0.1 * noise.next()),
                     velocity_down_mps: Some(if free_s > 0.0 { 30.0 } else { 0.0 } + 0.1 * noise.next()),
                     vertical_accuracy_m: Some(2.5),
                     satellites: Some(11),

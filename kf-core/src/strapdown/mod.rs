@@ -59,8 +59,10 @@ const MAXIMUM_FORCE_MPS2: f32 = 1_000.0;
 const MAXIMUM_RATE_RADPS: f32 = 100.0;
 const MAXIMUM_ALTITUDE_M: f32 = 100_000.0;
 const MAXIMUM_SPEED_MPS: f32 = 1_000.0;
-/// Levelling on specific force before velocities are matched, seconds.
+/// Levelling on specific force before velocities are matched, seconds: twice as long each time that they have contradicted the level soon,
+/// up to the levelling's window. A receiver whose velocities are worse than assumed would else keep the channel from ever being aligned.
 const COARSE_LEVEL_S: f32 = 10.0;
+const CONTRADICTIONS: u8 = 4;
 /// Fixes that are outliers for so long (seconds), and are so many, have the last word: a receiver's jump that is a fault ends
 /// sooner, and two outliers may lie on both sides of an outage.
 const OUTLIERS: u8 = 5;
@@ -191,6 +193,8 @@ pub struct VerticalChannel {
     levelling: Levelling,
     /// Until launch, once there are velocities.
     matching: Option<VelocityMatch>,
+    /// Matches in a row that were soon contradicted.
+    contradictions: u8,
     is_launched: bool,
     last: Option<Last>,
     /// The time that fixes have covered.
@@ -229,6 +233,7 @@ impl VerticalChannel {
             down: None,
             levelling: Levelling::default(),
             matching: None,
+            contradictions: 0,
             is_launched: false,
             last: None,
             anchor: Memory::default(),
@@ -383,13 +388,20 @@ impl VerticalChannel {
             return Err(StrapdownError::Implausible);
         }
         let Some(down) = &self.down else { return Err(StrapdownError::NoVertical) };
+        let is_coarse = self.levelling.elapsed_s() < self.unmatched_s();
         match &mut self.matching {
             Some(matching) if !matching.is_void(time_us) => matching.reference(time_us, velocity_mps, down),
             // The match is linear: a level to some hundredths of a radian must be there.
-            _ if self.levelling.elapsed_s() < COARSE_LEVEL_S => {}
+            _ if is_coarse => {}
             matching => VelocityMatch::begin(matching, time_us, velocity_mps, down),
         }
         Ok(())
+    }
+
+    /// For how long specific force levels before velocities are matched, seconds.
+    fn unmatched_s(&self) -> f32 {
+        let unmatched_s = COARSE_LEVEL_S * f32::from(1_u8 << self.contradictions.min(CONTRADICTIONS));
+        unmatched_s.min(self.config.level_window_s)
     }
 
     /// From now on the channel is on its own. Calling it again changes nothing.
@@ -439,6 +451,18 @@ impl VerticalChannel {
         self.tie.add(climbed_m * climbed_m, cost.climb_m2ps2, cost.tilt_rad2);
         if let Some(matching) = &mut self.matching {
             matching.bridge(cost.climb_m2ps2, cost.tilt_rad2);
+        }
+    }
+
+    /// Where velocities have contradicted the level, nobody knows it any more; and of velocities that contradict it at once, the match has
+    /// made a gyro's bias.
+    #[cold]
+    fn contradict(&mut self, has_lasted: bool) {
+        self.contradictions = if has_lasted { 1 } else { (self.contradictions + 1).min(CONTRADICTIONS) };
+        if has_lasted {
+            self.levelling.begin_anew();
+        } else {
+            self.levelling = Levelling::default();
         }
     }
 
@@ -503,9 +527,10 @@ impl VerticalChannel {
         down.rotate(angle);
         let is_captive = self.phase == Phase::Captive;
         if is_captive && self.matching.as_ref().is_some_and(|matching| matching.is_void(time_us)) {
-            // Where velocities have contradicted the level, nobody knows it any more.
-            if self.matching.as_ref().is_some_and(VelocityMatch::is_contradicted) {
-                self.levelling.begin_anew();
+            if let Some(matching) = self.matching.take_if(|matching| matching.is_contradicted()) {
+                self.contradict(matching.has_lasted());
+                // A fit that begins with a level that is far off makes a gyro's bias of it.
+                down = Down::from_specific_force(force, GRAVITY_MPS2).unwrap_or(down);
             }
             self.matching = None;
         }

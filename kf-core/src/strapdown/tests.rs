@@ -251,6 +251,16 @@ impl Carried {
         self
     }
 
+    /// With velocities and, once a second, the altitude.
+    fn tied(self, seconds: u64) -> Self {
+        (0..seconds).fold(self, |carried, _| {
+            let mut carried = carried.run(1, true);
+            // Where the level is lost, the altitude is an outlier.
+            let _ = carried.rig.channel.reference(carried.rig.time_us(), 1_000.0);
+            carried
+        })
+    }
+
     /// The squares of those errors over the match's own variances.
     fn squares_over_variances(&self) -> [f64; 2] {
         let matching = self.rig.channel.matching.as_ref().unwrap();
@@ -323,6 +333,23 @@ fn velocities_may_stay_away() {
 }
 
 /// One fix that is far off, and a receiver that has gone mad.
+/// A receiver whose velocities are far worse than assumed does not deny the channel for good, and is matched again once it is mended.
+#[test]
+fn velocities_that_contradict_the_level_are_asked_less_and_less_often() {
+    let mut carried = Carried::new(0.7, [0.002, -0.001, 0.001]);
+    carried.noise_mps = 2.0;
+    let mut spoken_s = 0;
+    for second in 0..900 {
+        carried = carried.tied(1);
+        spoken_s += u32::from(second >= 300 && carried.rig.channel.is_aligned());
+    }
+    assert!(spoken_s >= 450, "of 600 s: {spoken_s}");
+    carried.noise_mps = 0.02;
+    let carried = carried.tied(300);
+    assert!(carried.rig.channel.is_aligned());
+    assert!(carried.rig.channel.matching.as_ref().is_some_and(VelocityMatch::has_lasted));
+}
+
 #[test]
 fn a_velocity_that_can_not_be_is_refused() {
     let mut carried = Carried::new(0.6, GYRO_BIAS);

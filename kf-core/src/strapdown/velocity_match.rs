@@ -60,6 +60,8 @@ const LEAST_SPEED_MPS: f32 = 5.0;
 /// A velocity further off than so many sigmas, squared, is refused; after so many in a row it is the filter that is wrong.
 const GATE: f32 = 25.0;
 const REFUSALS: u8 = 5;
+/// Fixes, one a second, after which a match was a good one.
+const LASTING: u8 = 60;
 
 /// What is to be done at the next inertial sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -167,6 +169,8 @@ pub(super) struct VelocityMatch {
     gained: Vector,
     fix_us: u64,
     refusals: u8,
+    /// Fixes that it has agreed with.
+    agreed: u8,
     /// Variances of velocity ((m/s)^2) and angle (rad^2) that gaps between samples have cost since the last fix.
     bridged: [f32; 2],
     stage: Stage,
@@ -187,6 +191,7 @@ impl VelocityMatch {
         gained: [0.0; 3],
         fix_us: 0,
         refusals: 0,
+        agreed: 0,
         bridged: [0.0; 2],
         stage: Stage::Idle,
     };
@@ -213,6 +218,11 @@ impl VelocityMatch {
     /// Whether velocities have contradicted it once too often.
     pub(super) const fn is_contradicted(&self) -> bool {
         self.refusals >= REFUSALS
+    }
+
+    /// Whether it has agreed with velocities for a minute.
+    pub(super) const fn has_lasted(&self) -> bool {
+        self.agreed >= LASTING
     }
 
     /// Whether fixes have stayed away for so long that the match is void.
@@ -264,6 +274,7 @@ impl VelocityMatch {
                     Stage::Diffuse { state: state + 1, seconds, fix }
                 } else if self.is_plausible(&fix) {
                     self.refusals = 0;
+                    self.agreed = self.agreed.saturating_add(1);
                     Stage::Measure(Component::North, fix)
                 } else {
                     self.refusals = self.refusals.saturating_add(1);
