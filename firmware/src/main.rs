@@ -24,14 +24,15 @@ use core::mem::MaybeUninit;
 
 use drivers::Sensors as _;
 use flight_computer::{
-    FlightComputer, Onboard, Part, SnapshotKeeper, Step, assess_restart, keep_mark, resume_mission,
+    FlightComputer, Onboard, Part, Snapshot, SnapshotKeeper, Step, assess_restart, keep_mark, resume_mission,
 };
 use flight_record::{ExitStatus, Summary, TickRecord};
 use heapless::spsc::{Consumer, Producer, Queue};
 use kf_core::estimator::ConfigError;
 use kf_core::launch::LaunchConfig;
+use kf_core::navigation::KeptInertial;
 use kf_core::strapdown;
-use survival::{MarkWriter, PAYLOAD_BYTES, Supervised, Supervisor};
+use survival::{MarkWriter, PAYLOAD_BYTES, RestartReport, Supervised, Supervisor};
 use telemetry::ComputerStatus;
 
 use board::{Board, CostClock, Feeder, Line, Next, Sensors, Sink, Source, Storage, Watchdog};
@@ -77,10 +78,36 @@ impl TickCounts {
     }
 }
 
-/// Makes the mission where it stays: in a call of its own, or what it needs of the stack would be taken while everything else is made.
+/// The chain of a tick.
+type Computer = FlightComputer<Mutated<Sensors>, Flown<'static>>;
+
+// What is large is made where it stays, in a call of its own: or what it needs of the stack would be taken while everything else is made.
+
 #[inline(never)]
 fn made(place: &'static mut MaybeUninit<FlownMission>) -> Result<&'static mut FlownMission, ConfigError> {
     flown_mission::mission(place)
+}
+
+/// With sensors that know when the vehicle has left.
+#[inline(never)]
+fn recorded_computer(
+    place: &'static mut MaybeUninit<Computer>,
+    sensors: Sensors,
+    mission: &'static mut FlownMission,
+) -> &'static mut Computer {
+    place.write(FlightComputer::new(Mutated(sensors), Flown(mission)))
+}
+
+#[inline(never)]
+fn board_computer(
+    place: &'static mut MaybeUninit<Computer>,
+    sensors: Sensors,
+    mission: &'static mut FlownMission,
+    report: Option<&RestartReport>,
+    inertial: Option<&KeptInertial>,
+) -> Result<&'static mut Computer, ConfigError> {
+    let onboard = Onboard::new(LaunchConfig::DEFAULT, strapdown::Config::MEMS)?.after(report, inertial);
+    Ok(place.write(FlightComputer::on_board(Mutated(sensors), Flown(mission), onboard)))
 }
 
 #[rtic::app(device = stm32f4xx_hal::pac)]
@@ -96,7 +123,7 @@ mod app {
 
     #[shared]
     struct Shared {
-        computer: FlightComputer<Mutated<Sensors>, Flown<'static>>,
+        computer: &'static mut Computer,
         counts: TickCounts,
         #[lock_free]
         feeder: Feeder,
@@ -120,6 +147,7 @@ mod app {
         keeper: SnapshotKeeper,
         snapshots_memory: RetainedWords,
         snapshot: &'static mut [u8; PAYLOAD_BYTES],
+        snapshot_due: &'static mut Option<Snapshot>,
         restarts: u32,
     }
 
@@ -130,6 +158,8 @@ mod app {
         told: ToldQueue = ToldQueue::new(),
         frames: Frames = Frames::new(),
         snapshot_bytes: [u8; PAYLOAD_BYTES] = [0; PAYLOAD_BYTES],
+        due: Option<Snapshot> = None,
+        computer_place: MaybeUninit<Computer> = MaybeUninit::uninit(),
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         board::prepare(&cx.device);
@@ -174,13 +204,13 @@ mod app {
             restart::log(report);
             sink.write(report);
         }
-        let sensors = Mutated(sensors);
-        let computer = match Onboard::new(LaunchConfig::DEFAULT, strapdown::Config::MEMS) {
-            _ if is_recording => FlightComputer::new(sensors, Flown(mission)),
-            Ok(onboard) => {
-                let onboard = onboard.after(report.as_ref(), inertial.as_ref());
-                FlightComputer::on_board(sensors, Flown(mission), onboard)
-            }
+        let made = if is_recording {
+            Ok(recorded_computer(cx.local.computer_place, sensors, mission))
+        } else {
+            board_computer(cx.local.computer_place, sensors, mission, report.as_ref(), inertial.as_ref())
+        };
+        let computer = match made {
+            Ok(computer) => computer,
             Err(_) => board::exit(ExitStatus::Configuration),
         };
         let (results_in, results_out) = cx.local.results.split();
@@ -210,6 +240,7 @@ mod app {
                 keeper: SnapshotKeeper::new(start.order, flown_mission::FINGERPRINT),
                 snapshots_memory,
                 snapshot,
+                snapshot_due: cx.local.due,
                 restarts: report.map_or(0, |report| report.restarts),
             },
         )
@@ -340,14 +371,19 @@ mod app {
     }
 
     /// Writes what the ticks said.
-    #[task(binds = EXTI0, priority = 1, local = [results_out, sink, keeper, snapshots_memory, snapshot, restarts], shared = [computer, counts, feeder])]
+    #[task(
+        binds = EXTI0,
+        priority = 1,
+        local = [results_out, sink, keeper, snapshots_memory, snapshot, snapshot_due, restarts],
+        shared = [computer, counts, feeder],
+    )]
     fn report(cx: report::Context) {
         if mutation::is_busy(mutation::Work::Report) {
             return;
         }
         strike::hang_report();
         let report::LocalResources {
-            results_out, sink, keeper, snapshots_memory, snapshot, restarts, ..
+            results_out, sink, keeper, snapshots_memory, snapshot, snapshot_due, restarts, ..
         } = cx.local;
         let mut computer = cx.shared.computer;
         let mut counts = cx.shared.counts;
@@ -364,8 +400,9 @@ mod app {
                 }
             }
         }
-        let due = computer.lock(|computer| keeper.due(computer.mission.0, computer.onboard.as_ref()));
-        if let Some(due) = &due {
+        let is_due = computer
+            .lock(|computer| keeper.make_due(computer.mission.0, computer.onboard.as_ref(), snapshot_due));
+        if let (true, Some(due)) = (is_due, &*snapshot_due) {
             keeper.keep(snapshots_memory, due, snapshot);
         }
         SUPERVISOR.is_alive(Supervised::Report);

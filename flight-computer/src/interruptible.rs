@@ -98,8 +98,10 @@ impl<Suite: Sensors, Mission: Retainable> Interruptible<Suite, Mission> {
 
     /// The task below the tick: a snapshot, if it is time for one.
     pub fn keep_snapshot(&mut self, memory: &mut impl WordMemory) {
-        if let Some(due) = self.keeper.due(&self.computer.mission, self.computer.onboard.as_ref()) {
-            self.keeper.keep(memory, &due, &mut [0; PAYLOAD_BYTES]);
+        let mut place = None;
+        self.keeper.make_due(&self.computer.mission, self.computer.onboard.as_ref(), &mut place);
+        if let Some(due) = &place {
+            self.keeper.keep(memory, due, &mut [0; PAYLOAD_BYTES]);
         }
     }
 }

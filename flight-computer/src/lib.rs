@@ -23,4 +23,4 @@ pub use interruptible::Interruptible;
 pub use onboard::Onboard;
 pub use part::{PARTS, Part};
 pub use restart::{Assessment, ResetFacts, assess_restart, resume_mission};
-pub use retention::{SnapshotKeeper, keep_mark, mission_mark};
+pub use retention::{Snapshot, SnapshotKeeper, keep_mark, mission_mark};

@@ -109,23 +109,35 @@ impl SnapshotKeeper {
         Self { order, model, last: None, lost: 0 }
     }
 
-    /// The snapshot, if it is time for one. Under the pylon there is none to keep.
-    pub fn due(&self, mission: &impl Retainable, onboard: Option<&Onboard>) -> Option<Snapshot> {
+    /// Makes the snapshot in `place`, if it is time for one, and says whether. Under the pylon there is none to keep. It is large: where it is
+    /// made it stays.
+    #[inline(never)]
+    pub fn make_due(
+        &self,
+        mission: &impl Retainable,
+        onboard: Option<&Onboard>,
+        place: &mut Option<Snapshot>,
+    ) -> bool {
         let mark = mission.mark();
         if mark.stage == Stage::Captive {
-            return None;
+            return false;
         }
         let is_due = self.last.is_none_or(|(last_us, last)| {
             mark != last || mission.last_us().saturating_sub(last_us) >= EVERY_US
         });
         if !is_due {
-            return None;
+            return false;
         }
-        let inertial = onboard.and_then(Onboard::kept);
-        mission.snapshot().map(|mission| Snapshot { mark, inertial, mission })
+        *place = mission.snapshot().map(|mission| Snapshot {
+            mark,
+            inertial: onboard.and_then(Onboard::kept),
+            mission,
+        });
+        place.is_some()
     }
 
     /// Keeps it; `buffer` is ordinary memory.
+    #[inline(never)]
     pub fn keep(
         &mut self,
         memory: &mut impl WordMemory,

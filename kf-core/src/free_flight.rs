@@ -189,11 +189,11 @@ pub(crate) struct KeptWatch {
     testimony: Testimony,
 }
 
-/// What of free flight can not be had again from configuration and latch.
+/// What of free flight can not be had again from configuration and latch. It is read part by part.
 pub(crate) type KeptFreeFlight = (Standing, [Option<KeptWatch>; WATCHED.len()]);
 
 /// The sensors that fly free. There is no room kept for one that does not: a watch is over half a kilobyte.
-const WATCHED: [Sensor; 2] = [Sensor::ImuSlave, Sensor::Baro];
+pub(crate) const WATCHED: [Sensor; 2] = [Sensor::ImuSlave, Sensor::Baro];
 
 const fn position(sensor: Sensor) -> Option<usize> {
     match sensor {
@@ -267,11 +267,16 @@ impl FreeFlight {
         (self.reference.standing(), [kept(slave), kept(baro)])
     }
 
-    /// Goes on from a snapshot; false where that is not of this configuration and latch.
-    pub(crate) fn restore(&mut self, kept: &KeptFreeFlight) -> bool {
-        let (standing, kept) = kept;
-        self.reference.restore(*standing);
-        self.watches.iter_mut().zip(kept).all(|(watch, kept)| match kept {
+    /// Goes on with the reference of a snapshot.
+    pub(crate) fn restore_standing(&mut self, standing: Standing) {
+        self.reference.restore(standing);
+    }
+
+    /// Goes on with the watch of a snapshot over the sensor at a place of [`WATCHED`]; false where that is not of this configuration and
+    /// latch.
+    pub(crate) fn restore_watch(&mut self, place: usize, kept: Option<&KeptWatch>) -> bool {
+        let Some(watch) = self.watches.get_mut(place) else { return false };
+        match kept {
             None => !watch.is_on,
             Some(kept) if watch.is_on => {
                 watch.monitor.restore(&kept.monitor);
@@ -280,7 +285,7 @@ impl FreeFlight {
                 watch.correction.restore(&kept.correction)
             }
             Some(_) => false,
-        })
+        }
     }
 
     /// From now on the sensor's error is not known. Flags stay.

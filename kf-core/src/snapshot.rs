@@ -11,12 +11,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::config::MAX_ESTIMATED_EFFECTS;
 use crate::effect::SignalTracker;
-use crate::free_flight::KeptFreeFlight;
+use crate::free_flight::{KeptFreeFlight, KeptWatch};
 use crate::latch::LatchRecord;
 use crate::mission::Counters;
 use crate::output::Trust;
 use crate::reading::StuckDetector;
 use crate::reference::ReferenceTracker;
+use crate::reference_check::Standing;
 use crate::sensor::{SENSORS, Sensor};
 
 /// Version of the layout: of this struct, of every type in it, and of the [`MissionMark`] that it goes with.
@@ -122,7 +123,10 @@ fields! {
     /// `first_us`, `last_us`, `launch_was`.
     times: (u64, u64, bool);
     latch: LatchRecord;
-    free_flight: KeptFreeFlight;
+    /// The first part of `free_flight`.
+    standing: Standing;
+    /// The watch of each sensor that flies free: the rest of `free_flight`.
+    watch: Option<KeptWatch>;
     cross_check: Trust;
     signals: SignalTracker;
     tracker: ReferenceTracker;

@@ -2,6 +2,7 @@
 
 use super::{Counters, Mission};
 use crate::effect::{EffectSubject, SignalTracker};
+use crate::free_flight::WATCHED;
 use crate::latch::{LatchRecord, collected};
 use crate::output::{Phase, Trust};
 use crate::sensor::Sensor;
@@ -162,7 +163,12 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         if let Some(latch) = &self.latch {
             self.free_flight.begin(&self.config, latch);
         }
-        Ok(self.free_flight.restore(&fields.free_flight()?))
+        self.free_flight.restore_standing(fields.standing()?);
+        let mut are_ours = true;
+        for place in 0..WATCHED.len() {
+            are_ours &= self.free_flight.restore_watch(place, fields.watch()?.as_ref());
+        }
+        Ok(are_ours)
     }
 
     #[inline(never)]
@@ -236,5 +242,9 @@ fn check_mark(counters: &Counters, mark: &MissionMark) -> Result<(), SnapshotErr
 
 #[inline(never)]
 fn pass_watches(fields: &mut Fields<'_>) -> Result<(), SnapshotError> {
-    fields.free_flight().map(|_| ())
+    fields.standing()?;
+    for _ in WATCHED {
+        fields.watch()?;
+    }
+    Ok(())
 }
