@@ -383,7 +383,14 @@ mod app {
         }
         strike::hang_report();
         let report::LocalResources {
-            results_out, sink, keeper, snapshots_memory, snapshot, snapshot_due, restarts, ..
+            results_out,
+            sink,
+            keeper,
+            snapshots_memory,
+            snapshot,
+            snapshot_due,
+            restarts,
+            ..
         } = cx.local;
         let mut computer = cx.shared.computer;
         let mut counts = cx.shared.counts;

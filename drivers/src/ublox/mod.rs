@@ -1,5 +1,5 @@
-//! u-blox satellite receiver on a UART, by its UBX protocol (interface description UBX-22008968; the parser is the
-//! `ublox` crate's).
+//! u-blox satellite receiver on a UART, by its UBX protocol (interface description UBX-22008968). What a frame's payload says is read by the
+//! `ublox` crate; its parser is not used, which sums a whole frame up in the tick of its last byte.
 //!
 //! # Configuration
 //! The receiver is told to send UBX only (its NMEA sentences, 650 bytes with each solution, would fill a line of 38,400 baud at 6
@@ -14,17 +14,19 @@
 //! three-dimensional and within the receiver's own limits is counted and is no fix.
 
 mod config_messages;
+mod frames;
 mod link;
 
 pub use link::{ACKNOWLEDGE_US, ATTEMPTS};
 
 use embedded_io::{Read, ReadReady, Write, WriteReady};
+use frames::{FrameError, Frames};
 use kf_core::input::GpsFix;
 use link::{Answer, Link};
+use ublox::UbxProtocol as _;
 use ublox::nav_pvt::common::NavPvtFlags;
 use ublox::nav_pvt::proto27::NavPvtRef;
 use ublox::proto27::{PacketRef, Proto27};
-use ublox::{FixedBuffer, Parser, ParserBuilder, ParserError, UbxPacket};
 
 use crate::error::SensorError;
 use crate::health::Health;
@@ -32,9 +34,6 @@ use crate::sensor::SatelliteReceiver;
 
 /// Bytes that one poll takes at most, which bounds its work: a fix of 100 bytes in every tick, as some flights have it.
 pub const MAX_POLL_BYTES: usize = 128;
-/// What the parser can hold back: the longest frame that is asked for has 100 bytes. A longer one, or garbage
-/// that pretends to be one, is dropped after so many.
-const PARSER_BYTES: usize = 256;
 /// The receiver is stale after so many halves of the time between the last two solutions, at most so long in microseconds. One lost
 /// solution is none; and it is configured anew so early that whatever made it silent costs it half a second beyond that.
 const STALE_HALVES: u64 = 5;
@@ -107,7 +106,7 @@ pub struct Ublox<Port> {
 
 /// What comes from the receiver, whatever port it comes through: compiled once, in this crate, and so for speed.
 struct Stream {
-    parser: Parser<FixedBuffer<PARSER_BYTES>, Proto27>,
+    frames: Frames,
     datum: Datum,
     week_start_ms: u64,
     last_time_of_week_ms: u32,
@@ -201,7 +200,7 @@ impl<Port: Read + ReadReady + Write + WriteReady> Ublox<Port> {
 impl Stream {
     const fn new(datum: Datum) -> Self {
         Self {
-            parser: ParserBuilder::new().with_protocol::<Proto27>().with_fixed_buffer(),
+            frames: Frames::new(),
             datum,
             week_start_ms: 0,
             last_time_of_week_ms: 0,
@@ -220,40 +219,43 @@ impl Stream {
     }
 
     #[inline(never)]
-    fn parse(&mut self, bytes: &[u8]) -> Received {
-        let Self { parser, counts, datum, week_start_ms, last_time_of_week_ms } = self;
+    fn parse(&mut self, mut bytes: &[u8]) -> Received {
+        let Self { frames, counts, datum, week_start_ms, last_time_of_week_ms } = self;
         let mut received = Received::default();
-        let mut frames = parser.consume_ubx(bytes);
-        while let Some(frame) = frames.next() {
-            match frame {
-                Ok(packet) => {
-                    count(&mut counts.frames);
-                    match packet {
-                        UbxPacket::Proto27(PacketRef::NavPvt(solution)) => {
-                            received.solution = true;
-                            if !is_fix(&solution) {
-                                count(&mut counts.no_fix);
-                                continue;
-                            }
-                            let time_ms = unwrapped(solution.itow(), week_start_ms, last_time_of_week_ms);
-                            if received.fix.replace(fix(&solution, *datum, time_ms)).is_some() {
-                                count(&mut counts.superseded);
-                            }
-                        }
-                        UbxPacket::Proto27(PacketRef::AckAck(ack)) => {
-                            received.answer = Some(Answer::Acknowledged(ack.class(), ack.msg_id()));
-                        }
-                        UbxPacket::Proto27(PacketRef::AckNak(nak)) => {
-                            received.answer = Some(Answer::Refused(nak.class(), nak.msg_id()));
-                        }
-                        _ => {}
+        while let Some(frame) = frames.next(&mut bytes) {
+            let packet = match frame {
+                Ok(frame) => Proto27::match_packet(frame.class, frame.id, frame.payload).ok(),
+                Err(FrameError::Oversized) => {
+                    count(&mut counts.oversized);
+                    continue;
+                }
+                Err(FrameError::Checksum) => None,
+            };
+            let Some(packet) = packet else {
+                count(&mut counts.bad_frames);
+                received.bad = true;
+                continue;
+            };
+            count(&mut counts.frames);
+            match packet {
+                PacketRef::NavPvt(solution) => {
+                    received.solution = true;
+                    if !is_fix(&solution) {
+                        count(&mut counts.no_fix);
+                        continue;
+                    }
+                    let time_ms = unwrapped(solution.itow(), week_start_ms, last_time_of_week_ms);
+                    if received.fix.replace(fix(&solution, *datum, time_ms)).is_some() {
+                        count(&mut counts.superseded);
                     }
                 }
-                Err(ParserError::OutOfMemory { .. }) => count(&mut counts.oversized),
-                Err(_) => {
-                    count(&mut counts.bad_frames);
-                    received.bad = true;
+                PacketRef::AckAck(ack) => {
+                    received.answer = Some(Answer::Acknowledged(ack.class(), ack.msg_id()));
                 }
+                PacketRef::AckNak(nak) => {
+                    received.answer = Some(Answer::Refused(nak.class(), nak.msg_id()));
+                }
+                _ => {}
             }
         }
         received
