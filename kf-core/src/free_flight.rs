@@ -398,7 +398,7 @@ impl FreeFlight {
     #[inline]
     pub(crate) fn trust(&self, sensor: Sensor, time_us: u64, has_reference: bool) -> Trust {
         let Some(watch) = self.watch(sensor) else { return Trust::Unmonitored };
-        let is_silent = time_us.saturating_sub(watch.monitor.last_us()) > self.silent_after_us;
+        let is_silent = time_us.saturating_sub(watch.testimony.time_us) > self.silent_after_us;
         match watch.monitor.trust() {
             Trust::Trusted if !has_reference || is_silent || watch.stopped || watch.is_unjudged => {
                 Trust::Unmonitored

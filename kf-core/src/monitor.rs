@@ -33,12 +33,15 @@ pub struct Monitor {
     window_us: u32,
     /// See [`longest_step_us`].
     longest_step_us: u32,
-    /// How much of the window readings cover, microseconds.
+    /// What is before it, no reading covers.
+    began_us: u64,
+    /// While there is doubt: how much of the window readings cover, microseconds.
     covered_us: u32,
     /// For how long the error must have been beyond the bound before a sensor is untrustworthy, microseconds.
     persistence_us: u32,
     /// For how long it has been: what it is within the bound counts back.
     beyond_us: u32,
+    /// While there is doubt: the last reading; 0 before the first.
     last_us: u64,
     trust: Trust,
 }
@@ -55,7 +58,7 @@ pub(crate) struct KeptMonitor {
 
 impl Monitor {
     /// A monitor with the squared bound `(multiplier * sigma)^2` in square metres, positive and
-    /// finite, and a moving average over `window_us`, from time 0 on.
+    /// finite, and a moving average over `window_us`.
     #[must_use]
     pub fn new(bound_m2: f32, window_us: u64) -> Self {
         Self {
@@ -63,6 +66,7 @@ impl Monitor {
             average: MovingAverage::new(window_us),
             window_us: u32::try_from(window_us).unwrap_or(u32::MAX),
             longest_step_us: u32::MAX,
+            began_us: 0,
             covered_us: 0,
             persistence_us: 0,
             beyond_us: 0,
@@ -80,12 +84,13 @@ impl Monitor {
 
     /// Begins anew at `time_us` with another bound, where it is. A reading covers at most `longest_step_us`.
     pub fn restart(&mut self, bound_m2: f32, time_us: u64, longest_step_us: u32) {
+        self.began_us = time_us;
         self.bound_m2 = bound_m2;
         self.average.restart();
         self.longest_step_us = longest_step_us;
         self.covered_us = 0;
         self.beyond_us = 0;
-        self.last_us = time_us;
+        self.last_us = 0;
         self.trust = Trust::Trusted;
     }
 
@@ -97,25 +102,39 @@ impl Monitor {
     pub fn update(&mut self, time_us: u64, error_m: f32) -> f32 {
         let average_m = self.average.add(time_us, error_m);
         let is_beyond = error_m * error_m > self.bound_m2;
-        self.cover(time_us, is_beyond);
         match self.trust {
-            Trust::Trusted if is_beyond => self.trust = Trust::Doubtful,
-            Trust::Doubtful => {
-                let weighted_m = average_m * self.share_covered();
-                if weighted_m * weighted_m > self.bound_m2 && self.has_persisted() {
-                    self.trust = Trust::Untrustworthy;
-                }
-            }
+            Trust::Trusted if is_beyond => self.doubt(time_us, is_beyond, average_m),
+            Trust::Doubtful => self.doubt(time_us, is_beyond, average_m),
             _ => {}
         }
         average_m
     }
 
+    /// The share of the window and the persistence matter only while there is doubt. The first doubt takes the share from the
+    /// average's parts, to one of them.
+    #[inline(never)]
+    fn doubt(&mut self, time_us: u64, is_beyond: bool, average_m: f32) {
+        if self.last_us == 0 {
+            let since_us = u32::try_from(time_us.saturating_sub(self.began_us)).unwrap_or(u32::MAX);
+            let covered_us = self.average.covered_us(time_us, self.longest_step_us);
+            self.covered_us = covered_us.min(since_us).min(self.window_us);
+        } else {
+            self.cover(time_us, is_beyond);
+        }
+        self.last_us = time_us;
+        if self.trust == Trust::Trusted {
+            self.trust = Trust::Doubtful;
+            return;
+        }
+        let weighted_m = average_m * self.share_covered();
+        if weighted_m * weighted_m > self.bound_m2 && self.has_persisted() {
+            self.trust = Trust::Untrustworthy;
+        }
+    }
+
     /// The window moves on to `time_us`; its newest part is what this reading covers.
-    #[inline(always)]
     fn cover(&mut self, time_us: u64, is_beyond: bool) {
         let step_us = u32::try_from(time_us.saturating_sub(self.last_us)).unwrap_or(u32::MAX);
-        self.last_us = time_us;
         let still_in_us = self.covered_us.min(self.window_us.saturating_sub(step_us));
         let new_us = step_us.min(self.longest_step_us);
         self.covered_us = still_in_us.saturating_add(new_us).min(self.window_us);
@@ -148,13 +167,6 @@ impl Monitor {
             (_, Trust::Untrustworthy) | (Trust::Trusted, Trust::Doubtful) => self.trust = trust,
             _ => {}
         }
-    }
-
-    /// Time of the last reading, or of the beginning, microseconds.
-    #[must_use]
-    #[inline]
-    pub const fn last_us(&self) -> u64 {
-        self.last_us
     }
 
     pub(crate) fn kept(&self) -> KeptMonitor {

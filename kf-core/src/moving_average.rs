@@ -152,6 +152,26 @@ impl MovingAverage {
         (closed.sum + open.sum) / (closed.count + open.count)
     }
 
+    /// How much of the window its samples cover at the time of the newest, microseconds, where one covers the time before it up to
+    /// `longest_us`; to one bin, and up to a bin more than the window.
+    #[inline(never)]
+    pub(crate) fn covered_us(&self, time_us: u64, longest_us: u32) -> u32 {
+        let bins = &self.bins;
+        let bin_us = u32::try_from(self.bin_us).unwrap_or(u32::MAX);
+        let open_begins_us = bins.open_ends_us.saturating_sub(self.bin_us);
+        let mut covered_us =
+            u32::try_from(time_us.saturating_sub(open_begins_us)).unwrap_or(u32::MAX).min(bin_us);
+        let mut reach_us = longest_us.saturating_sub(covered_us);
+        let (newer, older) = bins.ring.split_at_checked(usize::from(bins.next)).unwrap_or_default();
+        for bin in newer.iter().rev().chain(older.iter().rev()) {
+            let is_full = bin.count > 0.0;
+            let covers_us = if is_full { bin_us } else { reach_us.min(bin_us) };
+            covered_us = covered_us.saturating_add(covers_us);
+            reach_us = if is_full { longest_us } else { reach_us }.saturating_sub(bin_us);
+        }
+        covered_us
+    }
+
     /// Moves on to the bin that holds `time_us`: the next one, but after a gap.
     #[inline(never)]
     fn close_bins(&mut self, time_us: u64) {
