@@ -137,12 +137,39 @@ impl MovingAverage {
     /// Adds a sample (finite, times increasing) and returns the mean of the window.
     #[inline(always)]
     pub fn add(&mut self, time_us: u64, sample: f32) -> f32 {
-        if time_us >= self.bins.open_ends_us {
+        if self.is_due(time_us) {
             self.close_bins(time_us);
         }
+        self.add_to_open(sample)
+    }
+
+    /// Whether the open bin has to be closed before a sample of that time is added.
+    #[inline(always)]
+    pub(crate) const fn is_due(&self, time_us: u64) -> bool {
+        time_us >= self.bins.open_ends_us
+    }
+
+    /// [`Self::add`] where nothing is due.
+    #[inline(always)]
+    pub(crate) fn add_to_open(&mut self, sample: f32) -> f32 {
         self.bins.open.sum += sample;
         self.bins.open.count += 1.0;
         self.mean()
+    }
+
+    /// Samples in the open bin.
+    pub(crate) const fn open_count(&self) -> u32 {
+        self.bins.open.count as u32
+    }
+
+    /// When the open bin ends; 0 before the first.
+    pub(crate) const fn open_ends_us(&self) -> u64 {
+        self.bins.open_ends_us
+    }
+
+    /// Length of a bin, microseconds.
+    pub(crate) fn bin_us(&self) -> u32 {
+        u32::try_from(self.bin_us).unwrap_or(u32::MAX)
     }
 
     /// Mean of the window's samples; NaN where there is none.
@@ -152,29 +179,9 @@ impl MovingAverage {
         (closed.sum + open.sum) / (closed.count + open.count)
     }
 
-    /// How much of the window its samples cover at the time of the newest, microseconds, where one covers the time before it up to
-    /// `longest_us`; to one bin, and up to a bin more than the window.
-    #[inline(never)]
-    pub(crate) fn covered_us(&self, time_us: u64, longest_us: u32) -> u32 {
-        let bins = &self.bins;
-        let bin_us = u32::try_from(self.bin_us).unwrap_or(u32::MAX);
-        let open_begins_us = bins.open_ends_us.saturating_sub(self.bin_us);
-        let mut covered_us =
-            u32::try_from(time_us.saturating_sub(open_begins_us)).unwrap_or(u32::MAX).min(bin_us);
-        let mut reach_us = longest_us.saturating_sub(covered_us);
-        let (newer, older) = bins.ring.split_at_checked(usize::from(bins.next)).unwrap_or_default();
-        for bin in newer.iter().rev().chain(older.iter().rev()) {
-            let is_full = bin.count > 0.0;
-            let covers_us = if is_full { bin_us } else { reach_us.min(bin_us) };
-            covered_us = covered_us.saturating_add(covers_us);
-            reach_us = if is_full { longest_us } else { reach_us }.saturating_sub(bin_us);
-        }
-        covered_us
-    }
-
     /// Moves on to the bin that holds `time_us`: the next one, but after a gap.
     #[inline(never)]
-    fn close_bins(&mut self, time_us: u64) {
+    pub(crate) fn close_bins(&mut self, time_us: u64) {
         self.close_bin();
         if time_us >= self.bins.open_ends_us {
             self.catch_up(time_us);

@@ -80,9 +80,6 @@ impl Gate {
     }
 }
 
-/// Up to so many tail states a multiplication by zero is cheaper than to ask for it.
-const SHORT_ROW: usize = 4;
-
 /// What a scalar update found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Innovation {
@@ -206,26 +203,21 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
             value -= self.head_step[i];
             head_alpha += self.head_d[i];
         }
-        let mut f = row.tail;
-        if let Some(i) = head {
-            for j in first..TAIL {
-                f[j] += self.cross[i][j];
-            }
-        }
-        // Most of a long row is zero: a sensor's has its bias, its own effects and the altitude.
-        for k in first..last {
-            if TAIL <= SHORT_ROW || row.tail[k] != 0.0 {
-                for j in k + 1..TAIL {
-                    f[j] += row.tail[k] * self.factor[k][j];
-                }
-            }
-        }
+        let mut f = [0.0; TAIL];
         let mut v = [0.0; TAIL];
         let mut alpha = [0.0; TAIL];
         let mut variance = head_alpha;
         for j in first..TAIL {
-            v[j] = self.tail_d[j] * f[j];
-            variance += v[j] * f[j];
+            let mut sum = row.tail[j];
+            if let Some(i) = head {
+                sum += self.cross[i][j];
+            }
+            for k in first..j {
+                sum += row.tail[k] * self.factor[k][j];
+            }
+            f[j] = sum;
+            v[j] = self.tail_d[j] * sum;
+            variance += v[j] * sum;
             alpha[j] = variance;
             value -= row.tail[j] * self.tail_state[j];
         }
