@@ -39,20 +39,17 @@ pub struct Monitor {
     persistence_us: u32,
     /// For how long it has been: what it is within the bound counts back.
     beyond_us: u32,
-    /// How many readings of the part that is being filled are beyond the bound.
-    beyond: u32,
     /// When a part was last closed.
     last_us: u64,
     trust: Trust,
 }
 
 /// What of a monitor can not be had again from its bound, window and sensor.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct KeptMonitor {
     average: KeptAverage,
     covered_us: u32,
     beyond_us: u32,
-    beyond: u32,
     /// When a part was last closed, by the end of the one that is open: three bytes instead of seven.
     closed_before_us: i64,
     trust: Trust,
@@ -71,7 +68,6 @@ impl Monitor {
             covered_us: 0,
             persistence_us: 0,
             beyond_us: 0,
-            beyond: 0,
             last_us: 0,
             trust: Trust::Trusted,
         }
@@ -91,7 +87,6 @@ impl Monitor {
         self.longest_step_us = longest_step_us;
         self.covered_us = 0;
         self.beyond_us = 0;
-        self.beyond = 0;
         self.last_us = time_us;
         self.trust = Trust::Trusted;
     }
@@ -107,9 +102,6 @@ impl Monitor {
         }
         let average_m = self.average.add_to_open(error_m);
         let is_beyond = error_m * error_m > self.bound_m2;
-        if is_beyond {
-            self.beyond = self.beyond.saturating_add(1);
-        }
         match self.trust {
             Trust::Trusted if is_beyond => self.trust = Trust::Doubtful,
             Trust::Doubtful if average_m * average_m > self.bound_m2 => self.judge(average_m),
@@ -128,7 +120,8 @@ impl Monitor {
     }
 
     /// The share and the persistence are kept by the average's parts, not by the reading: that is as good, to one part, and once in twelve
-    /// ticks instead of at each. A part is beyond the bound if most of its readings are.
+    /// ticks instead of at each. A part is beyond the bound if the mean of its readings is: one that is kilometres off makes it so, but only
+    /// that part.
     #[inline(never)]
     fn close_part(&mut self, time_us: u64) {
         let readings = self.average.open_count();
@@ -139,13 +132,13 @@ impl Monitor {
             let new_us = step_us.min(readings.saturating_mul(self.longest_step_us)).min(longest_us);
             let still_in_us = self.covered_us.min(self.window_us.saturating_sub(step_us));
             self.covered_us = still_in_us.saturating_add(new_us).min(self.window_us);
-            self.beyond_us = if self.beyond.saturating_mul(2) > readings {
+            let mean_m = self.average.open_mean();
+            self.beyond_us = if mean_m * mean_m > self.bound_m2 {
                 self.beyond_us.saturating_add(new_us).min(self.persistence_us)
             } else {
                 self.beyond_us.saturating_sub(new_us)
             };
         }
-        self.beyond = 0;
         self.average.close_bins(time_us);
     }
 
@@ -179,7 +172,6 @@ impl Monitor {
             average: self.average.kept(),
             covered_us: self.covered_us,
             beyond_us: self.beyond_us,
-            beyond: self.beyond,
             closed_before_us: self.average.open_ends_us().wrapping_sub(self.last_us) as i64,
             trust: self.trust,
         }
@@ -190,7 +182,6 @@ impl Monitor {
         self.average.restore(&kept.average);
         self.covered_us = kept.covered_us;
         self.beyond_us = kept.beyond_us;
-        self.beyond = kept.beyond;
         self.last_us = self.average.open_ends_us().wrapping_sub(kept.closed_before_us as u64);
         self.trust = kept.trust;
     }

@@ -83,7 +83,7 @@ pub struct MovingAverage {
 }
 
 /// What of a moving average can not be had again from its window.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct KeptAverage {
     open: Bin,
     /// Total of the closed bins.
@@ -127,11 +127,11 @@ impl MovingAverage {
     }
 
     pub(crate) fn kept(&self) -> KeptAverage {
-        self.bins.clone()
+        self.bins
     }
 
     pub(crate) fn restore(&mut self, kept: &KeptAverage) {
-        self.bins.clone_from(kept);
+        self.bins = *kept;
     }
 
     /// Adds a sample (finite, times increasing) and returns the mean of the window.
@@ -160,6 +160,11 @@ impl MovingAverage {
     /// Samples in the open bin.
     pub(crate) const fn open_count(&self) -> u32 {
         self.bins.open.count as u32
+    }
+
+    /// Mean of the open bin's samples; NaN where there is none.
+    pub(crate) const fn open_mean(&self) -> f32 {
+        self.bins.open.sum / self.bins.open.count
     }
 
     /// When the open bin ends; 0 before the first.

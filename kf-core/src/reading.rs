@@ -15,7 +15,7 @@ const STUCK_AFTER_READINGS: u32 = 20;
 /// when the repetition has lasted, and either the sensor is known to resolve less than half its noise
 /// (then equal readings are as good as impossible), or the reference has meanwhile moved by more than
 /// three sigmas of both.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StuckDetector {
     last: Option<f32>,
     since_us: u64,

@@ -23,7 +23,7 @@ pub struct AcceptedFix {
 }
 
 /// Follows the reference.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ReferenceTracker {
     lost_after_us: u64,
     carries_climb: bool,

@@ -48,7 +48,7 @@ pub(super) struct Step<'a> {
 }
 
 /// The integrals; all zero at launch.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct FreeFlightIntegrals {
     /// Decided once, at the first tick that has any.
     pub source: Option<AccelerationSource>,

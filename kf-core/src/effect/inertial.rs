@@ -50,7 +50,7 @@ fn turned((sine, cosine): (f32, f32), by_rad: f32) -> (f32, f32) {
 }
 
 /// Latest specific force and attitude.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Inertial {
     accel: Option<(u64, [f32; 3])>,
     load_factor: Option<f32>,

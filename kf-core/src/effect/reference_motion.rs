@@ -14,7 +14,7 @@ const GAP_S: f32 = 10.0;
 const CARRIED_S: f32 = 2.0;
 
 /// What the fixes say of the motion.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct ReferenceMotion {
     last: Option<(u64, f32)>,
     climb_rate_mps: Option<f32>,

@@ -32,7 +32,7 @@ pub enum AirspeedSource {
 /// Give it every tick in time order: [`Self::begin_calibration`] or [`Self::begin_free_flight`] first, if
 /// it is the first tick of that phase, then [`Self::take`], then ask for [`Self::regressor_m`]. Numbers that
 /// are not finite are not taken, and counted. What no effect of the model reads costs nothing.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SignalTracker {
     uses: Uses,
     /// `2 Omega cos(latitude)`, rad/s.

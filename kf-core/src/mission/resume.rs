@@ -23,10 +23,10 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             latch: latch.clone(),
             free_flight: self.free_flight.kept(),
             cross_check: self.cross_check.trust(),
-            signals: self.signals.clone(),
-            tracker: self.tracker.clone(),
+            signals: self.signals,
+            tracker: self.tracker,
             fix_regressors_m: collected(self.fix_regressors_m.into_iter()),
-            stuck: self.stuck.clone(),
+            stuck: self.stuck,
             last_accepted_us: self.last_accepted_us,
             counters: self.counters,
         })
