@@ -212,7 +212,7 @@ mod tests {
             // Rates of the interval's middle, angles of its begin: a thousandth of the 0.05 rad turned.
             assert!((f64::from(ours) - exact).abs() < 1e-4, "{ours} {exact}");
         }
-        let before = inertial.clone();
+        let before = inertial;
         inertial.turn(105_000, [1e9, 0.0, 0.0]);
         inertial.turn(105_000, [f32::NAN, 0.0, 0.0]);
         assert_eq!(inertial, before);
