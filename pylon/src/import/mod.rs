@@ -15,6 +15,8 @@ pub mod record;
 pub mod signs;
 mod stamps;
 mod table;
+#[cfg(test)]
+mod testing;
 pub mod tlog;
 pub mod ulog;
 mod words;
@@ -42,8 +44,8 @@ pub trait Importer: Sync {
     fn import(&self, log: &[u8]) -> Result<(Flight, Vec<Note>), ImportError>;
 }
 
-/// Every importer. Those whose beginning is the surest are asked first. The record is asked before the tlog: its frames have a check of 32 bits, and a MAVLink frame, whose check
-/// has 16, may be found in any long file.
+/// Every importer. Those whose beginning is the surest are asked first. The record is asked before the tlog: its frames
+/// have a check of 32 bits, and a MAVLink frame, whose check has 16, may be found in any long file.
 pub static IMPORTERS: &[&dyn Importer] = &[
     &ulog::Ulog,
     &altus::Altus,

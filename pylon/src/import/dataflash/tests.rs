@@ -1,5 +1,9 @@
 use super::*;
 use crate::flight::Channel;
+use crate::import::testing::{
+    assert_any_byte_costs_its_message, assert_channels, assert_garbage_costs_nothing_else, garbage, import,
+    said, samples, signal,
+};
 
 /// A value of a field.
 #[derive(Clone, Debug)]
@@ -161,24 +165,6 @@ fn copter(seconds: u32) -> Writer {
     writer
 }
 
-fn import(log: &[u8]) -> (Flight, Vec<String>) {
-    let (flight, notes) = crate::import::import(log).unwrap();
-    (flight, notes.iter().map(|note| note.text().to_owned()).collect())
-}
-
-fn samples(flight: &Flight, channel: Channel) -> Vec<f32> {
-    flight.channel(channel).map_or_else(Vec::new, |column| column.samples().map(|(_, value)| value).collect())
-}
-
-fn signal(flight: &Flight, name: &str) -> Vec<f32> {
-    let found = flight.extra.iter().find(|(found, _)| found == name);
-    found.map_or_else(Vec::new, |(_, column)| column.samples().map(|(_, value)| value).collect())
-}
-
-fn said(notes: &[String], words: &str) -> bool {
-    notes.iter().any(|note| note.contains(words))
-}
-
 fn times(flight: &Flight, channel: Channel) -> Vec<f64> {
     let column = flight.channel(channel).unwrap();
     column.samples().map(|(row, _)| flight.time_s[row]).collect()
@@ -204,7 +190,7 @@ fn a_copters_log_is_the_same_flight_in_both_forms() {
         flight.header
     );
 
-    let expected: [(Channel, usize, f32); 16] = [
+    let expected = [
         (Channel::BaroPa, 100, 95_000.0),
         (Channel::BaroTempC, 100, 31.5),
         (Channel::GpsAltM, 25, 500.0),
@@ -222,11 +208,7 @@ fn a_copters_log_is_the_same_flight_in_both_forms() {
         (Channel::YawRad, 100, (-23_f32).to_radians()),
         (Channel::Throttle, 100, 0.45),
     ];
-    for (channel, count, first) in expected {
-        let found = samples(&flight, channel);
-        assert_eq!(found.len(), count, "{}", channel.name());
-        assert!((found[0] - first).abs() <= first.abs() * 1e-6, "{}: {}", channel.name(), found[0]);
-    }
+    assert_channels(&flight, &expected);
     assert!(samples(&flight, Channel::GpsVnMps)[0].abs() < 1e-6);
     // The multiplier of FMTU makes -150 hundredths of m/s of a whole number.
     assert_eq!(signal(&flight, "autopilot_climb_mps")[0], -1.5);
@@ -243,38 +225,15 @@ fn a_copters_log_is_the_same_flight_in_both_forms() {
     }
 }
 
-/// Cost and message of damage, for each byte of a log.
 #[test]
 fn a_log_with_any_byte_changed_costs_that_message_and_moves_no_other() {
     let log = copter(3);
-    let clean = import(&log.binary).0;
-    let all = samples(&clean, Channel::BaroPa).len();
-    let messages = log.places.iter().position(|(_, name)| *name == "IMU").unwrap();
-    let first = log.places[messages].0;
-    for at in 0..log.binary.len() {
-        for flip in [0x01, 0x80, 0xff] {
-            let mut bytes = log.binary.clone();
-            bytes[at] ^= flip;
-            let Ok((flight, _)) = crate::import::import(&bytes) else {
-                assert!(at < first, "byte {at} ^ {flip:#x} makes the log unusable");
-                continue;
-            };
-            if at < first {
-                continue;
-            }
-            let (start, name) = *log.places.iter().rev().find(|(place, _)| *place <= at).unwrap();
-            let what = format!("byte {} of {name} ^ {flip:#x}", at - start);
-            // The last message of all has none behind it; one within seconds of the others' times may be its own.
-            assert!(flight.time_s.last().unwrap() - clean.time_s.last().unwrap() <= 5.0, "{what}");
-            let kept = samples(&flight, Channel::BaroPa).len();
-            assert!(kept + 2 >= all, "{what}: {kept} of {all}");
-            let moved = samples(&flight, Channel::BaroPa)
-                .iter()
-                .filter(|pa| !(94_000.0..96_000.0).contains(*pa))
-                .count();
-            assert!(moved <= 1, "{what}: {moved}");
-        }
-    }
+    let (first, _) = *log.places.iter().find(|(_, name)| *name == "IMU").unwrap();
+    let message_of = |at| {
+        let (start, name) = *log.places.iter().rev().find(|(place, _)| *place <= at).unwrap();
+        (start, name.to_owned())
+    };
+    assert_any_byte_costs_its_message(&log.binary, message_of, first);
 }
 
 #[test]
@@ -305,18 +264,11 @@ fn a_log_cut_anywhere_is_read_up_to_there() {
 fn garbage_in_the_middle_and_lost_bytes_are_named_and_cost_nothing_else() {
     let log = copter(10);
     let clean = import(&log.binary).0;
-    let (at, _) = log.places[400];
-    let mut garbage: Vec<u8> = (0..5_000_u32).map(|k| (k.wrapping_mul(2_654_435_761) >> 13) as u8).collect();
     // Headers in it, of a kind that is defined and of one that is not.
+    let mut garbage = garbage(5_000);
     garbage[100..103].copy_from_slice(&[0xa3, 0x95, 132]);
     garbage[200..203].copy_from_slice(&[0xa3, 0x95, 250]);
-    let mut bytes = log.binary.clone();
-    bytes.splice(at..at, garbage);
-    let (flight, notes) = import(&bytes);
-    assert_eq!(samples(&flight, Channel::BaroPa), samples(&clean, Channel::BaroPa));
-    assert_eq!(flight.time_s, clean.time_s);
-    let words = format!("damaged: 1 stretch, 5000 of the file's {} bytes", bytes.len());
-    assert!(said(&notes, &words) && said(&notes, &format!("the first at byte {at}")), "{notes:?}");
+    assert_garbage_costs_nothing_else(&log.binary, log.places[400].0, &garbage);
 
     // Ten bytes are missing in a message: the next one is whole.
     let (at, _) = *log.places.iter().skip(400).find(|(_, name)| *name == "IMU").unwrap();

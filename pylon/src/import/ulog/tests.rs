@@ -1,5 +1,9 @@
 use super::*;
 use crate::flight::Channel;
+use crate::import::testing::{
+    assert_any_byte_costs_its_message, assert_channels, assert_garbage_costs_nothing_else, garbage, import,
+    said, samples, signal,
+};
 
 /// Writes a log.
 #[derive(Clone)]
@@ -159,24 +163,6 @@ fn copter(seconds: u32) -> Writer {
     log
 }
 
-fn import(log: &[u8]) -> (Flight, Vec<String>) {
-    let (flight, notes) = crate::import::import(log).unwrap();
-    (flight, notes.iter().map(|note| note.text().to_owned()).collect())
-}
-
-fn samples(flight: &Flight, channel: Channel) -> Vec<f32> {
-    flight.channel(channel).map_or_else(Vec::new, |column| column.samples().map(|(_, value)| value).collect())
-}
-
-fn signal(flight: &Flight, name: &str) -> Vec<f32> {
-    let found = flight.extra.iter().find(|(found, _)| found == name);
-    found.map_or_else(Vec::new, |(_, column)| column.samples().map(|(_, value)| value).collect())
-}
-
-fn said(notes: &[String], words: &str) -> bool {
-    notes.iter().any(|note| note.contains(words))
-}
-
 #[test]
 fn a_copters_log_has_every_channel_in_the_flights_units() {
     let (flight, notes) = import(&copter(10).log);
@@ -193,7 +179,7 @@ fn a_copters_log_has_every_channel_in_the_flights_units() {
             flight.header.other
         );
     }
-    let expected: [(Channel, usize, f32); 17] = [
+    let expected = [
         (Channel::BaroPa, 100, 95_000.0),
         (Channel::BaroTempC, 100, 31.5),
         (Channel::GpsAltM, 25, 500.0),
@@ -212,11 +198,7 @@ fn a_copters_log_has_every_channel_in_the_flights_units() {
         (Channel::YawRad, 100, 0.0),
         (Channel::Throttle, 100, 0.55),
     ];
-    for (channel, count, first) in expected {
-        let found = samples(&flight, channel);
-        assert_eq!(found.len(), count, "{}", channel.name());
-        assert!((found[0] - first).abs() <= 1e-6 * first.abs().max(1.0), "{}: {}", channel.name(), found[0]);
-    }
+    assert_channels(&flight, &expected);
     assert_eq!(signal(&flight, "latitude_deg")[0], 47.123_456_7_f64 as f32);
     // Hectopascals, as old releases have them.
     assert_eq!(signal(&flight, "baro_2_pa")[0], 95_100.0);
@@ -282,29 +264,12 @@ fn topics_of_newer_and_older_releases_are_known() {
 #[test]
 fn a_log_with_any_byte_changed_costs_that_message_and_moves_no_other() {
     let log = copter(3);
-    let clean = import(&log.log).0;
-    let all = samples(&clean, Channel::BaroPa).len();
-    let first = log.places.iter().find(|(_, kind)| *kind == b'D').unwrap().0;
-    for at in 0..log.log.len() {
-        for flip in [0x01, 0x80, 0xff] {
-            let mut bytes = log.log.clone();
-            bytes[at] ^= flip;
-            let Ok((flight, _)) = crate::import::import(&bytes) else {
-                assert!(at < first, "byte {at} ^ {flip:#x} makes the log unusable");
-                continue;
-            };
-            if at < first {
-                continue;
-            }
-            let (start, _) = *log.places.iter().rev().find(|(place, _)| *place <= at).unwrap();
-            let what = format!("byte {} of the message at {start} ^ {flip:#x}", at - start);
-            assert!(flight.time_s.last().unwrap() - clean.time_s.last().unwrap() <= 5.0, "{what}");
-            let found = samples(&flight, Channel::BaroPa);
-            assert!(found.len() + 2 >= all, "{what}: {} of {all}", found.len());
-            let moved = found.iter().filter(|pa| !(94_000.0..96_000.0).contains(*pa)).count();
-            assert!(moved <= 1, "{what}: {moved}");
-        }
-    }
+    let (first, _) = *log.places.iter().find(|(_, kind)| *kind == b'D').unwrap();
+    let message_of = |at| {
+        let (start, _) = *log.places.iter().rev().find(|(place, _)| *place <= at).unwrap();
+        (start, format!("the message at {start}"))
+    };
+    assert_any_byte_costs_its_message(&log.log, message_of, first);
 }
 
 #[test]
@@ -325,16 +290,7 @@ fn a_log_cut_anywhere_is_read_up_to_there() {
 #[test]
 fn garbage_in_the_middle_is_named_and_costs_nothing_else() {
     let log = copter(10);
-    let clean = import(&log.log).0;
-    let (at, _) = log.places[400];
-    let garbage: Vec<u8> = (0..5_000_u32).map(|k| (k.wrapping_mul(2_654_435_761) >> 13) as u8).collect();
-    let mut bytes = log.log.clone();
-    bytes.splice(at..at, garbage);
-    let (flight, notes) = import(&bytes);
-    assert_eq!(samples(&flight, Channel::BaroPa), samples(&clean, Channel::BaroPa));
-    assert_eq!(flight.time_s, clean.time_s);
-    let words = format!("damaged: 1 stretch, 5000 of the file's {} bytes", bytes.len());
-    assert!(said(&notes, &words) && said(&notes, &format!("the first at byte {at}")), "{notes:?}");
+    assert_garbage_costs_nothing_else(&log.log, log.places[400].0, &garbage(5_000));
 }
 
 #[test]
