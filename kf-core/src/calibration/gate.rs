@@ -87,7 +87,7 @@ impl SourceGate {
     /// By what factor the source's innovations have a larger variance than the model says: gate and noise grow by it.
     #[inline(always)]
     pub(super) fn excess(&self) -> f32 {
-        if self.spread <= TOLERATED_SPREAD { 1.0 } else { self.spread.min(LARGEST_SPREAD) }
+        if self.spread <= TOLERATED_SPREAD { 1.0 } else { smaller(self.spread, LARGEST_SPREAD) }
     }
 
     /// Largest NIS that is taken.
@@ -156,14 +156,21 @@ impl SourceGate {
         self.readings = self.readings.saturating_add(1);
         let seconds = self.seen_us.map_or(0.0, |seen_us| seconds_between(seen_us, time_us));
         self.seen_us = Some(time_us);
-        let clipped = nis.min(CLIPPED_SIGMAS * CLIPPED_SIGMAS * self.spread.max(1.0));
-        self.spread += (clipped - self.spread) * (seconds.min(LONGEST_STEP_S) * (1.0 / MEMORY_S));
+        let spread = if self.spread > 1.0 { self.spread } else { 1.0 };
+        let clipped = smaller(nis, CLIPPED_SIGMAS * CLIPPED_SIGMAS * spread);
+        self.spread += (clipped - self.spread) * (smaller(seconds, LONGEST_STEP_S) * (1.0 / MEMORY_S));
     }
 
     /// Whether the source has been consistent: no step, and not more misfits than may be implausible.
     pub(super) fn is_consistent(&self, implausible_share: f32) -> bool {
         !self.has_stepped && self.misfits as f32 <= implausible_share * self.readings as f32
     }
+}
+
+/// `f32::min` of numbers, in place: on the target that is a call.
+#[inline(always)]
+const fn smaller(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
 }
 
 /// Whether innovations are gated at all.

@@ -369,13 +369,16 @@ impl VelocityMatch {
             let bias = sum(sum(scaled(a, parts[0]), scaled(b, parts[1])), scaled(c, parts[2]));
             row(parts, scaled(bias, 0.5))
         };
-        let mut transition = [[0.0; STATES]; STATES];
-        transition[VELOCITY] = velocity([0.0, -fall, east]);
-        transition[VELOCITY + 1] = velocity([fall, 0.0, -north]);
-        transition[TILT] = row([0.0; 3], by_bias[0]);
-        transition[TILT + 1] = row([0.0; 3], by_bias[1]);
-        transition[HEADING] = row([0.0; 3], by_bias[2]);
-        self.filter.propagate_upper(&transition)
+        let [by_north, by_east, by_down] = by_bias;
+        // Biases and crab angle stay as they are.
+        let moved: [_; BIAS] = [
+            velocity([0.0, -fall, east]),
+            velocity([fall, 0.0, -north]),
+            row([0.0; 3], by_north),
+            row([0.0; 3], by_east),
+            row([0.0; 3], by_down),
+        ];
+        self.filter.propagate_upper(&moved)
     }
 
     fn diffuse(&mut self, state: usize, seconds: f32, turned: f32) -> Result<(), FilterError> {

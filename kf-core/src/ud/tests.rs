@@ -184,14 +184,17 @@ proptest! {
         let transition = [[1.0, a, b, c], [0.0, 1.0, d, e], [0.0, 0.0, 1.0, f], [0.0, 0.0, 0.0, 1.0]];
         let mut general = filter.clone();
         general.propagate(&transition, &[0.0; 4], &[[]; 4], &[]).unwrap();
-        let mut short = filter.clone();
-        short.propagate_upper(&transition).unwrap();
         general.fold();
-        short.fold();
+        let [mut all, mut upper_rows] = [filter.clone(), filter];
+        all.propagate_upper(&transition).unwrap();
+        let [first, second, third, _] = transition;
+        upper_rows.propagate_upper(&[first, second, third]).unwrap();
+        prop_assert_eq!(&all, &upper_rows);
+        all.fold();
         for i in 0..4 {
-            prop_assert!((general.tail()[i] - short.tail()[i]).abs() < 1e-4);
+            prop_assert!((general.tail()[i] - all.tail()[i]).abs() < 1e-4);
             for j in 0..4 {
-                let [one, other] = [&general, &short].map(|filter| filter.covariance(i, j));
+                let [one, other] = [&general, &all].map(|filter| filter.covariance(i, j));
                 let scale = (general.variance(i) * general.variance(j)).sqrt();
                 prop_assert!((one - other).abs() < 1e-4 * (scale + 1e-3), "{i}{j} {one} {other}");
             }
@@ -205,6 +208,11 @@ fn a_propagation_by_what_is_no_number_says_so() {
     transition[0][3] = f32::NAN;
     let mut filter = dense();
     assert_eq!(filter.propagate_upper(&transition), Err(FilterError::NotFinite));
+}
+
+#[test]
+fn a_propagation_has_no_more_rows_than_states() {
+    assert_eq!(dense().propagate_upper(&[[0.0; 4]; 5]), Err(FilterError::Shape));
 }
 
 #[test]

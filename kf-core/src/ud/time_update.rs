@@ -51,9 +51,9 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
             }
             let inverse = 1.0 / new;
             let beta = weight * a * inverse;
-            for k in 0..j {
-                direction[k] -= a * self.factor[k][j];
-                self.factor[k][j] += beta * direction[k];
+            for (factors, part) in self.factor.iter_mut().zip(&mut direction).take(j) {
+                *part -= a * factors[j];
+                factors[j] += beta * *part;
             }
             weight *= old * inverse;
             self.tail_d[j] = new;
@@ -129,36 +129,41 @@ impl<const N: usize> UdFilter<0, N> {
     }
 
     /// The same for a unit upper triangular A and no noise: every state moves by later ones only. Then A U is the new
-    /// U and D stays, which costs a sixth of the general propagation.
+    /// U and D stays, which costs a sixth of the general propagation, and less for every zero.
     ///
-    /// Of `transition` only what is right of the diagonal is read.
+    /// `transition` is the first `ROWS` rows of A, of which only what is right of the diagonal is read; below them A is the
+    /// identity.
     ///
     /// # Errors
-    /// [`FilterError::NotFinite`]; the filter is then of no use any more, as nothing is copied for its sake.
-    pub fn propagate_upper(&mut self, transition: &[[f32; N]; N]) -> Result<(), FilterError> {
+    /// [`FilterError::Shape`] for more rows than states. [`FilterError::NotFinite`]; the filter is then of no use any more, as
+    /// nothing is copied for its sake.
+    pub fn propagate_upper<const ROWS: usize>(
+        &mut self,
+        transition: &[[f32; N]; ROWS],
+    ) -> Result<(), FilterError> {
+        if ROWS > N {
+            return Err(FilterError::Shape);
+        }
         // Not finite if any number that was written is not.
         let mut sum = 0.0;
         // Row after row: those below are still the old ones.
-        for i in 0..N {
-            let mut row = self.factor[i];
-            let (mut state, mut step) = (self.tail_state[i], self.tail_step[i]);
-            for k in i + 1..N {
-                let a = transition[i][k];
+        for (i, by) in transition.iter().enumerate() {
+            let (above, below) = self.factor.split_at_mut(i + 1);
+            let row = &mut above[i];
+            for (k, lower) in (i + 1..N).zip(&*below) {
+                let a = by[k];
                 if a == 0.0 {
                     continue;
                 }
-                state += a * self.tail_state[k];
-                step += a * self.tail_step[k];
+                self.tail_state[i] += a * self.tail_state[k];
+                self.tail_step[i] += a * self.tail_step[k];
                 row[k] += a;
-                for j in k + 1..N {
-                    row[j] += a * self.factor[k][j];
+                for (new, old) in row[k + 1..].iter_mut().zip(&lower[k + 1..]) {
+                    *new += a * old;
                 }
             }
-            sum += state + step;
-            for j in i + 1..N {
-                sum += row[j];
-            }
-            (self.tail_state[i], self.tail_step[i], self.factor[i]) = (state, step, row);
+            sum += self.tail_state[i] + self.tail_step[i];
+            sum = row[i + 1..].iter().fold(sum, |sum, new| sum + new);
         }
         if sum.is_finite() { Ok(()) } else { Err(FilterError::NotFinite) }
     }
