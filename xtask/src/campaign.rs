@@ -9,6 +9,9 @@ use crate::setup::{self, Need};
 use crate::steps::Done;
 use crate::workspace;
 
+/// The program.
+const PROGRAM: &str = "campaign";
+
 /// What the campaign is asked for; see `host-tests/src/bin/campaign.rs`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -43,7 +46,12 @@ pub fn run(arguments: &Arguments, verbose: bool) -> anyhow::Result<bool> {
     if let Some(runs) = arguments.qemu {
         return qemu(runs, arguments.seed, verbose);
     }
-    let mut program = built(verbose)?;
+    setup::provide(Need::Npm, verbose)?;
+    eprintln!("building the fault campaign");
+    let build = ["build", "--release", "--package", "host-tests", "--bin", PROGRAM];
+    child::run(&mut workspace::cargo(build), verbose)?;
+    let file = workspace::workbench().with_file_name(format!("{PROGRAM}{}", std::env::consts::EXE_SUFFIX));
+    let mut program = workspace::program(file);
     program.args([&arguments.runs.to_string(), "--seed", &arguments.seed.to_string()]);
     if let Some(index) = arguments.run {
         program.args(["--run", &index.to_string()]);
@@ -78,7 +86,9 @@ fn qemu(runs: u64, seed: u64, verbose: bool) -> anyhow::Result<bool> {
 /// Runs the campaign of the test command: a thousand runs, and without each guard in turn. It fails for any violation that
 /// `host-tests/campaign-known.toml` does not name.
 pub fn test(echo: bool) -> anyhow::Result<Done> {
-    let said = child::run(built(echo)?.args(["--mutants", "--known"]).arg(known()), echo)?;
+    child::run(&mut workspace::test(["--no-run"]), echo)?;
+    let mut program = workspace::program(workspace::tested(PROGRAM));
+    let said = child::run(program.args(["--mutants", "--known"]).arg(known()), echo)?;
     let last = said.stdout.trim_end().lines().last().unwrap_or_default().to_owned();
     Ok(Done::all(last))
 }
@@ -86,14 +96,4 @@ pub fn test(echo: bool) -> anyhow::Result<Done> {
 /// What the campaign is known to break.
 fn known() -> PathBuf {
     workspace::root().join("host-tests/campaign-known.toml")
-}
-
-/// The program, built.
-fn built(echo: bool) -> anyhow::Result<std::process::Command> {
-    setup::provide(Need::Npm, echo)?;
-    eprintln!("building the fault campaign");
-    let arguments = ["build", "--release", "--package", "host-tests", "--bin", "campaign"];
-    child::run(&mut workspace::cargo(arguments), echo)?;
-    let file = workspace::workbench().with_file_name(format!("campaign{}", std::env::consts::EXE_SUFFIX));
-    Ok(workspace::program(file))
 }

@@ -54,15 +54,16 @@ pub fn run(command: &mut Command, echo: bool) -> Result<Said, Failure> {
     let said = Mutex::new(Said::default());
     let (stdout, stderr) = (child.stdout.take(), child.stderr.take());
     thread::scope(|scope| {
-        scope.spawn(|| stdout.map(|stream| listen(stream, true, echo, &said)));
-        scope.spawn(|| stderr.map(|stream| listen(stream, false, echo, &said)));
+        scope.spawn(|| stdout.map(|stream| listen(stream, true, echo, &said, &mut |_| ())));
+        scope.spawn(|| stderr.map(|stream| listen(stream, false, echo, &said, &mut |_| ())));
     });
     let status = child.wait().map_err(not_started)?;
     ended(name, status, said)
 }
 
-/// As [`run`], with both streams as one, in the order in which they were written: standard output is empty.
-pub fn run_in_order(command: &mut Command, echo: bool) -> Result<Said, Failure> {
+/// As [`run`], with both streams as one, in the order in which they were written: standard output is empty. `hear` gets every
+/// line as it comes.
+pub fn run_in_order(command: &mut Command, echo: bool, hear: &mut dyn FnMut(&str)) -> Result<Said, Failure> {
     let name = shown(command);
     if echo {
         eprintln!("$ {name}");
@@ -78,7 +79,7 @@ pub fn run_in_order(command: &mut Command, echo: bool) -> Result<Said, Failure> 
     };
     let (reader, mut child) = start().map_err(not_started)?;
     let said = Mutex::new(Said::default());
-    listen(reader, false, echo, &said);
+    listen(reader, false, echo, &said, hear);
     let status = child.wait().map_err(not_started)?;
     ended(name, status, said)
 }
@@ -89,7 +90,7 @@ fn ended(command: String, status: ExitStatus, said: Mutex<Said>) -> Result<Said,
 }
 
 /// Keeps what comes down a stream until it closes.
-fn listen(stream: impl Read, is_stdout: bool, echo: bool, said: &Mutex<Said>) {
+fn listen(stream: impl Read, is_stdout: bool, echo: bool, said: &Mutex<Said>, hear: &mut dyn FnMut(&str)) {
     let mut reader = BufReader::new(stream);
     let mut line = Vec::new();
     loop {
@@ -102,6 +103,7 @@ fn listen(stream: impl Read, is_stdout: bool, echo: bool, said: &Mutex<Said>) {
             let _ = io::stderr().write_all(&line);
         }
         let text = String::from_utf8_lossy(&line);
+        hear(&text);
         let mut said = said.lock().unwrap_or_else(PoisonError::into_inner);
         said.all.push_str(&text);
         if is_stdout {
@@ -152,9 +154,11 @@ mod tests {
     #[test]
     fn keeps_the_order_of_the_streams() {
         let script = "for i in 1 2 3 4 5; do echo out $i; echo err $i >&2; done";
-        let said = run_in_order(&mut shell(script), false).unwrap();
+        let mut heard = String::new();
+        let said = run_in_order(&mut shell(script), false, &mut |line| heard += line).unwrap();
         let expected: String = (1..=5).map(|i| format!("out {i}\nerr {i}\n")).collect();
-        assert_eq!((said.all, said.stdout), (expected, String::new()));
+        assert_eq!((&said.all, &said.stdout), (&expected, &String::new()));
+        assert_eq!(heard, expected);
     }
 
     #[test]

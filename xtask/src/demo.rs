@@ -2,7 +2,7 @@
 //! fails, what its model lacks, and the next flight, which holds.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, bail};
@@ -32,15 +32,20 @@ pub fn run(echo: bool) -> anyhow::Result<()> {
             Provided::Installed(what) => eprintln!("{}: installed, {what}", need.name()),
         }
     }
-    print!("{}", fly(echo)?);
-    print!("{}", improve(echo)?);
+    eprintln!("building the workbench");
+    child::run(&mut workspace::build_workbench(), echo)?;
+    let workbench = workspace::workbench();
+    print!("{}", fly(&workbench, echo)?);
+    print!("{}", improve(&workbench, echo)?);
     Ok(())
 }
 
-/// The demo as a test: that it comes to its end, with pictures.
+/// The demo as a test: that it comes to its end, with pictures; with the workbench that the tests have built.
 pub fn test(echo: bool) -> anyhow::Result<Done> {
-    let story = fly(echo)?;
-    let improvement = improve(echo)?;
+    child::run(&mut workspace::test(["--no-run"]), echo)?;
+    let workbench = workspace::tested("pylon");
+    let story = fly(&workbench, echo)?;
+    let improvement = improve(&workbench, echo)?;
     Ok(Done::all(format!(
         "{} and {} ticks bit for bit, {} pictures, {} found and added, a report",
         story.flown.ticks,
@@ -51,7 +56,7 @@ pub fn test(echo: bool) -> anyhow::Result<Done> {
 }
 
 /// Does all there is to tell about.
-fn fly(echo: bool) -> anyhow::Result<Story> {
+fn fly(workbench: &Path, echo: bool) -> anyhow::Result<Story> {
     let folder = workspace::target_folder().join("demo");
     let (flight, pictures) = (folder.join("paper-reconstruction.csv"), folder.join("pictures"));
     if folder.exists() {
@@ -59,8 +64,7 @@ fn fly(echo: bool) -> anyhow::Result<Story> {
     }
     fs::create_dir_all(&folder).with_context(|| format!("{} can not be made", folder.display()))?;
 
-    eprintln!("building the workbench");
-    child::run(&mut workspace::build_workbench(), echo)?;
+    let pylon = |command: &str| pylon(workbench, command);
     eprintln!("simulating {SCENARIO}");
     child::run(pylon("simulate").arg(SCENARIO).arg("-o").arg(&flight), echo)?;
     eprintln!("building the flight computer's image and flying it in QEMU, bit for bit");
@@ -72,9 +76,9 @@ fn fly(echo: bool) -> anyhow::Result<Story> {
     Ok(Story { flown, comparison, flight, pictures: drawn(&pictures)? })
 }
 
-/// A flight with a hidden effect, the diagnosis, the improved model and a flight that was held out. The
-/// workbench must have been built.
-fn improve(echo: bool) -> anyhow::Result<Improvement> {
+/// A flight with a hidden effect, the diagnosis, the improved model and a flight that was held out.
+fn improve(workbench: &Path, echo: bool) -> anyhow::Result<Improvement> {
+    let pylon = |command: &str| pylon(workbench, command);
     let folder = workspace::target_folder().join("demo");
     let simulated = |scenario: &str, file: &str| -> anyhow::Result<PathBuf> {
         let flight = folder.join(file);
@@ -112,9 +116,9 @@ fn improve(echo: bool) -> anyhow::Result<Improvement> {
     Ok(Improvement { effect, sensor, addition, ticks: flown.ticks, model, report })
 }
 
-/// The workbench, which must have been built, with a command of its.
-fn pylon(command: &str) -> Command {
-    let mut pylon = workspace::program(workspace::workbench());
+/// The workbench with a command of its.
+fn pylon(workbench: &Path, command: &str) -> Command {
+    let mut pylon = workspace::program(workbench);
     pylon.arg(command);
     pylon
 }

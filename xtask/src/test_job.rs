@@ -7,7 +7,7 @@ use crate::child::{self, Failure};
 use crate::demo;
 use crate::setup::{self, Need, Provided};
 use crate::steps::{Done, Steps};
-use crate::test_report::TestReport;
+use crate::test_report::{TestProgress, TestReport};
 use crate::workspace::{self, TARGET};
 
 /// A step and what the machine must have for it.
@@ -148,8 +148,15 @@ fn image(board: &str, echo: bool) -> anyhow::Result<Done> {
 /// The tests of every crate but the firmware: unit, property, documentation and whole-chain tests, the
 /// flights in the emulator among them.
 fn tests(echo: bool) -> anyhow::Result<Done> {
-    let arguments = ["test", "--workspace", "--exclude", "firmware", "--no-fail-fast", "--", "--show-output"];
-    let report = match child::run_in_order(&mut workspace::cargo(arguments), echo) {
+    let mut cargo = workspace::test(["--no-fail-fast", "--", "--show-output"]);
+    eprintln!();
+    let mut progress = TestProgress::default();
+    let mut show = |line: &str| {
+        if let Some(ended) = progress.hear(line) {
+            eprintln!("           {ended}");
+        }
+    };
+    let report = match child::run_in_order(&mut cargo, echo, &mut show) {
         Ok(said) => TestReport::read(&said.all),
         Err(failure) => {
             let report = match &failure {

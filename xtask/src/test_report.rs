@@ -95,6 +95,35 @@ impl TestReport {
     }
 }
 
+/// What `cargo test` says, as it comes: a line for every program of tests that has ended, so that one sees where the time goes, and
+/// how far it came if it is cut off.
+#[derive(Debug, Default)]
+pub struct TestProgress {
+    running: Option<String>,
+}
+
+impl TestProgress {
+    /// Takes a line; says how a program fared where this line ends it.
+    pub fn hear(&mut self, line: &str) -> Option<String> {
+        let line = line.trim();
+        if Kind::announced(line).is_some() {
+            // `Running tests/suite.rs (target/debug/deps/suite-0123)`: the crate's own programs are all called alike.
+            let name = match line.rsplit_once('/') {
+                Some((_, program)) if program.ends_with(')') => {
+                    program.rsplit_once('-').map_or(program, |(name, _)| name)
+                }
+                _ => line,
+            };
+            self.running = Some(name.to_owned());
+            return None;
+        }
+        let (_, counts) = line.strip_prefix("test result: ")?.split_once(". ")?;
+        let told = ["passed", "failed", "finished"];
+        let parts = counts.split("; ").filter(|part| told.iter().any(|word| part.contains(word)));
+        Some(format!("{}: {}", self.running.take()?, parts.collect::<Vec<_>>().join(", ")))
+    }
+}
+
 impl fmt::Display for TestReport {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(formatter, "{} tests:", self.passed())?;
@@ -148,6 +177,30 @@ test result: ok. 1 passed; 0 failed; 0 ignored; 0 measured; 0 filtered out; fini
         );
         assert_eq!(report.failed, 1);
         assert_eq!(report.skipped, ["real IGC logs (../shared is missing)"]);
+    }
+
+    #[test]
+    fn tells_of_each_program_as_it_ends() {
+        let output = "\
+   Compiling kf-core v0.1.0
+     Running unittests src/lib.rs (target/debug/deps/kf_core-0123)
+
+running 2 tests
+test a ... ok
+test result: ok. 2 passed; 0 failed; 0 ignored; 0 measured; 0 filtered out; finished in 0.01s
+     Running tests/qemu_flight.rs (target/debug/deps/qemu_flight-0123)
+test result: FAILED. 4 passed; 1 failed; 0 ignored; 0 measured; 0 filtered out; finished in 9.01s
+   Doc-tests kf_core
+test result: ok. 1 passed; 0 failed; 0 ignored; 0 measured; 0 filtered out; finished in 0.02s
+";
+        let mut progress = TestProgress::default();
+        let told: Vec<_> = output.lines().filter_map(|line| progress.hear(line)).collect();
+        let expected = [
+            "kf_core: 2 passed, 0 failed, finished in 0.01s",
+            "qemu_flight: 4 passed, 1 failed, finished in 9.01s",
+            "Doc-tests kf_core: 1 passed, 0 failed, finished in 0.02s",
+        ];
+        assert_eq!(told, expected);
     }
 
     #[test]

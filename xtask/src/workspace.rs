@@ -43,6 +43,22 @@ pub fn cargo<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Command {
     command
 }
 
+/// What runs every test but the firmware's own: always with the same packages, or cargo builds them anew with other features.
+const TESTED: [&str; 4] = ["test", "--workspace", "--exclude", "firmware"];
+
+/// Cargo, to run these tests.
+pub fn test<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Command {
+    let mut test = cargo(TESTED);
+    test.args(arguments);
+    test
+}
+
+/// A program as the tests have it, once `test(["--no-run"])` has run: the same bits as the release's, and the test command builds
+/// it in any case.
+pub fn tested(name: &str) -> PathBuf {
+    target_folder().join("debug").join(format!("{name}{}", env::consts::EXE_SUFFIX))
+}
+
 /// Builds the workbench.
 pub fn build_workbench() -> Command {
     cargo(["build", "--release", "--package", "pylon"])
