@@ -50,6 +50,82 @@ fn a_flight_that_cannot_be_read_is_skipped_and_named_and_strict_refuses_it() {
 }
 
 #[test]
+fn a_folder_is_every_log_in_it_and_a_pattern_what_it_matches() {
+    let directory = tempfile::tempdir().unwrap();
+    let logs = directory.path().join("logs");
+    fs::create_dir_all(logs.join("2026/may")).unwrap();
+    fs::create_dir_all(logs.join(".trash")).unwrap();
+    Recipe { captive_s: 60.0, free_s: 20.0, ..Recipe::default() }.write(directory.path());
+    let made = directory.path().join("made.csv");
+    for place in
+        ["logs/b.csv", "logs/2026/may/a.csv", "logs/.trash/old.csv", "logs/page.html", "logs/SOURCES.md"]
+    {
+        let place = directory.path().join(place);
+        if place.extension().is_some_and(|extension| extension == "csv") {
+            fs::copy(&made, place).unwrap();
+        } else {
+            fs::write(place, "<p>not a flight</p>").unwrap();
+        }
+    }
+    // A log that is cut off is a log.
+    fs::write(logs.join("cut.csv"), "# pylon-flight: 1\n").unwrap();
+    let left_out = "note: logs: 3 logs; 2 other files were left out: SOURCES.md, page.html\n";
+    for (command, more) in [
+        ("diagnose", &["--json"][..]),
+        ("ladder", &["--model", "default"]),
+        ("report", &["-o", "logs/page.html"]),
+    ] {
+        let output = pylon(directory.path(), &[&[command, "logs"], more].concat());
+        let said = errors(&output);
+        assert!(output.status.success(), "{command}: {said}");
+        assert!(said.contains(left_out), "{command}: {said}");
+        assert!(
+            said.contains("skipped 1 of 3 flights") && said.contains("logs/cut.csv: "),
+            "{command}: {said}"
+        );
+        assert!(!said.contains(".trash"), "{command}: {said}");
+    }
+    let output = pylon(
+        directory.path(),
+        &["ladder", "--model", "default", "logs/*.csv", "logs/2026/*/?.csv", "--json"],
+    );
+    let said = errors(&output);
+    assert!(output.status.success() && said.contains("skipped 1 of 3 flights"), "{said}");
+    assert!(!said.contains("left out"), "{said}");
+
+    for (arguments, message) in [
+        (&["diagnose", "logs/.trash", "logs"][..], ""),
+        (&["diagnose", "logs", "logs/b.csv"], "logs/b.csv: given twice, expected different flights"),
+        (&["diagnose", "logs/*.igc"], "logs/*.igc: no file matches this pattern"),
+        (&["diagnose", "logs/***"], "logs/***: no pattern of files: "),
+        (
+            &["diagnose", "made.csv", "--hold-out", "none.csv"],
+            "none.csv: can not be read: there is no such file",
+        ),
+        (&["compare", "logs"], "logs: can not be read: it is a folder, expected one file"),
+        (
+            &["add", "baro.lag", "--model", "m.toml", "--from", "empty"],
+            "empty: no log among the 0 files of this folder",
+        ),
+    ] {
+        fs::create_dir_all(directory.path().join("empty")).unwrap();
+        fs::write(directory.path().join("m.toml"), "").unwrap();
+        let output = pylon(directory.path(), arguments);
+        if message.is_empty() {
+            // A hidden folder that is named is meant.
+            assert!(output.status.success(), "{}", errors(&output));
+        } else {
+            assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+            assert!(
+                errors(&output).contains(&format!("error: {message}")),
+                "{arguments:?}: {}",
+                errors(&output)
+            );
+        }
+    }
+}
+
+#[test]
 fn an_effect_is_explained_and_one_that_is_none_is_not() {
     let directory = tempfile::tempdir().unwrap();
     let output = pylon(directory.path(), &["effects", "baro.lag"]);

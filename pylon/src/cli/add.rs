@@ -15,6 +15,7 @@ use time::{Date, OffsetDateTime};
 use super::failure::Failure;
 use super::model_lock::{ModelLock, lock_model};
 use super::overwriting::{Role, refuse_overwriting};
+use super::places::Places;
 use super::progress::Counter;
 use super::{load, terminal};
 
@@ -40,7 +41,7 @@ pub struct Arguments {
     /// The model file to change (an empty file is a model); with -o also `default` or `paper`
     #[arg(long, value_name = "MODEL")]
     model: String,
-    /// Flights to learn from: flights' CSV, or logs that `pylon import` reads
+    /// Flights to learn from: flights' CSV, logs that `pylon import` reads, or folders of them
     #[arg(long, value_name = "FLIGHT", required = true, num_args = 1..)]
     from: Vec<PathBuf>,
     /// Judge the errors on these flights instead of on held-out manoeuvres
@@ -88,7 +89,8 @@ fn time_constant(text: &str) -> Result<f32, String> {
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let effect = effect(arguments)?;
-    let flights = arguments.from.iter().chain(&arguments.hold_out);
+    let [given, held_files] = [Places::find(&arguments.from)?, Places::find(&arguments.hold_out)?];
+    let flights = given.files.iter().chain(&held_files.files);
     let flights: Vec<_> = flights.map(|flight| Role::new(flight, "a flight")).collect();
     let is_preset = Model::preset(&arguments.model).is_some();
     // Nobody else may change the model between what is read of it here and what is written.
@@ -96,9 +98,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (text, output) = model(arguments)?;
     refuse_overwriting(&flights, &[Role::new(&output, "the model")])?;
     let date = today()?;
-    load::refuse_repeats(&arguments.from, &arguments.hold_out)?;
-    let learning = load::flights(&arguments.from)?;
-    let held_out = load::flights(&arguments.hold_out)?;
+    load::refuse_repeats(&given.files, &held_files.files)?;
+    let learning = load::flights(&given.files)?;
+    let held_out = load::flights(&held_files.files)?;
+    given.write_notes();
+    held_files.write_notes();
     let request = Request {
         text: &text,
         wish: Wish {
@@ -111,8 +115,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         },
         estimate: arguments.estimate,
         date,
-        learning: load::named(&arguments.from, &learning),
-        held_out: load::named(&arguments.hold_out, &held_out),
+        learning: load::named(&given.files, &learning),
+        held_out: load::named(&held_files.files, &held_out),
         window: arguments.calibrate,
     };
     let mut counter = Counter::new("learning", "fits and flights");

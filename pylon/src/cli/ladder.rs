@@ -7,6 +7,7 @@ use pylon::learn::{ladder, ladder_text};
 use pylon::replay::{CalibrationWindow, Replay};
 
 use super::failure::Failure;
+use super::places::Places;
 use super::progress::Progress;
 use super::{load, terminal};
 
@@ -21,7 +22,7 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// Flights: flights' CSV, or logs that `pylon import` reads
+    /// Flights: flights' CSV, logs that `pylon import` reads, or folders of them
     #[arg(value_name = "FLIGHT", required = true)]
     flights: Vec<PathBuf>,
     /// The model: a TOML file, `default` or `paper`
@@ -41,8 +42,9 @@ pub struct Arguments {
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let model = load::model(&arguments.model)?;
-    load::refuse_repeats(&arguments.flights, &[])?;
-    let batch = load::Batch::read(&arguments.flights, arguments.strict, |flight| {
+    let given = Places::find(&arguments.flights)?;
+    load::refuse_repeats(&given.files, &[])?;
+    let batch = load::Batch::read(&given.files, arguments.strict, |flight| {
         Replay::new(flight, &model, arguments.calibrate).map(|_| ())
     })?;
     let flights = load::named(&batch.files, &batch.flights);
@@ -51,6 +53,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         .map_err(|(file, error)| Failure::input(format!("{file}: {error}")))?;
     drop(progress);
     ladder.model.clone_from(&arguments.model);
+    given.write_notes();
     batch.write_skipped();
     if arguments.json {
         let mut json = serde_json::to_string_pretty(&ladder)?;

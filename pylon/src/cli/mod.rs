@@ -16,6 +16,7 @@ mod load;
 mod model_lock;
 mod one_flight;
 mod overwriting;
+mod places;
 mod progress;
 mod report;
 mod simulate;

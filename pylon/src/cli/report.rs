@@ -13,6 +13,7 @@ use pylon::report::{FlightReport, Report};
 
 use super::failure::Failure;
 use super::overwriting::{Role, refuse_overwriting};
+use super::places::Places;
 use super::progress::{Counter, Progress};
 use super::{load, terminal};
 
@@ -31,7 +32,7 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// The flights: flights' CSV, or logs that `pylon import` reads
+    /// The flights: flights' CSV, logs that `pylon import` reads, or folders of them
     #[arg(value_name = "FLIGHT", required = true)]
     flights: Vec<PathBuf>,
     /// The model: a TOML file, `default` or `paper`
@@ -53,18 +54,19 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let flights = arguments.flights.iter().chain(&arguments.hold_out);
+    let [given, held_files] = [Places::find(&arguments.flights)?, Places::find(&arguments.hold_out)?];
+    let flights = given.files.iter().chain(&held_files.files);
     let model = Role::new(Path::new(&arguments.model), "the model");
     let inputs: Vec<_> = flights.map(|flight| Role::new(flight, "a flight")).chain([model]).collect();
     refuse_overwriting(&inputs, &[Role::new(&arguments.output, "the page")])?;
     let model = load::model(&arguments.model)?;
-    load::refuse_repeats(&arguments.flights, &arguments.hold_out)?;
-    let batch = load::Batch::read(&arguments.flights, arguments.strict, |flight| {
+    load::refuse_repeats(&given.files, &held_files.files)?;
+    let batch = load::Batch::read(&given.files, arguments.strict, |flight| {
         Replay::new(flight, &model, arguments.calibrate).map(|_| ())
     })?;
-    let held = load::flights(&arguments.hold_out)?;
+    let held = load::flights(&held_files.files)?;
     let learned_from = load::replays(&batch.files, &batch.flights, &model, arguments.calibrate)?;
-    let held_out = load::replays(&arguments.hold_out, &held, &model, arguments.calibrate)?;
+    let held_out = load::replays(&held_files.files, &held, &model, arguments.calibrate)?;
     let mut flights = Vec::with_capacity(batch.files.len());
     for (index, (named, (_, notes))) in learned_from.iter().zip(&batch.flights).enumerate() {
         flights.push(flight(index, named, notes, &arguments.model)?);
@@ -74,7 +76,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     drop(counter);
     diagnosis.model.clone_from(&arguments.model);
     let mut all: Vec<NamedFlight<'_>> = load::named(&batch.files, &batch.flights);
-    all.extend(load::named(&arguments.hold_out, &held));
+    all.extend(load::named(&held_files.files, &held));
     let mut progress =
         Progress::new("flying every revision", (model.revisions.len() as u64 + 1) * all.len() as u64);
     let mut ladder = ladder(&model, &all, arguments.calibrate, &mut |done| progress.show(done))
@@ -90,6 +92,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let html = report.html();
     write_atomically(&arguments.output, |out| out.write_all(html.as_bytes()))?;
+    given.write_notes();
+    held_files.write_notes();
     batch.write_skipped();
     let (count, size) = (flights.len(), html.len() as f64 / 1e6);
     let flights = if count == 1 { "1 flight".to_owned() } else { format!("{count} flights") };

@@ -21,6 +21,7 @@ pub mod tlog;
 pub mod ulog;
 mod words;
 
+use std::io;
 use std::path::Path;
 
 use crate::flight::{self, Flight, Note, Problem, ReadError};
@@ -132,8 +133,26 @@ pub fn open(path: &Path) -> Result<(Flight, Vec<Note>), ReadError> {
     result.map_err(|problem| ReadError::new(path, problem))
 }
 
+/// Whether a file is one that [`open`] knows how to read: a flight's CSV or a log, by what is in it.
+///
+/// # Errors
+/// [`Problem::Io`].
+pub fn is_known(path: &Path) -> Result<bool, ReadError> {
+    let bytes = read(path)?;
+    Ok(is_flight(&bytes) || IMPORTERS.iter().any(|importer| importer.recognises(&bytes)))
+}
+
 fn read(path: &Path) -> Result<Vec<u8>, ReadError> {
-    whole_file::read(path).map_err(|error| ReadError::new(path, Problem::Io(error.to_string())))
+    whole_file::read(path).map_err(|error| {
+        let why = match error.kind() {
+            io::ErrorKind::IsADirectory => {
+                "it is a folder, expected one file (diagnose, report, ladder and add take folders)".to_owned()
+            }
+            io::ErrorKind::NotFound => "there is no such file".to_owned(),
+            _ => error.to_string(),
+        };
+        ReadError::new(path, Problem::Io(why))
+    })
 }
 
 /// A flight's CSV begins with header lines, one of which says so.
