@@ -111,6 +111,15 @@ pub enum DipTick {
     Latch(usize),
 }
 
+impl Boundary {
+    /// Whether nobody has heard of the tick that the supply goes in: messages and records are made by tasks below the tick,
+    /// which run when it has ended.
+    #[must_use]
+    pub const fn is_before_telling(self) -> bool {
+        matches!(self, Self::BeforeMark | Self::InMark(_))
+    }
+}
+
 /// A dip of the supply.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dip {
@@ -261,6 +270,14 @@ fn bits(width: u32, random: &mut impl Rng) -> u32 {
     if draw() % 3 > 0 { first } else { first | one(&mut draw) | one(&mut draw) }
 }
 
+/// Ticks in which the barometer's chip brings that many results, at most: a pressure out of the chip's range is followed by a
+/// pause, a reset and a temperature, ten ticks until the next one, and a temperature comes
+/// once in eight conversions (`drivers::ms5611`).
+fn conversions_ticks(quantity: Quantity, results: u32) -> usize {
+    let each = if quantity == Quantity::Temperature { 16 } else { 10 };
+    each * results as usize
+}
+
 /// So many results that are wrong, none of them more than half a second of the inertial unit's.
 fn results(random: &mut impl Rng) -> u32 {
     if random.random_bool(0.5) { 1 } else { random.random_range(2..100) }
@@ -317,15 +334,18 @@ fn of_barometer(fault: &mut Drawn, random: &mut impl Rng) {
     match random.random_range(0..16) {
         0..3 => {
             fault.name = "baro: data bits flip";
-            once(fault, chip, Fault::FlipData { quantity, mask: bits(24, random), results: results(random) });
-            fault.to = fault.from + SECOND / 2;
+            let mask = bits(24, random);
+            let results = results(random);
+            once(fault, chip, Fault::FlipData { quantity, mask, results });
+            fault.to = fault.from + conversions_ticks(quantity, results);
         }
         3..5 => {
             fault.name = "baro: spike";
             // From a pascal to a whole atmosphere; from a thousandth of a degree to a hundred.
             let by_milli = size(3.0, 8.0, random);
-            once(fault, chip, Fault::Spike { quantity, by_milli, results: results(random).min(25) });
-            fault.to = fault.from + SECOND / 2;
+            let results = results(random).min(25);
+            once(fault, chip, Fault::Spike { quantity, by_milli, results });
+            fault.to = fault.from + conversions_ticks(quantity, results);
         }
         5 => {
             fault.name = "baro: off by something";

@@ -202,7 +202,9 @@ impl Case {
                 continue;
             };
             let operations = computer.work.take();
-            if let Some(mission) = computer.mission() {
+            if dip.is_some_and(|dip| dip.boundary.is_before_telling()) {
+                watched.take_nothing(false);
+            } else if let Some(mission) = computer.mission() {
                 watched.take(&step, mission.latch(), mission.counters(), row.altitude_m, operations);
             }
             if let Some(dip) = dip {
