@@ -56,6 +56,12 @@ impl Onboard {
         Self { launch: self.launch.after_interruption(), ..self }
     }
 
+    /// After a cold start that has found the traces of a mission.
+    #[must_use]
+    pub fn after_traces(self) -> Self {
+        Self { launch: self.launch.after_traces(), ..self }
+    }
+
     /// What a restart goes on from.
     #[must_use]
     pub fn kept(&self) -> Option<KeptInertial> {
@@ -86,6 +92,10 @@ impl Onboard {
             force_mps2: input.imu.map(|imu| imu.accel_mps2),
             last_message_us: self.last_message_us,
             climb_mps: input.gps.and_then(|fix| fix.velocity_down_mps).map(|down_mps| -down_mps),
+            ground_speed_squared_m2ps2: input.gps.and_then(|fix| {
+                let (north_mps, east_mps) = (fix.velocity_north_mps?, fix.velocity_east_mps?);
+                Some(north_mps * north_mps + east_mps * east_mps)
+            }),
         });
         input.launch = self.has_left || state.is_launched();
         input.launch_doubt = if self.has_left { LaunchDoubt::None } else { state.doubt() };

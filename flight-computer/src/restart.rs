@@ -162,7 +162,8 @@ impl Onboard {
             Start::Resumed | Start::Lost => self.in_free_flight(inertial, unknown_s),
             Start::Suspected => self.suspecting(inertial, unknown_s),
             Start::Captive => self.after_interruption(),
-            Start::Cold | Start::Standby => self,
+            Start::Cold => self.after_traces(),
+            Start::Standby => self,
         }
     }
 }

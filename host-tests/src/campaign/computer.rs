@@ -12,7 +12,7 @@ use kf_core::input::TickInput;
 use kf_core::launch::LaunchConfig;
 use kf_core::mission::Mission;
 use kf_core::strapdown;
-use survival::{ResetSource, RestartReport, RetainedImage};
+use survival::{Cause, CrashRecord, ResetSource, RestartReport, RetainedImage, keep_crash};
 
 use super::fault::{Boundary, Dip};
 
@@ -61,19 +61,20 @@ impl Computer {
         let work = Work::default();
         let sensors = ModelledSuite::new(&work);
         let mut computer = Self { work, config: config.clone(), memory: RetainedImage::default(), run: None };
-        computer.start(sensors, Some(false))?;
+        computer.start(sensors, ResetSource::Supply, Some(false))?;
         Ok(computer)
     }
 
     fn start(
         &mut self,
         sensors: ModelledSuite<Work>,
+        source: ResetSource,
         wire_is_open: Option<bool>,
     ) -> Result<Option<RestartReport>> {
         let mission = FlownMission::new(&self.config).map_err(|error| anyhow!("the model: {error:?}"))?;
         let onboard = Onboard::new(LaunchConfig::DEFAULT, strapdown::Config::MEMS)
             .map_err(|error| anyhow!("the launch's limits: {error:?}"))?;
-        let facts = ResetFacts::host(ResetSource::Supply, wire_is_open);
+        let facts = ResetFacts::host(source, wire_is_open);
         let run = Interruptible::start(sensors, mission, Some(onboard), &mut self.memory, FINGERPRINT, facts);
         Ok(match run {
             Ok(run) => {
@@ -122,12 +123,21 @@ impl Computer {
         Some(step)
     }
 
-    /// The supply comes back: how the flight computer starts.
+    /// The supply comes back, or a crash has reset the processor: how the flight computer starts.
     ///
     /// # Errors
     /// The model makes no mission, or there is none any more.
-    pub fn restart(&mut self, wire_is_open: Option<bool>, with_chips: bool) -> Result<Option<RestartReport>> {
+    pub fn restart(&mut self, wire_is_open: Option<bool>, after: &Dip) -> Result<Option<RestartReport>> {
         self.memory.restore_supply();
+        let Dip { with_chips, is_crash, .. } = *after;
+        if is_crash {
+            let last_us = self.mission().map_or(0, FlownMission::last_us);
+            keep_crash(
+                &mut self.memory,
+                CrashRecord { count: last_us as u32, ..CrashRecord::new(Cause::Panic) },
+            );
+        }
+        let source = if is_crash { ResetSource::Software } else { ResetSource::Supply };
         let mut sensors = self.run.take().context("a board that stands by for ever")?.computer.sensors;
         if with_chips {
             for chip in [Chip::Baro, Chip::Imu, Chip::Gps] {
@@ -135,6 +145,6 @@ impl Computer {
             }
         }
         sensors.restart();
-        self.start(sensors, wire_is_open)
+        self.start(sensors, source, wire_is_open)
     }
 }

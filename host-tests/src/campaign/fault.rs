@@ -2,8 +2,9 @@
 
 use chip_models::flown::{Chip, ChipFault, Fault, Quantity};
 use rand::{Rng, RngExt as _};
+use survival::{CRASHES_AT_ONCE, History};
 
-use super::flight::TICKS_PER_S;
+use super::flight::{TICK_US, TICKS_PER_S};
 use super::plan::Plan;
 
 /// Ticks of a second.
@@ -83,6 +84,8 @@ pub enum Place {
     Supply,
     /// The flight computer's clock.
     Clock,
+    /// The flight computer's program.
+    Program,
 }
 
 /// At what point of a tick the supply goes.
@@ -120,7 +123,7 @@ impl Boundary {
     }
 }
 
-/// A dip of the supply.
+/// A dip of the supply, or a crash of the program.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dip {
     /// When.
@@ -131,6 +134,8 @@ pub struct Dip {
     pub boundary: Boundary,
     /// Whether the chips lose their power as well.
     pub with_chips: bool,
+    /// Whether it is the program that has crashed.
+    pub is_crash: bool,
 }
 
 /// One fault.
@@ -208,6 +213,7 @@ fn one(plan: &Plan, random: &mut impl Rng) -> Drawn {
         62..72 => of_mother_ship(&mut fault, plan, random),
         72..83 => of_wire(&mut fault, plan, random),
         83..96 => of_supply(&mut fault, plan, random),
+        96..98 => of_program(&mut fault, plan, random),
         _ => {
             fault.place = Place::Clock;
             fault.to = from + 1;
@@ -389,7 +395,7 @@ fn of_inertial_unit(fault: &mut Drawn, random: &mut impl Rng) {
     let chip = Chip::Imu;
     let axis = random.random_range(0..3);
     let quantity = if random.random_bool(0.6) { Quantity::Force(axis) } else { Quantity::Rate(axis) };
-    match random.random_range(0..16) {
+    match random.random_range(0..17) {
         0..2 => {
             fault.name = "imu: data bits flip";
             once(fault, chip, Fault::FlipData { quantity, mask: bits(16, random), results: results(random) });
@@ -418,7 +424,7 @@ fn of_inertial_unit(fault: &mut Drawn, random: &mut impl Rng) {
             );
             fault.to = fault.from + SECOND / 2;
         }
-        9 => {
+        9 | 10 => {
             fault.name = "imu: reads free fall";
             fault.to = fault.to.clamp(fault.from + 2 * SECOND, fault.from + 8 * SECOND);
             let by_milli = random.random_range(8_500..10_500);
@@ -631,6 +637,25 @@ fn of_wire(fault: &mut Drawn, plan: &Plan, random: &mut impl Rng) {
     }
 }
 
+/// Crashes, each as soon as the program runs again: from the fourth in a row on it stands by before it goes on (`survival::History`).
+fn of_program(fault: &mut Drawn, plan: &Plan, random: &mut impl Rng) {
+    fault.place = Place::Program;
+    let count = random.random_range(1..=6_usize);
+    fault.name =
+        if count > CRASHES_AT_ONCE as usize { "program: crashes in a row" } else { "program: crashes" };
+    let mut tick = fault.from;
+    for _ in 0..count {
+        let boundary = if random.random_bool(0.5) { Boundary::BeforeMark } else { Boundary::AtEnd };
+        // A restart takes three ticks.
+        let crash = Dip { tick: DipTick::At(tick), ticks: 3, boundary, with_chips: false, is_crash: true };
+        fault.dips.push(crash);
+        tick += 3 + random.random_range(4..400);
+    }
+    let pauses_us: u64 =
+        (1..=count as u32).map(|crashes| History { crashes, ..History::default() }.pause_us()).sum();
+    fault.to = (tick + (pauses_us / TICK_US) as usize).min(plan.ticks());
+}
+
 fn of_supply(fault: &mut Drawn, plan: &Plan, random: &mut impl Rng) {
     fault.place = Place::Supply;
     let is_series = random.random_bool(0.35);
@@ -652,7 +677,7 @@ fn of_supply(fault: &mut Drawn, plan: &Plan, random: &mut impl Rng) {
             _ => DipTick::At(tick),
         };
         let ticks = random.random_range(1..40);
-        fault.dips.push(Dip { tick: when, ticks, boundary, with_chips });
+        fault.dips.push(Dip { tick: when, ticks, boundary, with_chips, is_crash: false });
         // The fault is over when the last dip is.
         tick += ticks + random.random_range(4..400);
     }

@@ -18,6 +18,8 @@ const BOUND_FACTOR: f32 = 1.3;
 const DELAY_FACTOR: f32 = 1.5;
 /// What a transient may cost beyond its own length, ticks: half a second.
 const GRACE_TICKS: usize = 100;
+/// For how long a launch may be left undecided, ticks: `LaunchConfig::undecided_s`.
+const UNDECIDED_TICKS: usize = 600;
 /// Most operations on ports that a tick may take. A clean flight's worst tick takes 14; the budget of instructions, which the
 /// QEMU sample is held to, is for all of them.
 const MOST_OPERATIONS: u32 = 40;
@@ -30,6 +32,9 @@ const RIGHTLY: f32 = 0.6;
 pub enum Invariant {
     /// No launch without separation.
     Launch,
+    /// A separation is seen, whatever a single fault does to anything but the wire: one that is shorted or can not be read hides
+    /// it, as `kf_core::launch` says.
+    Seen,
     /// A latch called good has each bias within 4 of its own sigmas of the clean run's.
     Bias,
     /// The monitor's bound is within 1.3 of the clean run's, or the calibration is called degraded.
@@ -56,8 +61,9 @@ pub enum Invariant {
 
 impl Invariant {
     /// Every one.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Launch,
+        Self::Seen,
         Self::Bias,
         Self::Bound,
         Self::Detection,
@@ -76,6 +82,7 @@ impl Invariant {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Launch => "false launch",
+            Self::Seen => "launch not seen in time",
             Self::Bias => "wrong bias called good",
             Self::Bound => "wrong bound called good",
             Self::Detection => "failure not flagged in time",
@@ -154,6 +161,7 @@ pub fn judge(case: &Case, flown: &Flown) -> Verdict {
     let mut judge = Judge { case, clean: &flown.clean, faulty: &flown.faulty, violations: Vec::new() };
     judge.machine();
     judge.launch();
+    judge.seen();
     judge.calibration();
     judge.blame();
     judge.detection();
@@ -218,7 +226,11 @@ impl Judge<'_> {
                 });
             }
         }
-        if self.faulty.standby_ticks > 0 {
+        // A program that crashes again and again pauses, each time longer; it does not stay away.
+        let crashes = self.case.faults.iter().find(|fault| fault.place == Place::Program);
+        let is_back = self.faulty.ticks.last().is_some_and(Option::is_some);
+        let may_pause = crashes.is_some_and(|fault| is_back || fault.to >= self.faulty.ticks.len());
+        if self.faulty.standby_ticks > 0 && !may_pause {
             self.violations.push(Violation {
                 invariant: Invariant::Permanent,
                 what: format!(
@@ -250,6 +262,27 @@ impl Judge<'_> {
                 });
             }
         }
+    }
+
+    fn seen(&mut self) {
+        let ([fault], Some(edge), Some(clean)) =
+            (self.case.faults.as_slice(), self.clean.first_edge, self.clean.launched)
+        else {
+            return;
+        };
+        // Where the clean flight shows no change in time, none is promised.
+        if fault.place == Place::Wire || clean > edge + UNDECIDED_TICKS + 10 {
+            return;
+        }
+        let latest = clean.max(fault.to) + UNDECIDED_TICKS + GRACE_TICKS;
+        if self.faulty.ticks.len() <= latest || self.faulty.launched.is_some_and(|tick| tick <= latest) {
+            return;
+        }
+        let when = self.faulty.launched.map_or_else(
+            || "never".to_owned(),
+            |tick| format!("{:.2} s later than in the clean flight", seconds(tick.saturating_sub(clean))),
+        );
+        self.broken(Invariant::Seen, format!("{when}; the cable parts at {:.3} s", seconds(edge)));
     }
 
     fn calibration(&mut self) {

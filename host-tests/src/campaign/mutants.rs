@@ -40,7 +40,8 @@ fn concerns(guard: Guard, fault: &Drawn) -> bool {
         Guard::UbxOnly => is_named(&["generation 8", "setting"]),
         Guard::TieKnowsGaps => is_captive && fault.place == Place::Gps,
         Guard::InertialBridge => fault.place == Place::Imu,
-        Guard::OnlyCrashesCount | Guard::StandbyEnds => is_named(&["series"]),
+        Guard::OnlyCrashesCount => is_named(&["series"]),
+        Guard::StandbyEnds => is_named(&["crashes in a row"]),
     }
 }
 

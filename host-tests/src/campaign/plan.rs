@@ -125,7 +125,7 @@ impl Plan {
             imu_bias,
             vibration: (random.random_range(0.0..1.0), random.random_range(35.0..95.0)),
             master_m: [random.random_range(-60.0..60.0), random.random_range(0.0..2.0)],
-            has_master: random.random_bool(0.92),
+            has_master: random.random_bool(0.8),
             master_ticks: random.random_range(10..=40),
             own_unit: random
                 .random_bool(0.25)

@@ -150,8 +150,8 @@ impl Case {
         let mut events = events.into_iter().peekable();
         let mut dips = dips(faults, clean).into_iter().peekable();
         let mut now_us = FIRST_US - TICK_US;
-        // While the supply is away: until which tick, whether the chips are without it.
-        let mut away: Option<(usize, bool)> = None;
+        // While the supply is away: until which tick, and how it went.
+        let mut away: Option<(usize, Dip)> = None;
         let mut paused_until = 0;
         for (tick, row) in rows.iter().enumerate() {
             let mut input = row.input;
@@ -177,13 +177,13 @@ impl Case {
             if input.launch && watched.first_edge.is_none() {
                 watched.first_edge = Some(tick);
             }
-            if let Some((until, with_chips)) = away {
-                if tick < until {
+            if let Some((until, dip)) = &away {
+                if tick < *until {
                     watched.take_nothing(false);
                     continue;
                 }
+                let report = computer.restart(wire(faults, tick, input.launch), dip)?;
                 away = None;
-                let report = computer.restart(wire(faults, tick, input.launch), with_chips)?;
                 watched.take_restart(report);
                 // A cold start's clock begins anew on the board; a chip's model can not go back in time.
                 now_us = report.map_or(0, |report| report.resumed_us).max(now_us);
@@ -209,7 +209,7 @@ impl Case {
             }
             if let Some(dip) = dip {
                 // A restart takes 15 ms: three ticks.
-                away = Some((tick + 1 + dip.ticks.max(3), dip.with_chips));
+                away = Some((tick + 1 + dip.ticks.max(3), dip));
             }
         }
         Ok(())

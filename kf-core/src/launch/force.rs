@@ -80,7 +80,8 @@ impl Force {
             (0..steps).fold(start, |root, _| 0.5 * (root + self.square / root)).max(LEAST_FORCE_MPS2);
         self.follow_fall(now_us, config);
         self.follow_departure(now_us, config);
-        if let (true, Some(gap_s)) = (is_captive, gap_s) {
+        // Nobody is carried in free fall: a unit that reads one must not widen what a departure is held against.
+        if let (true, Some(gap_s), None) = (is_captive, gap_s, self.falling_us) {
             self.captive_s = (self.captive_s + gap_s).min(SPREAD_S);
             let apart = self.magnitude - self.captive_mean;
             let gain = gap_s / self.captive_s.min(MEAN_S);

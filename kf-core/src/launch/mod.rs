@@ -49,7 +49,9 @@
 //!
 //! In the first ten seconds there is nothing that a change could be told from, and nothing calibrated that a launch would latch: a wire
 //! that opens there without a change is broken, for else a cable torn at power-on would be a launch. A start after an interruption is
-//! excepted ([`LaunchDetector::after_interruption`]): the vehicle may have been released while it lasted.
+//! excepted ([`LaunchDetector::after_interruption`]): the vehicle may have been released while it lasted. So is one that finds the traces of a
+//! mission ([`LaunchDetector::after_traces`]) and moves over ground at 10 m/s: nobody has switched it on, its supply has dipped, and the release may be
+//! a second away.
 //!
 //! # One fault is no launch
 //! - Wire broken, bouncing, unreadable: her messages go on. Without any, force and climb rate are known and do not change.
@@ -156,6 +158,8 @@ pub struct LaunchInput {
     pub last_message_us: Option<u64>,
     /// Climb rate of a fix, upward, m/s, if there is a new one that has it.
     pub climb_mps: Option<f32>,
+    /// Square of a fix's speed over ground, (m/s)^2, if there is a new one that has it.
+    pub ground_speed_squared_m2ps2: Option<f32>,
 }
 
 /// What confirmed a launch.
@@ -306,8 +310,12 @@ enum Sign {
 pub struct LaunchDetector {
     config: LaunchConfig,
     state: LaunchState,
-    /// The first tick's time; after an interruption, zero.
+    /// The first tick's time.
     first_us: Option<u64>,
+    /// There was a mission before this start: it is an interruption if it turns out to be in flight.
+    had_mission: bool,
+    /// The start was an interruption.
+    was_interrupted: bool,
     last_us: Option<u64>,
     wire: Wire,
     force: Force,
@@ -325,6 +333,9 @@ pub struct LaunchDetector {
 /// The force's character is known after 5 s of captive flight (`character.rs`); the inertial unit and the receiver take some seconds
 /// until they deliver.
 const EARLY_US: u64 = 10_000_000;
+/// Who moves over ground as fast as this, squared, is not being made ready: (10 m/s)^2, faster than anybody taxies with a loose
+/// cable, slower than anything flies.
+const UNDER_WAY_M2PS2: f32 = 100.0;
 
 /// What a tick comes to, before it is dated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -361,6 +372,8 @@ impl LaunchDetector {
             config,
             state: LaunchState::Captive,
             first_us: None,
+            had_mission: false,
+            was_interrupted: false,
             last_us: None,
             wire: Wire::default(),
             force: Force::default(),
@@ -376,8 +389,15 @@ impl LaunchDetector {
 
     /// After a restart that has interrupted a flight: a wire that is open may have opened in it.
     #[must_use]
-    pub fn after_interruption(self) -> Self {
-        Self { first_us: Some(0), ..self }
+    pub const fn after_interruption(self) -> Self {
+        Self { was_interrupted: true, ..self }
+    }
+
+    /// After a start that was a cold one, because the wire is closed, but has found the traces of a mission: yesterday's, or one whose
+    /// supply has dipped. Moving over ground tells which.
+    #[must_use]
+    pub const fn after_traces(self) -> Self {
+        Self { had_mission: true, ..self }
     }
 
     /// As it was after the last tick.
@@ -407,6 +427,9 @@ impl LaunchDetector {
         }
         self.last_us = Some(now_us);
         let first_us = *self.first_us.get_or_insert(now_us);
+        // No speed of an aircraft overflows when squared; NaN is not fast.
+        let is_under_way = input.ground_speed_squared_m2ps2.is_some_and(|squared| squared >= UNDER_WAY_M2PS2);
+        self.was_interrupted |= self.had_mission && is_under_way;
         let has_message = self.link.take(input, &self.config, &mut self.counts);
         if self.state.is_launched() {
             if has_message {
@@ -420,7 +443,7 @@ impl LaunchDetector {
         self.wire.take(input, &self.config, &mut self.counts);
         let is_captive = self.state == LaunchState::Captive;
         if let Some(force_mps2) = self.force.take(input, is_captive, &self.config, &mut self.counts) {
-            self.character.take(now_us, force_mps2, is_captive);
+            self.character.take(now_us, force_mps2, is_captive && self.force.falling_since_us().is_none());
         }
         if let Some(climb_mps) = input.climb_mps {
             self.climb.take(now_us, climb_mps, is_captive);
@@ -428,7 +451,7 @@ impl LaunchDetector {
         let verdict = match self.wire.reading() {
             Reading::Open { edge_us, is_settled } => {
                 self.sign = None;
-                let is_early = edge_us.saturating_sub(first_us) < EARLY_US;
+                let is_early = !self.was_interrupted && edge_us.saturating_sub(first_us) < EARLY_US;
                 self.judge_open(now_us, edge_us, is_settled, is_early)
             }
             Reading::Closed => self.judge_without(now_us, false),

@@ -42,6 +42,7 @@ struct Rig {
     gust_sigma: f32,
     gust: f32,
     climb_mps: f32,
+    ground_speed_mps: f32,
 }
 
 impl Rig {
@@ -56,6 +57,7 @@ impl Rig {
             gust_sigma: 0.02,
             gust: 0.0,
             climb_mps: 2.0,
+            ground_speed_mps: 40.0,
         }
     }
 
@@ -95,6 +97,7 @@ impl Rig {
         }
         let has_fix = now.fixes != Fixes::None && self.tick.is_multiple_of(20);
         let climb_mps = has_fix.then_some(self.climb_mps);
+        let ground_speed_squared_m2ps2 = has_fix.then_some(self.ground_speed_mps * self.ground_speed_mps);
         let force_mps2 = now.load.map(|load| {
             [noise[0], noise[1], noise[2] - G * load - if load > 0.5 { G * self.gust } else { 0.0 }]
         });
@@ -105,6 +108,7 @@ impl Rig {
             force_mps2,
             last_message_us: self.last_message_us,
             climb_mps,
+            ground_speed_squared_m2ps2,
         })
     }
 
@@ -255,6 +259,34 @@ fn without_force_or_climb_rate_a_torn_cable_is_a_launch_without_confirmation() {
 
 /// After a tear only the vehicle's own motion is left: a release that falls is found, and said to be unconfirmed; a gust and a
 /// dead accelerometer are none.
+/// A second after a start nothing is known that a change could be told from. In flight, with the traces of a mission, its supply has
+/// dipped, and the release comes as it would have; otherwise somebody is making the vehicle ready, or tears the cable.
+#[test]
+fn a_release_soon_after_a_dip_of_the_supply_in_flight_is_seen() {
+    let after = |has_traces, ground_speed_mps| {
+        let mut rig = Rig { ground_speed_mps, ..Rig::new() };
+        if has_traces {
+            rig.detector = rig.detector.after_traces();
+        }
+        rig.run(1.0, CAPTIVE);
+        rig.run(5.0, TORN).map(|launch| launch.by)
+    };
+    assert_eq!(after(true, 40.0), Some(Confirmation::Unconfirmed));
+    assert_eq!(after(true, 5.0), None);
+    assert_eq!(after(false, 40.0), None);
+}
+
+/// A unit that reads no force for five seconds, under the pylon, must not widen what a departure and a change are held against.
+#[test]
+fn free_fall_that_was_none_hides_no_release() {
+    let mut rig = Rig::captive();
+    rig.run(5.0, Now { load: Some(0.0), fixes: Fixes::Level, ..CAPTIVE });
+    assert_eq!(rig.run(5.0, CAPTIVE), None);
+    let edge_us = rig.now_us() + TICK_US;
+    let launch = rig.run(2.0, RELEASED).unwrap();
+    assert_eq!((launch.first_edge_us, launch.by), (edge_us, Confirmation::Force));
+}
+
 #[test]
 fn after_a_torn_cable_a_fall_is_a_launch() {
     let mut rig = Rig::captive();
