@@ -165,8 +165,7 @@ where
         let is_first = gps.is_some() && !self.had_fix;
         self.had_fix = gps.is_some();
         let waits = is_first && self.faults.note(self.imu_master.put_off().map(Some)).unwrap_or(false);
-        let imu_master_altitude_m =
-            if waits { None } else { self.faults.note(self.imu_master.poll(now_us)) };
+        let imu_master_altitude_m = if waits { None } else { self.faults.note(self.imu_master.poll(now_us)) };
         polled(Device::Master);
         let imu_slave_altitude_m = self.faults.note(self.imu_slave.poll(now_us));
         polled(Device::Slave);

@@ -207,7 +207,10 @@ fn heard(ticks: &[(bool, bool)]) -> (Vec<Option<f32>>, LinkCounts) {
         suite.poll(5_000 * tick as u64).imu_master_altitude_m
     });
     let heard = heard.collect();
-    assert!(suite.imu_master.port_mut().0.is_empty(), "what arrives is taken at every tick: no ring runs over");
+    assert!(
+        suite.imu_master.port_mut().0.is_empty(),
+        "what arrives is taken at every tick: no ring runs over"
+    );
     (heard, suite.imu_master.link_counts())
 }
 
