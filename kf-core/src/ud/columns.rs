@@ -4,6 +4,9 @@
 //! not, and the column's number is: every inner loop has a known length and is unrolled, and what a column needs of those
 //! before it stays in registers. That takes half of the instructions for eight states, and there is one copy of it.
 
+// The first column has none before it.
+#![allow(clippy::absurd_extreme_comparisons, clippy::reversed_empty_ranges)]
+
 use super::time_update::check_variance;
 use super::{Gate, Innovation, NoiseVariance, Row, UdFilter};
 use crate::config::MAX_ESTIMATED_EFFECTS;
@@ -72,7 +75,9 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         upwards!(J, {
             value -= row.tail[J] * self.tail_step[J];
         });
-        if !(value.abs() + variance <= f32::MAX) {
+        // As in `take`: it can only fail by being NaN or infinite.
+        let is_finite = value.abs() + variance <= f32::MAX;
+        if !is_finite {
             return Err(FilterError::NotFinite);
         }
         let innovation = Innovation { value, variance };
