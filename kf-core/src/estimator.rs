@@ -7,7 +7,7 @@
 
 use crate::config::MissionConfig;
 use crate::error::FilterError;
-use crate::latch::{MAX_COVARIANCE, collected, place_in_triangle};
+use crate::latch::{MAX_COVARIANCE, collected};
 use crate::sensor::{SENSORS, Sensor};
 use crate::ud::{Gate, Innovation, NoiseVariance, Row, UdFilter};
 
@@ -126,6 +126,9 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimator<HEAD, TAIL,
         noise: MeasurementNoise,
         gate: Option<Gate>,
     ) -> Result<Innovation, FilterError> {
+        if HEAD == 0 && row.first < Self::ALTITUDE {
+            return self.filter.take_by_columns(row, measurement, noise.0, gate);
+        }
         self.filter.take::<true>(row, measurement, noise.0, gate)
     }
 
@@ -243,7 +246,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimator<HEAD, TAIL,
     /// [`FilterError`]; [`FilterError::Shape`] if `HEAD > 0` and the variance is not zero.
     pub fn climb(&mut self, climb_m: f32, variance_m2: f32) -> Result<(), FilterError> {
         if variance_m2 != 0.0 {
-            self.filter.add_tail_noise(Self::ALTITUDE, variance_m2 / square(UNIT_M))?;
+            self.filter.diffuse_by_columns(Self::ALTITUDE, variance_m2 / square(UNIT_M))?;
         }
         self.filter.shift_tail(Self::ALTITUDE, climb_m / UNIT_M)
     }
@@ -255,7 +258,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimator<HEAD, TAIL,
     pub fn wander(&mut self, sensor: Sensor, variance_m2: f32) -> Result<(), FilterError> {
         let variance = variance_m2 / square(UNIT_M);
         if HEAD == 0 {
-            self.filter.add_tail_noise(Self::bias_index(sensor.index()), variance)
+            self.filter.diffuse_by_columns(Self::bias_index(sensor.index()), variance)
         } else {
             self.filter.add_head_noise(sensor.index(), variance)
         }
@@ -312,6 +315,26 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimator<HEAD, TAIL,
         self.filter.variance(HEAD + Self::coefficient_index(effect)) * square(unit)
     }
 
+    /// Variances of altitude, biases and coefficients: the same as one by one, for less.
+    #[inline]
+    pub(crate) fn variances(&self) -> (f32, [f32; SENSORS], [f32; E]) {
+        if HEAD > 0 {
+            return (
+                self.altitude_variance_m2(),
+                Sensor::ALL.map(|sensor| self.bias_variance_m2(sensor)),
+                core::array::from_fn(|effect| self.coefficient_variance(effect)),
+            );
+        }
+        let stored = self.filter.tail_variances();
+        (
+            get(&stored, Self::ALTITUDE) * square(UNIT_M),
+            core::array::from_fn(|sensor| get(&stored, Self::bias_index(sensor)) * square(UNIT_M)),
+            core::array::from_fn(|effect| {
+                get(&stored, Self::coefficient_index(effect)) * square(get(&self.coefficient_unit, effect))
+            }),
+        )
+    }
+
     /// Covariance of two states in metres and coefficient units, in the paper's order: altitude,
     /// biases, coefficients.
     #[must_use]
@@ -325,24 +348,31 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimator<HEAD, TAIL,
     #[inline(never)]
     pub(crate) fn covariance_triangle(&self) -> heapless::Vec<f32, MAX_COVARIANCE> {
         let states = 1 + SENSORS + E;
+        let altitude = HEAD + Self::ALTITUDE;
         let mut triangle = collected(core::iter::repeat_n(0.0, states * (states + 1) / 2));
+        // Stored entries come row by row, and but for the altitude's, which are the first row outside, in the triangle's order.
+        let mut next = states;
         self.filter.for_each_covariance(|one, other, entry| {
-            let ((one, unit), (other, other_unit)) = (self.outside(one), self.outside(other));
-            let (row, column) = (one.min(other), one.max(other));
-            set(&mut triangle, place_in_triangle(states, row, column), entry * unit * other_unit);
+            let scaled = entry * self.unit(one) * self.unit(other);
+            let place = if other < altitude {
+                next += 1;
+                next - 1
+            } else if one < altitude {
+                1 + one
+            } else {
+                0
+            };
+            set(&mut triangle, place, scaled);
         });
         triangle
     }
 
-    /// Position in the paper's order and unit of a state that is stored there.
+    /// Unit of a stored state.
     #[inline(always)]
-    fn outside(&self, stored: usize) -> (usize, f32) {
-        if stored < SENSORS {
-            (1 + stored, UNIT_M)
-        } else if stored < SENSORS + E {
-            (1 + stored, get(&self.coefficient_unit, stored - SENSORS))
-        } else {
-            (0, UNIT_M)
+    fn unit(&self, stored: usize) -> f32 {
+        match stored.checked_sub(SENSORS) {
+            Some(effect) if effect < E => get(&self.coefficient_unit, effect),
+            _ => UNIT_M,
         }
     }
 

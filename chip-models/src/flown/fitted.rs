@@ -58,6 +58,10 @@ impl<Driver: AltitudeLink> AltitudeLink for Fitted<Driver> {
         self.fitted().map_or(Ok(None), |driver| driver.poll(now_us))
     }
 
+    fn put_off(&mut self) -> Result<bool, SensorError> {
+        self.fitted().map_or(Ok(false), AltitudeLink::put_off)
+    }
+
     fn set_attached(&mut self, attached: bool) {
         self.driver.set_attached(attached);
     }

@@ -75,6 +75,9 @@ pub struct LinkCounts {
 pub struct Umbilical<Port> {
     port: Port,
     mother_ship: Sender,
+    /// What has arrived and was not looked at: so many bytes.
+    bytes: [u8; MAX_POLL_BYTES],
+    waiting: usize,
     frames: Frames,
     attached: bool,
     /// The last altitude, or the last complaint about its absence.
@@ -89,6 +92,8 @@ impl<Port: Read + ReadReady> Umbilical<Port> {
         Self {
             port,
             mother_ship,
+            bytes: [0; MAX_POLL_BYTES],
+            waiting: 0,
             frames: Frames::new(),
             attached: true,
             heard_us: None,
@@ -120,16 +125,24 @@ impl<Port: Read + ReadReady> Umbilical<Port> {
         &mut self.port
     }
 
+    /// Takes what has arrived behind what is waiting.
+    fn receive(&mut self) -> Result<(), SensorError> {
+        let room = self.bytes.get_mut(self.waiting..).unwrap_or_default();
+        let arrived = crate::port::receive(&mut self.port, room)?;
+        self.counts.bytes = self.counts.bytes.saturating_add(u32::try_from(arrived).unwrap_or(u32::MAX));
+        self.waiting += arrived;
+        Ok(())
+    }
+
     fn step(&mut self, now_us: u64) -> Result<Option<f32>, SensorError> {
         if !self.attached {
             return Ok(None);
         }
-        let mut bytes = [0; MAX_POLL_BYTES];
-        let arrived = crate::port::receive(&mut self.port, &mut bytes)?;
-        self.counts.bytes = self.counts.bytes.saturating_add(u32::try_from(arrived).unwrap_or(u32::MAX));
+        self.receive()?;
         let mut newest = None;
         let mut bad = false;
-        let mut rest = bytes.get(..arrived).unwrap_or_default();
+        let mut rest = self.bytes.get(..self.waiting).unwrap_or_default();
+        self.waiting = 0;
         while let taken @ 1.. = self.frames.take(rest) {
             rest = rest.get(taken..).unwrap_or_default();
             while let Some(found) = self.frames.next_found() {
@@ -191,9 +204,18 @@ impl<Port: Read + ReadReady> AltitudeLink for Umbilical<Port> {
         self.health.note(outcome)
     }
 
+    fn put_off(&mut self) -> Result<bool, SensorError> {
+        if self.attached {
+            let outcome = self.receive().map(|()| None::<()>);
+            self.health.note(outcome)?;
+        }
+        Ok(self.attached)
+    }
+
     fn set_attached(&mut self, attached: bool) {
         if self.attached != attached {
             self.attached = attached;
+            self.waiting = 0;
             self.heard_us = None;
             self.frames = Frames::new();
         }

@@ -3,8 +3,12 @@
 use core::convert::Infallible;
 
 use embedded_io::ErrorType;
+use kf_core::input::{GpsFix, ImuSample};
 
 use super::*;
+use crate::replay::{Replay, ReplayUmbilical};
+use crate::sensor::{BarometerSample, VehicleState};
+use crate::suite::{Sensors, Suite};
 
 /// A frame's longest, and shortest: a payload of one byte.
 const LONGEST: usize = 44;
@@ -159,4 +163,70 @@ fn only_the_mother_ships_plausible_altitudes_count() {
         let (polled, counts) = only(frame((1, 1), altitude_m, 0));
         assert_eq!((polled, counts.absurd), (Err(SensorError::OutOfRange), 1), "{altitude_m}");
     }
+}
+
+/// A line that says what it was told to, and no more.
+struct Line(Vec<u8>);
+
+impl ErrorType for Line {
+    type Error = Infallible;
+}
+
+impl ReadReady for Line {
+    fn read_ready(&mut self) -> Result<bool, Infallible> {
+        Ok(!self.0.is_empty())
+    }
+}
+
+impl Read for Line {
+    fn read(&mut self, buffer: &mut [u8]) -> Result<usize, Infallible> {
+        let count = buffer.len().min(self.0.len());
+        for (slot, byte) in buffer.iter_mut().zip(self.0.drain(..count)) {
+            *slot = byte;
+        }
+        Ok(count)
+    }
+}
+
+/// Altitudes that a suite has of the mother ship, tick by tick; each tick says whether a fix and whether a message comes.
+fn heard(ticks: &[(bool, bool)]) -> (Vec<Option<f32>>, LinkCounts) {
+    let mut suite = Suite::new(
+        Replay::<GpsFix>::new(),
+        Replay::<BarometerSample>::new(),
+        Replay::<ImuSample>::new(),
+        Umbilical::new(Line(Vec::new()), Sender::FIRST_AUTOPILOT),
+        Replay::<f32>::new(),
+        Replay::<VehicleState>::new(),
+        ReplayUmbilical::new(),
+    );
+    let heard = ticks.iter().enumerate().map(|(tick, &(has_fix, has_message))| {
+        suite.receiver.load(has_fix.then(GpsFix::default));
+        if has_message {
+            suite.imu_master.port_mut().0.extend(frame((1, 1), tick as f32, 0));
+        }
+        suite.poll(5_000 * tick as u64).imu_master_altitude_m
+    });
+    let heard = heard.collect();
+    assert!(
+        suite.imu_master.port_mut().0.is_empty(),
+        "what arrives is taken at every tick: no ring runs over"
+    );
+    (heard, suite.imu_master.link_counts())
+}
+
+/// A tick with a fix is dear enough without a message; the next one has it, and nothing is lost.
+#[test]
+fn a_message_in_a_tick_with_a_fix_waits_for_the_next_tick() {
+    let (fix, message, both, none) = ((true, false), (false, true), (true, true), (false, false));
+    assert_eq!(heard(&[both, none, message]).0, [None, Some(0.0), Some(2.0)]);
+    assert_eq!(heard(&[none, fix, message]).0, [None, None, Some(2.0)]);
+    let (altitudes, counts) = heard(&[message, both, message, none]);
+    assert_eq!(altitudes, [Some(0.0), None, Some(2.0), None]);
+    assert_eq!((counts.frames, counts.superseded, counts.bytes), (3, 1, 3 * LONGEST as u32));
+}
+
+/// Where every tick has a fix there is no better one to wait for.
+#[test]
+fn no_message_waits_twice() {
+    assert_eq!(heard(&[(true, true); 4]).0, [None, Some(1.0), Some(2.0), Some(3.0)]);
 }

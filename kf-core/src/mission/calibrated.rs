@@ -20,17 +20,16 @@ impl Calibrated {
     pub(super) fn of_estimator<const HEAD: usize, const TAIL: usize, const E: usize>(
         estimator: &Estimator<HEAD, TAIL, E>,
     ) -> Self {
-        let bias = |sensor| [estimator.bias_m(sensor), estimator.bias_variance_m2(sensor)];
-        let [master, slave, baro] = Sensor::ALL;
-        let coefficients = estimator.coefficients().into_iter().enumerate();
+        let (altitude_variance_m2, [of_master, of_slave, of_baro], of_coefficients) = estimator.variances();
+        let [master, slave, baro] = Sensor::ALL.map(|sensor| estimator.bias_m(sensor));
+        let coefficients = estimator.coefficients().into_iter().zip(of_coefficients);
         Self {
             altitude_m: estimator.altitude_m(),
-            altitude_variance_m2: estimator.altitude_variance_m2(),
-            biases: [bias(master), bias(slave), bias(baro)],
-            coefficients: collected(coefficients.map(|(effect, coefficient)| CoefficientOutput {
-                coefficient,
-                variance: estimator.coefficient_variance(effect),
-            })),
+            altitude_variance_m2,
+            biases: [[master, of_master], [slave, of_slave], [baro, of_baro]],
+            coefficients: collected(
+                coefficients.map(|(coefficient, variance)| CoefficientOutput { coefficient, variance }),
+            ),
         }
     }
 

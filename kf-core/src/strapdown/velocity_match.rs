@@ -15,7 +15,7 @@
 //! horizontal bias of the accelerometer can not be told from a tilt in straight flight, and is taken for one; so is the Coriolis
 //! acceleration (4 mm/s^2 at 28 m/s), which is not in the model.
 //!
-//! One fix a second is used. The update is spread over the fifteen samples after it: no tick bears all of it.
+//! One fix a second is used. The update is spread over the nineteen samples after it: no tick bears all of it.
 
 use super::sum::Sum;
 use super::vector::{Down, Vector, cross, difference, dot, scaled, sum};
@@ -68,7 +68,9 @@ const LASTING: u8 = 60;
 enum Stage {
     Idle,
     Compare(Fix),
+    /// The transition of one state.
     Propagate {
+        state: usize,
         seconds: f32,
         gained: [f32; 3],
         fix: Apart,
@@ -255,11 +257,15 @@ impl VelocityMatch {
             Stage::Idle => {}
             Stage::Compare(fix) => {
                 let Fix { seconds, gained, .. } = fix;
-                self.stage = Stage::Propagate { seconds, gained, fix: self.compare(&fix) };
+                self.stage = Stage::Propagate { state: 0, seconds, gained, fix: self.compare(&fix) };
             }
-            Stage::Propagate { seconds, gained, fix } => {
-                self.stage = Stage::Diffuse { state: 0, seconds, fix };
-                if self.propagate(down, seconds, gained).is_err() {
+            Stage::Propagate { state, seconds, gained, fix } => {
+                self.stage = if state + 1 < BIAS {
+                    Stage::Propagate { state: state + 1, seconds, gained, fix }
+                } else {
+                    Stage::Diffuse { state: 0, seconds, fix }
+                };
+                if self.propagate(state, down, seconds, gained).is_err() {
                     self.refusals = REFUSALS;
                 }
             }
@@ -359,26 +365,31 @@ impl VelocityMatch {
         apart
     }
 
-    fn propagate(&mut self, down: &Down, seconds: f32, gained: Vector) -> Result<(), FilterError> {
-        let axes = self.axes(down);
-        let by_bias = axes.map(|axis| scaled(axis, -seconds));
+    /// Moves one state by later ones; biases and crab angle stay as they are. The axes are those of this sample: those of the interval's end
+    /// are no better, and the few samples between the first state and the last are nothing to it.
+    fn propagate(
+        &mut self,
+        state: usize,
+        down: &Down,
+        seconds: f32,
+        gained: Vector,
+    ) -> Result<(), FilterError> {
+        let by_bias = self.axes(down).map(|axis| scaled(axis, -seconds));
         // Velocity by the tilt in the middle of the interval: half of what the bias makes of it.
         let [north, east, fall] = gained;
+        let [a, b, c] = by_bias;
         let velocity = |parts: Vector| {
-            let [a, b, c] = by_bias;
             let bias = sum(sum(scaled(a, parts[0]), scaled(b, parts[1])), scaled(c, parts[2]));
             row(parts, scaled(bias, 0.5))
         };
-        let [by_north, by_east, by_down] = by_bias;
-        // Biases and crab angle stay as they are.
-        let moved: [_; BIAS] = [
-            velocity([0.0, -fall, east]),
-            velocity([fall, 0.0, -north]),
-            row([0.0; 3], by_north),
-            row([0.0; 3], by_east),
-            row([0.0; 3], by_down),
-        ];
-        self.filter.propagate_upper(&moved)
+        let moved = match state {
+            0 => velocity([0.0, -fall, east]),
+            1 => velocity([fall, 0.0, -north]),
+            2 => row([0.0; 3], a),
+            3 => row([0.0; 3], b),
+            _ => row([0.0; 3], c),
+        };
+        self.filter.propagate_row(state, &moved)
     }
 
     fn diffuse(&mut self, state: usize, seconds: f32, turned: f32) -> Result<(), FilterError> {

@@ -49,9 +49,10 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
                 take(i, HEAD + j, weighted[j] + products(&weighted[j + 1..], &self.factor[j][j + 1..]));
             }
         }
+        let variances = self.tail_variances();
         for (i, upper) in self.factor.iter().enumerate() {
             let weighted: [f32; TAIL] = core::array::from_fn(|k| upper[k] * self.tail_d[k]);
-            take(HEAD + i, HEAD + i, self.variance(HEAD + i));
+            take(HEAD + i, HEAD + i, variances[i]);
             for j in i + 1..TAIL {
                 take(
                     HEAD + i,

@@ -16,6 +16,7 @@
 //! Each update moves a small `step`; [`UdFilter::fold`] adds the steps of a tick to the state and
 //! keeps what the addition lost (Kahan), so that gains of one part in millions still move it.
 
+mod columns;
 mod covariance;
 mod factorise;
 mod time_update;

@@ -134,6 +134,80 @@ proptest! {
     }
 }
 
+/// A row of eight states: a bias, four coefficients, the altitude.
+fn long_row(sensor: Option<usize>, coefficients: [f32; 4]) -> Row<8> {
+    let mut tail = [0.0; 8];
+    tail[3..7].copy_from_slice(&coefficients);
+    tail[7] = 1.0;
+    if let Some(sensor) = sensor {
+        tail[sensor] = 1.0;
+    }
+    Row { head: None, tail, first: sensor.unwrap_or(3) }
+}
+
+proptest! {
+    /// The updates column by column are the updates, to the bit: of eight states, with and without a gate.
+    #[test]
+    fn column_by_column_is_the_same_to_the_bit(
+        steps in prop::collection::vec(
+            (
+                0_usize..4,
+                prop::array::uniform4(-2.0_f32..2.0),
+                -5.0_f32..5.0,
+                0.01_f32..10.0,
+                0.0_f32..0.5,
+                prop::option::of((0.5_f32..20.0, any::<bool>())),
+            ),
+            1..60,
+        ),
+    ) {
+        let variances = [2.4, 5.5, 22.0, 1.0, 0.5, 0.0, 3.0, 0.6];
+        let mut plain = UdFilter::<0, 8>::new([], [], [0.0; 8], variances).unwrap();
+        let mut columns = plain.clone();
+        for (which, coefficients, y, r, q, gate) in steps {
+            let row = long_row(which.checked_sub(1), coefficients);
+            let gate = gate.map(|(limit, only_judges)| Gate { limit, excess: 0.5 * r, only_judges });
+            prop_assert_eq!(
+                plain.take::<true>(&row, y, noise(r), gate),
+                columns.take_by_columns(&row, y, noise(r), gate)
+            );
+            plain.fold();
+            columns.fold();
+            let index = if which == 0 { 7 } else { which - 1 };
+            plain.add_tail_noise(index, q).unwrap();
+            columns.diffuse_by_columns(index, q).unwrap();
+            prop_assert_eq!(&plain, &columns);
+            prop_assert_eq!(columns.tail_variances(), core::array::from_fn(|state| plain.variance(state)));
+        }
+    }
+
+    /// What cannot be used leaves no trace here either.
+    #[test]
+    fn a_refused_update_by_columns_changes_nothing(
+        bad in prop_oneof![Just(f32::NAN), Just(f32::INFINITY), Just(f32::NEG_INFINITY)],
+        place in 0_usize..9,
+    ) {
+        let mut filter = UdFilter::<0, 8>::new([], [], [0.0; 8], [1.0; 8]).unwrap();
+        filter.take_by_columns(&long_row(Some(1), [0.5; 4]), 1.0, noise(1.0), None).unwrap();
+        let before = filter.clone();
+        let mut row = long_row(Some(0), [0.5; 4]);
+        let mut measurement = 1.0;
+        match row.tail.get_mut(place) {
+            Some(coefficient) => *coefficient = bad,
+            None => measurement = bad,
+        }
+        prop_assert_eq!(
+            filter.take_by_columns(&row, measurement, noise(1.0), None),
+            Err(FilterError::NotFinite)
+        );
+        for variance in [bad, 3e38] {
+            prop_assert!(filter.diffuse_by_columns(7, variance).is_err());
+        }
+        prop_assert_eq!(filter.diffuse_by_columns(8, 1.0), Err(FilterError::Shape));
+        prop_assert_eq!(&filter, &before);
+    }
+}
+
 #[test]
 fn the_general_propagation_is_eqs_4_and_5() {
     let p0 = [[4.0, 1.0, 0.5], [1.0, 3.0, -0.2], [0.5, -0.2, 2.0]];
@@ -213,6 +287,7 @@ fn a_propagation_by_what_is_no_number_says_so() {
 #[test]
 fn a_propagation_has_no_more_rows_than_states() {
     assert_eq!(dense().propagate_upper(&[[0.0; 4]; 5]), Err(FilterError::Shape));
+    assert_eq!(dense().propagate_row(4, &[0.0; 4]), Err(FilterError::Shape));
 }
 
 #[test]

@@ -144,27 +144,38 @@ impl<const N: usize> UdFilter<0, N> {
         if ROWS > N {
             return Err(FilterError::Shape);
         }
-        // Not finite if any number that was written is not.
-        let mut sum = 0.0;
         // Row after row: those below are still the old ones.
         for (i, by) in transition.iter().enumerate() {
-            let (above, below) = self.factor.split_at_mut(i + 1);
-            let row = &mut above[i];
-            for (k, lower) in (i + 1..N).zip(&*below) {
-                let a = by[k];
-                if a == 0.0 {
-                    continue;
-                }
-                self.tail_state[i] += a * self.tail_state[k];
-                self.tail_step[i] += a * self.tail_step[k];
-                row[k] += a;
-                for (new, old) in row[k + 1..].iter_mut().zip(&lower[k + 1..]) {
-                    *new += a * old;
-                }
-            }
-            sum += self.tail_state[i] + self.tail_step[i];
-            sum = row[i + 1..].iter().fold(sum, |sum, new| sum + new);
+            self.propagate_row(i, by)?;
         }
+        Ok(())
+    }
+
+    /// One row of [`Self::propagate_upper`]; all of A is its rows one after the other, from the first on, with whatever time between
+    /// them.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn propagate_row(&mut self, i: usize, by: &[f32; N]) -> Result<(), FilterError> {
+        if i >= N {
+            return Err(FilterError::Shape);
+        }
+        let (above, below) = self.factor.split_at_mut(i + 1);
+        let row = &mut above[i];
+        for (k, lower) in (i + 1..N).zip(&*below) {
+            let a = by[k];
+            if a == 0.0 {
+                continue;
+            }
+            self.tail_state[i] += a * self.tail_state[k];
+            self.tail_step[i] += a * self.tail_step[k];
+            row[k] += a;
+            for (new, old) in row[k + 1..].iter_mut().zip(&lower[k + 1..]) {
+                *new += a * old;
+            }
+        }
+        // Not finite if any number that was written is not.
+        let sum = row[i + 1..].iter().fold(self.tail_state[i] + self.tail_step[i], |sum, new| sum + new);
         if sum.is_finite() { Ok(()) } else { Err(FilterError::NotFinite) }
     }
 }
@@ -174,7 +185,7 @@ fn weighted_product(a: &[f32], b: &[f32], weight: &[f32]) -> f32 {
     a.iter().zip(b).zip(weight).map(|((a, b), w)| a * b * w).sum()
 }
 
-fn check_variance(variance: f32) -> Result<(), FilterError> {
+pub(super) fn check_variance(variance: f32) -> Result<(), FilterError> {
     if !variance.is_finite() {
         Err(FilterError::NotFinite)
     } else if variance < 0.0 {

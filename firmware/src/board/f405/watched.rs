@@ -99,6 +99,14 @@ impl<Driver: AltitudeLink> AltitudeLink for Watched<Driver> {
         self.noted(polled)
     }
 
+    fn put_off(&mut self) -> Result<bool, SensorError> {
+        let outcome = self.driver.put_off();
+        if let Err(error) = outcome {
+            self.watch.note(Some(Outcome::Fails(error)));
+        }
+        outcome
+    }
+
     fn set_attached(&mut self, attached: bool) {
         self.driver.set_attached(attached);
     }
