@@ -21,6 +21,10 @@ use serde::{Deserialize, Serialize};
 /// more often would only look like more information.
 const INTERVAL_US: u64 = 50_000;
 
+/// Square of how far, in captive flight, the channel's climb rate may be from a fix's, (m/s)^2: 3 m/s. An aligned one is known to 0.2 m/s, a
+/// fix's to as much, and what it is late by (0.2 s) is 1 m/s in the roughest air.
+const DENIED_M2PS2: f32 = 9.0;
+
 /// Who delivers the altitude.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum AltitudeSource {
@@ -62,6 +66,10 @@ pub struct InertialAltitude {
     is_launched: bool,
     /// Launched, or suspected to be.
     is_off: bool,
+    /// The last fix in captive flight climbs otherwise than the channel. Nobody knows which of the two is wrong, so there is nothing to
+    /// calibrate with: the altitude would follow a unit that falls by itself within the gates of all that take it. At a launch the
+    /// channel speaks again: whether it is right is what it is then watched for.
+    is_denied: bool,
     counts: NavigationCounts,
 }
 
@@ -76,6 +84,7 @@ impl InertialAltitude {
             said_us: None,
             is_launched: false,
             is_off: false,
+            is_denied: false,
             counts: NavigationCounts::default(),
         }
     }
@@ -146,7 +155,8 @@ impl InertialAltitude {
             self.counts.outside_ignored = self.counts.outside_ignored.saturating_add(1);
         }
         let is_due = self.said_us.is_none_or(|said_us| input.time_us.saturating_sub(said_us) >= INTERVAL_US);
-        if let (true, true, Some(altitude_m)) = (has_sample, is_due, self.channel.altitude_m()) {
+        let may_speak = has_sample && is_due && (self.is_off || !self.is_denied);
+        if let (true, Some(altitude_m)) = (may_speak, self.channel.altitude_m()) {
             self.source = AltitudeSource::Channel;
             self.said_us = Some(input.time_us);
             self.counts.delivered = self.counts.delivered.saturating_add(1);
@@ -173,6 +183,12 @@ impl InertialAltitude {
             return;
         }
         self.last_fix = Some(*fix);
+        if let (false, Some(down_mps), Some(climb_mps)) =
+            (self.is_off, fix.velocity_down_mps, self.channel.climb_rate_mps())
+        {
+            let apart_mps = climb_mps + down_mps;
+            self.is_denied = apart_mps * apart_mps > DENIED_M2PS2;
+        }
         if self.is_off && !self.channel.is_mending() {
             return;
         }

@@ -402,6 +402,17 @@ impl Judge<'_> {
         if promised < delay || !is_promised(latest) || (Self::is_degraded(self.faulty) && flagged.is_some()) {
             return;
         }
+        // A push of the inertial unit while the channel mends a gap is taken out with the gap: what reads right needs no flag.
+        let is_right = self
+            .faulty
+            .ticks
+            .get(latest)
+            .copied()
+            .flatten()
+            .is_some_and(|seen| seen.true_error_m[i].abs() < RIGHTLY * self.bound_m(sensor));
+        if is_right {
+            return;
+        }
         let later = flagged.map_or_else(
             || "never flagged".to_owned(),
             |tick| format!("flagged after {:.2} s", seconds(tick - failure.tick)),

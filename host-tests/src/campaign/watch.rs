@@ -18,12 +18,14 @@ const SMOOTH_S: f32 = 2.0;
 const TELLING_TICKS: usize = 200;
 
 /// One tick.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seen {
     /// What each sensor is said to be worth.
     pub trust: [Trust; SENSORS],
     /// Which sensors, and then the reference, brought a reading that was used: one bit each.
     pub fresh: u8,
+    /// How far each sensor's calibrated reading really is off, over the monitor's window, metres.
+    pub true_error_m: [f32; SENSORS],
 }
 
 /// A sensor that is called untrustworthy.
@@ -139,7 +141,8 @@ impl Watched {
             }
         }
         let trust = output.sensors.map(|sensor| sensor.trust);
-        self.ticks.push(Some(Seen { trust, fresh }));
+        let true_error_m = self.smooth.map(|smooth| smooth.map_or(0.0, |(error_m, _)| error_m));
+        self.ticks.push(Some(Seen { trust, fresh, true_error_m }));
         if let Some((_, steps)) = &mut self.telling {
             steps.push((step.clone(), *counters));
             if steps.len() >= TELLING_TICKS {

@@ -127,3 +127,21 @@ fn a_held_fix_is_one_and_a_bad_one_is_counted() {
     });
     assert_eq!(navigation.counts().fixes_refused, 2);
 }
+
+/// A unit that reads free fall under the pylon: nothing it makes of that is there to calibrate with. At a launch it speaks again.
+#[test]
+fn a_unit_that_falls_by_itself_says_nothing_until_the_launch() {
+    let (_, said) = fly(60, |k, input| {
+        if let Some(fix) = &mut input.gps {
+            fix.velocity_down_mps = Some(0.0);
+        }
+        if let (8_000..8_400, Some(imu)) = (k, &mut input.imu) {
+            imu.accel_mps2[2] += G;
+        }
+        input.launch = k >= 9_000;
+    });
+    let captive = said.iter().filter(|(k, _)| *k < 9_000);
+    assert!(captive.clone().all(|(_, altitude_m)| (altitude_m - 1_000.0).abs() < 1.5));
+    assert!(captive.last().is_some_and(|(k, _)| (8_000..8_120).contains(k)));
+    assert!(said.iter().any(|(k, _)| *k >= 9_000));
+}

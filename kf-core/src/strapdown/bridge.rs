@@ -8,7 +8,7 @@
 /// Variance of the climb rate to which gaps are mended, and up to which they are not, (m/s)^2: half a metre a second, 30 m in a
 /// minute of free flight, is what a MEMS unit drifts anyway.
 pub(super) const MENDED_M2PS2: f32 = 0.25;
-/// Variances beyond which a channel that is being mended says nothing: 2 m/s, and 5 m.
+/// Variances beyond which a channel that is being mended says nothing: 2 m/s, and 5 m more than it had drifted by in free flight.
 pub(super) const UNKNOWN_CLIMB_M2PS2: f32 = 4.0;
 pub(super) const UNKNOWN_ALTITUDE_M2: f32 = 25.0;
 /// The samples at a gap's ends have the vibration of 0.8 m/s^2 in them, half of it squared.

@@ -14,6 +14,15 @@ use super::{Config, GRAVITY_MPS2};
 /// before it has pulled at the level.
 const TRIM_TIME_CONSTANT_S: f32 = 1.0;
 
+/// A line over less than this (seconds) says less of the gyro's bias than what is known of any unit (0.02 rad/s): gusts and vibration move
+/// what specific force shows by 0.03 rad within it. By what it makes of it the flight seems to turn, and a fit that therefore takes no
+/// more samples stays there. So until then it is the gyro alone that says whether the flight turns.
+const LEAST_LINE_S: f32 = 3.0;
+
+/// Two shaken samples make a bias of 20 rad/s, by which the axes turn further than small angles do. Over less than this (seconds) the fit is
+/// a mean.
+const LEAST_SLOPE_S: f32 = 0.2;
+
 /// A fit of less than [`super::COARSE_LEVEL_S`] that finds the flight untrimmed for so long (seconds) is wrong itself: of a gust's first samples
 /// it makes a gyro's bias that every flight turns by.
 const LONGEST_UNTRIMMED_S: f32 = 10.0;
@@ -46,11 +55,6 @@ impl Levelling {
         self.untrimmed_s > LONGEST_UNTRIMMED_S && self.elapsed_s() < super::COARSE_LEVEL_S
     }
 
-    /// Fits the level anew; what was found of the gyro's bias is where the search for it begins.
-    pub(super) fn begin_anew(&mut self) {
-        *self = Self { gyro_bias: self.gyro_bias, ..Self::default() };
-    }
-
     /// Passes over a sample while something better levels: a later fit counts from here as if it had been in it.
     pub(super) fn pass(&mut self, step_s: f32, config: &Config) {
         self.memory.count(step_s, config.level_window_s);
@@ -68,8 +72,11 @@ impl Levelling {
         let vertical = down.get();
         let bias = self.gyro_bias_radps();
         let turn = dot(rate, vertical) - dot(bias, vertical);
-        let smoothing = step_s / (TRIM_TIME_CONSTANT_S + step_s);
-        self.turn_radps += smoothing * (turn - self.turn_radps);
+        // Of a gap there is one sample, which shows no more than any other: what it shakes by would be half of the mean.
+        let smoothed_s = step_s.min(super::LONGEST_INTERVAL_S);
+        let smoothing = smoothed_s / (TRIM_TIME_CONSTANT_S + smoothed_s);
+        let shown = if self.elapsed_s() < LEAST_LINE_S { dot(rate, vertical) } else { turn };
+        self.turn_radps += smoothing * (shown - self.turn_radps);
         let excess = dot(force, force) / (GRAVITY_MPS2 * GRAVITY_MPS2) - 1.0;
         self.excess_load += smoothing * (excess - self.excess_load);
         let turning = self.turn_radps > config.turn_limit_radps || self.turn_radps < -config.turn_limit_radps;
@@ -80,7 +87,11 @@ impl Levelling {
         }
         self.untrimmed_s = 0.0;
         self.memory.count(step_s, config.level_window_s);
-        let [value, slope] = self.memory.line_gains(step_s);
+        let [value, slope] = if self.elapsed_s() < LEAST_SLOPE_S {
+            [self.memory.mean_gain(), 0.0]
+        } else {
+            self.memory.line_gains(step_s)
+        };
         // The rotation that would bring `down` to where the accelerometer sees it; small.
         let error = cross(vertical, force.map(|part| -part / GRAVITY_MPS2));
         down.rotate(error.map(|part| part * value));

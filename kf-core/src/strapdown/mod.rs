@@ -33,6 +33,7 @@
 
 mod bridge;
 mod kept;
+mod leap;
 mod levelling;
 mod memory;
 mod sum;
@@ -44,6 +45,7 @@ use crate::guard::Guard;
 use crate::input::ImuSample;
 use crate::time::seconds_between;
 use bridge::{BridgeCost, MENDED_M2PS2, UNKNOWN_ALTITUDE_M2, UNKNOWN_CLIMB_M2PS2};
+use leap::is_leap;
 use levelling::Levelling;
 use memory::Memory;
 use sum::Sum;
@@ -61,8 +63,10 @@ const MAXIMUM_ALTITUDE_M: f32 = 100_000.0;
 const MAXIMUM_SPEED_MPS: f32 = 1_000.0;
 /// Levelling on specific force before velocities are matched, seconds: twice as long each time that they have contradicted the level soon,
 /// up to the levelling's window. A receiver whose velocities are worse than assumed would else keep the channel from ever being aligned.
-const COARSE_LEVEL_S: f32 = 10.0;
-const CONTRADICTIONS: u8 = 4;
+const COARSE_LEVEL_S: f32 = 5.0;
+const CONTRADICTIONS: u8 = 5;
+/// Variance of the acceleration that is lacking once the level was disturbed, (m/s^2)^2: of a tilt of 0.1 rad.
+const DISTURBED_M2PS4: f32 = 2.5e-3;
 /// Fixes that are outliers for so long (seconds), and are so many, have the last word: a receiver's jump that is a fault ends
 /// sooner, and two outliers may lie on both sides of an outage.
 const OUTLIERS: u8 = 5;
@@ -74,16 +78,6 @@ const ALIGNED_M2PS2: f32 = 2.5;
 const LONGEST_INTERVAL_S: f32 = 0.03;
 /// Without [`Guard::InertialBridge`], seconds.
 const UNGUARDED_GAP_S: f32 = 0.1;
-/// Largest changes between two samples that an aircraft makes, m/s^2 and rad/s: 700 g a second, and 400 rad/s^2 at 200 samples
-/// a second. One bit of a sample that is flipped and matters (4 g, 125 deg/s of the unit's 16 g and 2,000 deg/s) is more.
-const LARGEST_FORCE_STEP_MPS2: f32 = 35.0;
-const LARGEST_RATE_STEP_RADPS: f32 = 2.0;
-/// After so many such forces in a row it is the aircraft: a push, a motor that is lit.
-const LONGEST_SPIKE: u8 = 2;
-/// Under the pylon nothing pushes: a force that leaps by 1.5 g is refused for a second, which is bridged; and so is a turn rate that leaps,
-/// always.
-const CAPTIVE_FORCE_STEP_MPS2: f32 = 15.0;
-const LONGEST_BRIDGED_SPIKE: u8 = 200;
 /// Longest time that the tie's covariance is carried on in one step, seconds.
 const LONGEST_PASS_S: f32 = 1.5;
 /// Largest turn between two samples, rad: two rates no longer say how the body moved, and the series end.
@@ -130,7 +124,7 @@ pub enum StrapdownError {
     Implausible,
     /// Time has not increased.
     OutOfOrder,
-    /// A change since the last sample that no aircraft makes: at most two samples in a row.
+    /// A change since the last sample that no aircraft makes: for at most a second.
     Spike,
     /// More than the longest gap, or a turn of more than a radian, lies between two samples: captive, the alignment starts anew; in free
     /// flight the channel has lost its altitude for good.
@@ -179,11 +173,6 @@ struct Last {
     acceleration_mps2: f32,
 }
 
-/// Whether any part is larger than a limit.
-fn is_beyond([x, y, z]: Vector, limit: f32) -> bool {
-    x.abs() > limit || y.abs() > limit || z.abs() > limit
-}
-
 /// The channel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VerticalChannel {
@@ -208,12 +197,17 @@ pub struct VerticalChannel {
     bridged_m2ps2: f32,
     /// In free flight: fixes are taken.
     is_mending: bool,
+    /// Variance of the altitude when that began, m^2: free flight's own drift.
+    drifted_m2: f32,
     /// How much longer the next gap may be than the clock has it, seconds.
     unknown_s: f32,
     /// Made by [`Self::resumed`]: of the levelling there is only its result.
     is_resumed: bool,
     /// Samples refused in a row because they leapt.
     spikes: u8,
+    /// For how long the samples have been the same on all axes, seconds. A unit has noise: one that repeats itself says no more than a gap
+    /// does, and costs as much once it reads something else. For longer than the longest gap it is an ideal one that rests.
+    repeated_s: f32,
     /// When the first outlier came since the last fix that was taken, and how many have.
     outlying: Option<(u64, u8)>,
     altitude: Sum,
@@ -242,9 +236,11 @@ impl VerticalChannel {
             tie_time_us: 0,
             bridged_m2ps2: 0.0,
             is_mending: false,
+            drifted_m2: 0.0,
             unknown_s: 0.0,
             is_resumed: false,
             spikes: 0,
+            repeated_s: 0.0,
             outlying: None,
             altitude: Sum::default(),
             climb_rate: Sum::default(),
@@ -445,8 +441,9 @@ impl VerticalChannel {
         let cost = BridgeCost::of(gap_s + unknown_s);
         let climbed_m = self.climb_rate.value() * unknown_s;
         self.bridged_m2ps2 += cost.climb_m2ps2;
-        if self.bridged_m2ps2 > MENDED_M2PS2 && matches!(self.phase, Phase::Free { .. }) {
+        if self.bridged_m2ps2 > MENDED_M2PS2 && matches!(self.phase, Phase::Free { .. }) && !self.is_mending {
             self.is_mending = true;
+            self.drifted_m2 = self.tie.altitude_m2();
         }
         self.tie.add(climbed_m * climbed_m, cost.climb_m2ps2, cost.tilt_rad2);
         if let Some(matching) = &mut self.matching {
@@ -454,14 +451,17 @@ impl VerticalChannel {
         }
     }
 
-    /// Where velocities have contradicted the level, nobody knows it any more; and of velocities that contradict it at once, the match has
-    /// made a gyro's bias.
+    /// Velocities have contradicted the level. One that had agreed with them was moved by something brief: samples that were wrong, or the
+    /// receiver's. It is off by some hundredths of a radian, which is what a match begins from, so the next fix begins another one. Of
+    /// velocities that contradict it at once, the match has made a gyro's bias, and nobody knows the level.
     #[cold]
     fn contradict(&mut self, has_lasted: bool) {
-        self.contradictions = if has_lasted { 1 } else { (self.contradictions + 1).min(CONTRADICTIONS) };
         if has_lasted {
-            self.levelling.begin_anew();
+            self.contradictions = 0;
+            // Nor is what the accelerometer lacks known any better than that.
+            self.tie.add(0.0, 0.0, DISTURBED_M2PS4);
         } else {
+            self.contradictions = (self.contradictions + 1).min(CONTRADICTIONS);
             self.levelling = Levelling::default();
         }
     }
@@ -505,14 +505,9 @@ impl VerticalChannel {
         if step_s > longest_gap_s {
             return Err(StrapdownError::Gap);
         }
-        let (force_step_mps2, longest) = match self.phase {
-            Phase::Captive => (CAPTIVE_FORCE_STEP_MPS2, LONGEST_BRIDGED_SPIKE),
-            Phase::Free { .. } | Phase::Lost => (LARGEST_FORCE_STEP_MPS2, LONGEST_SPIKE),
-        };
+        let is_captive = self.phase == Phase::Captive;
         if Guard::PlausibleReading.stands()
-            && (self.spikes < longest && is_beyond(difference(force, last.force), force_step_mps2)
-                || self.spikes < LONGEST_BRIDGED_SPIKE
-                    && is_beyond(difference(gyro_radps, last.rate), LARGEST_RATE_STEP_RADPS))
+            && is_leap([force, gyro_radps], [last.force, last.rate], is_captive, self.spikes)
         {
             return Err(StrapdownError::Spike);
         }
@@ -525,12 +520,14 @@ impl VerticalChannel {
             return Err(StrapdownError::Gap);
         }
         down.rotate(angle);
-        let is_captive = self.phase == Phase::Captive;
         if is_captive && self.matching.as_ref().is_some_and(|matching| matching.is_void(time_us)) {
             if let Some(matching) = self.matching.take_if(|matching| matching.is_contradicted()) {
-                self.contradict(matching.has_lasted());
-                // A fit that begins with a level that is far off makes a gyro's bias of it.
-                down = Down::from_specific_force(force, GRAVITY_MPS2).unwrap_or(down);
+                let has_lasted = matching.has_lasted();
+                self.contradict(has_lasted);
+                if !has_lasted {
+                    // A fit that begins with a level that is far off makes a gyro's bias of it.
+                    down = Down::from_specific_force(force, GRAVITY_MPS2).unwrap_or(down);
+                }
             }
             self.matching = None;
         }
@@ -561,9 +558,16 @@ impl VerticalChannel {
             self.pass_tie(time_us);
         }
         let unknown_s = core::mem::take(&mut self.unknown_s);
-        if step_s > LONGEST_INTERVAL_S || unknown_s > 0.0 {
+        let repeated_s = if force == last.force && gyro_radps == last.rate {
+            self.repeated_s += step_s;
+            0.0
+        } else {
+            core::mem::take(&mut self.repeated_s)
+        };
+        let gap_s = if repeated_s > longest_gap_s { step_s } else { step_s.max(repeated_s) };
+        if gap_s > LONGEST_INTERVAL_S || unknown_s > 0.0 {
             self.pass_tie(time_us);
-            self.bridge(step_s, unknown_s);
+            self.bridge(gap_s, unknown_s);
         }
         self.down = Some(down);
         self.last = Some(Last { time_us, force, rate: gyro_radps, acceleration_mps2: acceleration });
@@ -583,7 +587,7 @@ impl VerticalChannel {
                 aligned
                     && (!self.is_mending
                         || self.tie.climb_m2ps2() <= UNKNOWN_CLIMB_M2PS2
-                            && self.tie.altitude_m2() <= UNKNOWN_ALTITUDE_M2)
+                            && self.tie.altitude_m2() - self.drifted_m2 <= UNKNOWN_ALTITUDE_M2)
             }
             Phase::Lost => false,
         }

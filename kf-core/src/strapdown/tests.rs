@@ -490,9 +490,11 @@ fn a_turn_does_not_level_the_channel() {
     let (bank, speed) = (30f64.to_radians(), 30.0);
     let heading_rate = G * bank.tan() / speed;
     for tick in 0..10 * SECOND {
-        // Roll in within half a second.
-        let roll_rate = if tick < 100 { bank / 0.5 } else { 0.0 };
-        let roll = bank * ((tick + 1) as f64 / 100.0).min(1.0);
+        // Roll in within half a second, smoothly.
+        let share = ((tick + 1) as f64 / 100.0).min(1.0);
+        let turn = std::f64::consts::TAU * share;
+        let roll_rate = bank / 0.5 * (1.0 - turn.cos());
+        let roll = bank * (share - turn.sin() / std::f64::consts::TAU);
         let force = [0.0, 0.0, -G / roll.cos()];
         let turn = if tick < 100 { 0.0 } else { heading_rate };
         rig.step(&sample(force, [roll_rate, turn * roll.sin(), turn * roll.cos()]));
@@ -521,6 +523,48 @@ fn a_gust_at_the_start_does_not_end_the_levelling() {
         }
     }
     assert!(rig.channel.is_aligned(), "{:?}", rig.channel);
+}
+
+/// An engine shakes the unit from its first sample on, the gyro has its noise, and at one second in five a gap of 0.4 s begins: the levelling
+/// takes its time and no more, whichever samples it begins with.
+#[test]
+fn an_engine_that_shakes_the_unit_does_not_delay_the_levelling() {
+    for phase in 0..20 {
+        let mut rig = Rig::new();
+        rig.tick = phase * 3;
+        let mut aligned_s = None;
+        for tick in 0..40 * SECOND {
+            if tick == 8 * SECOND && phase % 5 == 0 {
+                rig.tick += 80;
+            }
+            let t = rig.time_s();
+            let [x, y, z] = [383.0, 394.0, 371.0].map(|rate: f64| (rate * t).sin());
+            let [p, q, r] = [0.7, 1.1, 0.9].map(|rate: f64| 0.004 + 0.004 * (rate * t).sin());
+            rig.step(&sample([x, y, z - G], [p, q, r - 0.004]));
+            if rig.tick.is_multiple_of(40) {
+                let _ = rig.channel.reference(rig.time_us(), 1_000.0);
+            }
+            if rig.channel.is_aligned() && aligned_s.is_none() {
+                aligned_s = Some(rig.time_s());
+            }
+        }
+        assert!(aligned_s.is_some_and(|seconds| seconds < 22.0), "{phase}: {aligned_s:?}");
+    }
+}
+
+/// What moves the level for half a second costs a match that has agreed with velocities for long neither the level's time nor the altitude.
+#[test]
+fn a_brief_disturbance_of_the_level_is_matched_away() {
+    let mut carried = Carried::new(0.7, [0.002, -0.001, 0.001]).tied(60);
+    let mut down = carried.rig.channel.down.unwrap();
+    down.rotate([0.0, 0.1, 0.0]);
+    carried.rig.channel.down = Some(down);
+    for second in 0..60 {
+        carried = carried.tied(1);
+        assert!(carried.rig.channel.altitude_m().is_some(), "{second}");
+    }
+    let [level, gyro] = carried.errors();
+    assert!(level < 0.01 && gyro < 0.001, "{level} {gyro}");
 }
 
 #[test]

@@ -60,8 +60,9 @@ const LEAST_SPEED_MPS: f32 = 5.0;
 /// A velocity further off than so many sigmas, squared, is refused; after so many in a row it is the filter that is wrong.
 const GATE: f32 = 25.0;
 const REFUSALS: u8 = 5;
-/// Fixes, one a second, after which a match was a good one.
-const LASTING: u8 = 60;
+/// Fixes, one a second, after which a match was a good one: its tilts are known to 0.01 rad by then. What contradicts it later is a
+/// disturbance, and not the level that it began with.
+const LASTING: u8 = 20;
 
 /// What is to be done at the next inertial sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -222,7 +223,7 @@ impl VelocityMatch {
         self.refusals >= REFUSALS
     }
 
-    /// Whether it has agreed with velocities for a minute.
+    /// Whether it has agreed with velocities for [`LASTING`] seconds.
     pub(super) const fn has_lasted(&self) -> bool {
         self.agreed >= LASTING
     }

@@ -133,3 +133,41 @@ fn a_leap_of_two_samples_is_refused() {
         .collect();
     assert_eq!(taken, [Err(StrapdownError::Spike), Err(StrapdownError::Spike), Ok(()), Ok(())]);
 }
+
+/// The sign of a force that is flipped for a third of a second is no push; nor does a carrier turn by a flipped bit of the gyro.
+#[test]
+fn a_flipped_bit_that_stays_is_refused_as_long() {
+    let flips =
+        [(true, sample([0.0, 0.0, 157.0 - G], [0.0; 3])), (false, sample([0.0, 0.0, -G], [0.0, 0.545, 0.0]))];
+    for (is_free, flipped) in flips {
+        let mut rig = Rig::captive(30);
+        if is_free {
+            rig.channel.launch();
+        }
+        for _ in 0..70 {
+            rig.tick += 1;
+            assert_eq!(rig.channel.inertial(rig.time_us(), &flipped), Err(StrapdownError::Spike));
+        }
+        rig.step(&rest());
+        let down = rig.channel.down_body().unwrap();
+        assert!(rig.channel.climb_rate.value().abs() < 0.01 && down[2] > 0.999_99, "{down:?}");
+    }
+}
+
+/// A unit that repeats itself says no more than a gap does.
+#[test]
+fn a_unit_that_repeats_itself_is_mended_like_a_gap() {
+    let mut rig = Rig::captive(30);
+    rig.channel.launch();
+    let noise =
+        |tick: u64| sample([0.0, 0.0, if tick.is_multiple_of(2) { 0.01 } else { -0.01 } - G], [0.0; 3]);
+    for tick in 0..400 {
+        rig.step(&noise(tick));
+    }
+    assert!(!rig.channel.is_mending());
+    for _ in 0..160 {
+        rig.step(&noise(0));
+    }
+    rig.step(&noise(1));
+    assert!(rig.channel.is_mending() && rig.channel.altitude_m().is_some());
+}
