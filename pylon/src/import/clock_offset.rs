@@ -12,14 +12,20 @@ use crate::flight::{Channel, Column, Flight};
 const OVER_S: f64 = 4.0;
 /// Offsets that are looked for, to either side.
 const MOST_S: f64 = 6.0;
-/// From one offset that is tried to the next.
-const STEP_S: f64 = 0.1;
+/// From one offset that is tried first to the next.
+const STEP_S: f64 = 0.2;
+/// From the best of those, so many steps of least squares: each leaves a tenth of what is left.
+const ROUNDS: usize = 4;
+/// A change's rise is taken over so long to either side: nearer, it would be the noise of the fixes that the change itself has.
+const RISE_S: f64 = 1.0;
 /// Samples that are farther apart than this have nothing between them.
 const GAP_S: f64 = 2.5;
 /// Moments at which both are compared: of a long flight not each fifth of a second.
-const MOMENTS: f64 = 20_000.0;
+const MOMENTS: f64 = 10_000.0;
 /// Stretches of the flight, whose estimates are independent of each other and say how sure all of them are.
 const BLOCKS: usize = 20;
+/// Of fewer moments nothing is said: twenty seconds of both.
+const LEAST_MOMENTS: usize = 100;
 /// Below this correlation there is too little climb to tell.
 const LEAST_CORRELATION: f64 = 0.6;
 /// A standard error above this tells nothing, seconds.
@@ -96,41 +102,6 @@ impl Course {
     }
 }
 
-/// Sums of two changes that are compared.
-#[derive(Clone, Copy, Debug, Default)]
-struct Sums {
-    n: f64,
-    x: f64,
-    y: f64,
-    xx: f64,
-    yy: f64,
-    xy: f64,
-}
-
-impl Sums {
-    fn add(mut self, (x, y): (f64, f64)) -> Self {
-        self.n += 1.0;
-        self.x += x;
-        self.y += y;
-        self.xx += x * x;
-        self.yy += y * y;
-        self.xy += x * y;
-        self
-    }
-
-    fn correlation(&self) -> Option<f64> {
-        let xx = self.xx - self.x * self.x / self.n;
-        let yy = self.yy - self.y * self.y / self.n;
-        (self.n >= 100.0 && xx > 0.0 && yy > 0.0)
-            .then(|| (self.xy - self.x * self.y / self.n) / (xx * yy).sqrt())
-    }
-
-    /// Metres of the barometer for one of the receiver.
-    fn slope(&self) -> f64 {
-        (self.xy - self.x * self.y / self.n) / (self.yy - self.y * self.y / self.n)
-    }
-}
-
 /// What the clocks say, if the flight has a barometer and a receiver.
 #[must_use]
 pub fn text(flight: &Flight) -> Option<String> {
@@ -176,48 +147,78 @@ fn between(barometer: &Course, receiver: &Course) -> Option<ClockOffset> {
         .map(|k| first + (k as f64 + (k as f64 * 0.618_033_988_75).fract()) * pace_s)
         .filter_map(|time_s| Some((time_s, barometer.change(time_s)?)))
         .collect();
-    let pairs = |shift_s: f64| {
-        moments.iter().filter_map(move |(time_s, own)| Some((*own, receiver.change(time_s + shift_s)?)))
+    let line_at = |shift_s: f64| {
+        let pair = |(time_s, own): &(f64, f64)| Some((receiver.change(time_s + shift_s)?, *own));
+        Line::through(moments.iter().filter_map(pair).collect())
     };
-    let correlation = |shift_s: f64| pairs(shift_s).fold(Sums::default(), Sums::add).correlation();
     let steps = (MOST_S / STEP_S) as i32;
-    let tried: Vec<Option<f64>> = (-steps..=steps).map(|k| correlation(f64::from(k) * STEP_S)).collect();
-    let best = (0..tried.len()).filter(|place| tried.get(*place).is_some_and(Option::is_some)).max_by(
-        |one, other| tried.get(*one).partial_cmp(&tried.get(*other)).unwrap_or(std::cmp::Ordering::Equal),
-    )?;
-    let of = |place: usize| tried.get(place).copied().flatten();
-    // At the edge it may be better beyond.
-    let (before, highest, after) = (of(best.checked_sub(1)?)?, of(best)?, of(best + 1)?);
+    let tried: Vec<(f64, f64)> = (-steps..=steps)
+        .map(|k| f64::from(k) * STEP_S)
+        .filter_map(|shift_s| Some((shift_s, line_at(shift_s)?.correlation)))
+        .collect();
+    let (mut shift_s, highest) = tried.iter().copied().max_by(|one, other| one.1.total_cmp(&other.1))?;
+    let lowest = tried.iter().map(|tried| tried.1).fold(0.0, f64::min);
     // A velocity with its sign turned is nowhere as like as it is unlike.
-    let lowest = tried.iter().copied().flatten().fold(0.0, f64::min);
     if highest < LEAST_CORRELATION || -lowest > highest {
         return None;
     }
-    let curvature = before - 2.0 * highest + after;
-    let between = if curvature < 0.0 { (before - after) / (2.0 * curvature) } else { 0.0 };
-    let shift_s = (best as f64 - f64::from(steps) + between) * STEP_S;
-    let sigma_s = sigma_s(&moments, receiver, shift_s)?;
-    (sigma_s <= MOST_SIGMA_S).then_some(ClockOffset { behind_s: -shift_s, sigma_s, correlation: highest })
+    let mut sigma_s = f64::INFINITY;
+    for _ in 0..ROUNDS {
+        let step = step(&moments, receiver, shift_s)?;
+        shift_s += step.0;
+        sigma_s = step.1;
+    }
+    // At the edge it may be better beyond.
+    let is_inside = shift_s.abs() < MOST_S - STEP_S;
+    (is_inside && sigma_s <= MOST_SIGMA_S).then_some(ClockOffset {
+        behind_s: -shift_s,
+        sigma_s,
+        correlation: highest,
+    })
 }
 
-/// The standard error: what each stretch of the flight would move the offset by, as if they were independent.
-fn sigma_s(moments: &[(f64, f64)], receiver: &Course, shift_s: f64) -> Option<f64> {
-    let paired = |(time_s, own): &(f64, f64)| {
+/// What the residuals move an offset by, by least squares (Gauss and Newton's method), and the standard error: what each stretch of
+/// the flight moves it by, as if they were independent.
+fn step(moments: &[(f64, f64)], receiver: &Course, shift_s: f64) -> Option<(f64, f64)> {
+    let triple = |(time_s, own): &(f64, f64)| {
         let at = |more_s: f64| receiver.change(time_s + shift_s + more_s);
-        Some((*own, at(0.0)?, (at(STEP_S)? - at(-STEP_S)?) / (2.0 * STEP_S)))
+        Some((at(0.0)?, *own, (at(RISE_S)? - at(-RISE_S)?) / (2.0 * RISE_S)))
     };
-    let triples: Vec<(f64, f64, f64)> = moments.iter().filter_map(paired).collect();
-    let sums = triples.iter().map(|(x, y, _)| (*x, *y)).fold(Sums::default(), Sums::add);
-    let slope = sums.slope();
-    let offset = (sums.x - slope * sums.y) / sums.n;
-    let rise: f64 = triples.iter().map(|(_, _, rise)| (slope * rise).powi(2)).sum();
-    let block = (triples.len() / BLOCKS).max(1);
-    let pulls = triples.chunks(block).map(|block| {
-        let pull = |(x, y, rise): &(f64, f64, f64)| (x - slope * y - offset) * slope * rise;
-        block.iter().map(pull).sum::<f64>().powi(2)
-    });
-    let sigma_s = pulls.sum::<f64>().sqrt() / rise;
-    sigma_s.is_finite().then_some(sigma_s)
+    let triples: Vec<(f64, f64, f64)> = moments.iter().filter_map(triple).collect();
+    let Line { slope, offset, .. } = Line::through(triples.iter().map(|(x, y, _)| (*x, *y)).collect())?;
+    let stiffness: f64 = triples.iter().map(|(_, _, rise)| (slope * rise).powi(2)).sum();
+    let pull = |(x, y, rise): &(f64, f64, f64)| (y - slope * x - offset) * slope * rise;
+    let block = triples.len().div_ceil(BLOCKS).max(1);
+    let pulls: Vec<f64> = triples.chunks(block).map(|block| block.iter().map(pull).sum()).collect();
+    let step_s = pulls.iter().sum::<f64>() / stiffness;
+    let sigma_s = pulls.iter().map(|pull| pull * pull).sum::<f64>().sqrt() / stiffness;
+    (step_s.abs() <= MOST_S && sigma_s.is_finite()).then_some((step_s, sigma_s))
+}
+
+/// A straight line through pairs: the barometer's change over the receiver's.
+struct Line {
+    slope: f64,
+    offset: f64,
+    correlation: f64,
+}
+
+impl Line {
+    fn through(pairs: Vec<(f64, f64)>) -> Option<Self> {
+        let n = pairs.len() as f64;
+        let (x, y) = pairs.iter().fold((0.0, 0.0), |(x, y), pair| (x + pair.0 / n, y + pair.1 / n));
+        let (mut xx, mut yy, mut xy) = (0.0, 0.0, 0.0);
+        for pair in &pairs {
+            let (dx, dy) = (pair.0 - x, pair.1 - y);
+            xx += dx * dx;
+            yy += dy * dy;
+            xy += dx * dy;
+        }
+        (pairs.len() >= LEAST_MOMENTS && xx > 0.0 && yy > 0.0).then(|| Self {
+            slope: xy / xx,
+            offset: y - xy / xx * x,
+            correlation: xy / (xx * yy).sqrt(),
+        })
+    }
 }
 
 #[cfg(test)]

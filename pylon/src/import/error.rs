@@ -23,6 +23,12 @@ pub enum ImportError {
         /// The file.
         file: String,
     },
+    /// MCAP of another program.
+    #[error(
+        "MCAP that pylon did not write, expected one of 'pylon export FLIGHT --format mcap': what another program's topics \
+         mean, it does not say"
+    )]
+    ForeignMcap,
     /// There is nothing in it.
     #[error("an empty file: nothing was recorded")]
     Empty,

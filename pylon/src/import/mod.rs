@@ -14,6 +14,7 @@ mod gps_time;
 pub mod guess;
 pub mod igc;
 pub mod mapping;
+pub mod mcap;
 pub mod record;
 pub mod signs;
 mod stamps;
@@ -52,6 +53,7 @@ pub trait Importer: Sync {
 /// have a check of 32 bits, and a MAVLink frame, whose check has 16, may be found in any long file.
 pub static IMPORTERS: &[&dyn Importer] = &[
     &ulog::Ulog,
+    &mcap::Mcap,
     &altus::Altus,
     &dataflash::DataFlash,
     &dataflash::DataFlashText,

@@ -1,28 +1,7 @@
 //! Any table of numbers as a flight, by a mapping file that says which column is what.
 //!
-//! ```toml
-//! pylon-mapping = 1
-//!
-//! [file]                  # each of these is found out where it is not said
-//! separator = ";"         # or "," "tab" "|" "spaces"
-//! decimal = ","
-//! names_line = 3          # from 1; 0: the columns have no names
-//! first_line = 5
-//!
-//! [flight]
-//! vehicle = "glider"
-//! altitude_datum = "msl"  # or "ellipsoid"
-//!
-//! [time]
-//! column = "Time"         # a name, or the column's place from 1; or rate_hz = 100 without such a column
-//! unit = "ms"             # times of day (12:34:56.7) and dates (2024-05-01T12:34:56Z) need none
-//!
-//! [signals]               # value = (cell * scale + offset) in that unit
-//! baro_pa = { column = "P", unit = "hPa" }
-//! gps_alt_m = { column = "Alt", unit = "ft", held = true }    # repeated in every row until the next fix
-//! gps_vd_mps = { column = "Climb", unit = "m/s", scale = -1 }
-//! flap = { column = "Flap", scale = 0.01 }                    # a signal of one's own
-//! ```
+//! The format is in docs/workbench.md. A value is the cell times `scale` plus `offset`, in `unit`; `held` columns repeat a sample in
+//! every row until the next one.
 
 mod apply;
 mod cell;
