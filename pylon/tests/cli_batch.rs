@@ -50,6 +50,28 @@ fn a_flight_that_cannot_be_read_is_skipped_and_named_and_strict_refuses_it() {
 }
 
 #[test]
+fn add_learns_from_what_is_of_use_in_a_folder_and_strict_refuses() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    fs::create_dir(path.join("logs")).unwrap();
+    let recipe =
+        Recipe { climb_mps: common::dive_mps, baro_error: |_, climb| -0.8 * climb, ..Recipe::default() };
+    recipe.write(&path.join("logs"));
+    fs::write(path.join("logs/cut.csv"), "# pylon-flight: 1\n").unwrap();
+    fs::write(path.join("ours.toml"), common::MODEL).unwrap();
+    let add = ["add", "baro.lag", "--model", "ours.toml", "--from", "logs", "--force"];
+    let strict = pylon(path, &[&add[..], &["--strict"]].concat());
+    assert_eq!(strict.status.code(), Some(2));
+    assert!(errors(&strict).starts_with("error: logs/cut.csv: "), "{}", errors(&strict));
+    assert_eq!(fs::read_to_string(path.join("ours.toml")).unwrap(), common::MODEL);
+    let output = pylon(path, &add);
+    let said = errors(&output);
+    assert!(output.status.success(), "{said}");
+    assert!(said.contains("skipped 1 of 2 flights (--strict refuses instead):\n  logs/cut.csv: "), "{said}");
+    assert!(fs::read_to_string(path.join("ours.toml")).unwrap().contains("baro.lag"));
+}
+
+#[test]
 fn a_folder_is_every_log_in_it_and_a_pattern_what_it_matches() {
     let directory = tempfile::tempdir().unwrap();
     let logs = directory.path().join("logs");

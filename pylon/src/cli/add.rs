@@ -9,7 +9,7 @@ use model::Model;
 use pylon::diagnose::Wish;
 use pylon::learn::{Addition, Request, add, addition_text, nearest_effects};
 use pylon::output_file::prepare;
-use pylon::replay::CalibrationWindow;
+use pylon::replay::{CalibrationWindow, Replay};
 use time::{Date, OffsetDateTime};
 
 use super::failure::Failure;
@@ -26,6 +26,8 @@ Examples:
       learn the coefficient from one flight, judge it on another, write it into the model
   pylon add baro.lag --model ours.toml --from monday.csv tuesday.csv --estimate
       the coefficient becomes a state of the filter, with what was learned as its prior
+  pylon add baro.lag --model ours.toml --from logs/
+      from every log of a folder; one that cannot be used is skipped and named
   pylon add baro.warm_up --model default --from monday.csv --time-constant 120 --since start -o ours.toml
       start from a preset and write another file
   pylon add baro.lag --model ours.toml --from monday.csv --json | jq '[.rms_before_m, .rms_after_m]'
@@ -65,6 +67,9 @@ pub struct Arguments {
     /// Calibrate on this part of the flights (seconds by their own time) and say launch at its end
     #[arg(long, value_name = "START..END")]
     calibrate: Option<CalibrationWindow>,
+    /// Refuse all flights if one to learn from cannot be used, instead of skipping and naming it
+    #[arg(long)]
+    strict: bool,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -95,14 +100,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let is_preset = Model::preset(&arguments.model).is_some();
     // Nobody else may change the model between what is read of it here and what is written.
     let _lock = if is_preset { None } else { locked(&arguments.model)? };
-    let (text, output) = model(arguments)?;
+    let (text, output, before) = model(arguments)?;
     refuse_overwriting(&flights, &[Role::new(&output, "the model")])?;
     let date = today()?;
     load::refuse_repeats(&given.files, &held_files.files)?;
-    let learning = load::flights(&given.files)?;
+    let batch = load::Batch::read(&given.files, arguments.strict, |flight| {
+        Replay::calibrated_or_not(flight, &before, arguments.calibrate).map(|_| ())
+    })?;
     let held_out = load::flights(&held_files.files)?;
     given.write_notes();
     held_files.write_notes();
+    batch.write_skipped();
     let request = Request {
         text: &text,
         wish: Wish {
@@ -115,7 +123,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         },
         estimate: arguments.estimate,
         date,
-        learning: load::named(&given.files, &learning),
+        learning: load::named(&batch.files, &batch.flights),
         held_out: load::named(&held_files.files, &held_out),
         window: arguments.calibrate,
     };
@@ -164,10 +172,10 @@ fn effect(arguments: &Arguments) -> Result<EffectId, Failure> {
     Ok(effect)
 }
 
-/// The model's text, and the file to write.
-fn model(arguments: &Arguments) -> Result<(String, PathBuf), Failure> {
+/// The model's text, the file to write, and the model as it is.
+fn model(arguments: &Arguments) -> Result<(String, PathBuf, Model), Failure> {
     let name = &arguments.model;
-    if Model::preset(name).is_some() {
+    if let Some(preset) = Model::preset(name) {
         let output = arguments.output.clone().ok_or_else(|| {
             Failure::input(format!(
                 "{name} is a preset and can't be changed: write to a file of your own with -o ours.toml"
@@ -178,7 +186,7 @@ fn model(arguments: &Arguments) -> Result<(String, PathBuf), Failure> {
             return Err(Failure::input(format!("{}: {message}", output.display())));
         }
         let text = if name == "paper" { include_str!("../../../flights/models/paper.toml") } else { "" };
-        return Ok((text.to_owned(), output));
+        return Ok((text.to_owned(), output, preset));
     }
     let text = fs::read_to_string(name).map_err(|error| {
         let hint = if error.kind() == std::io::ErrorKind::NotFound {
@@ -188,9 +196,9 @@ fn model(arguments: &Arguments) -> Result<(String, PathBuf), Failure> {
         };
         Failure::input(format!("{name}: can not be read: {error}{hint}"))
     })?;
-    // For the errors, with the file's name.
-    load::model(name)?;
-    Ok((text, arguments.output.clone().unwrap_or_else(|| PathBuf::from(name))))
+    // From the file once more, for the errors with its name.
+    let before = load::model(name)?;
+    Ok((text, arguments.output.clone().unwrap_or_else(|| PathBuf::from(name)), before))
 }
 
 /// Today in UTC; `SOURCE_DATE_EPOCH` goes before it (<https://reproducible-builds.org/specs/source-date-epoch/>).

@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use pylon::import::{guess, mapping};
+use pylon::output_file::prepare;
 use pylon::{flight, import};
 
 use super::failure::Failure;
@@ -23,6 +25,10 @@ Examples:
       a recorded MAVLink stream, of Pylon's own telemetry or of another autopilot
   pylon import flight.tlog --turn gps_vd_mps -o flight.csv
       the same of an autopilot that wrote its velocity down with the sign turned; import says when a log looks like that
+  pylon import logger.csv --guess -o mapping.toml
+      any table of numbers: a draft of what its columns are, each guess with its reason, doubtful ones commented out
+  pylon import logger.csv --mapping mapping.toml -o flight.csv
+      the table by that mapping, once you have read and corrected it (docs/workbench.md has the format)
   pylon import FLIGHT.record -o flight.csv
       a flight computer's results' line as it was recorded (docs/bring-up.md), or the inputs of `pylon fly`; the calibration
       and the flags as flown are in the header
@@ -33,13 +39,19 @@ A log is recognised by its content. `compare` and `fly` read logs directly as we
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// The log: PX4 ULog, ArduPilot DataFlash (.bin, .log), IGC, a MAVLink stream's recording (tlog), AltusMetrum CSV, or a flight
-    /// record
+    /// The log: PX4 ULog, ArduPilot DataFlash (.bin, .log), IGC, a MAVLink stream's recording (tlog), AltusMetrum CSV, a flight
+    /// record, or with a mapping any table of numbers
     #[arg(value_name = "LOG")]
     log: PathBuf,
-    /// The flight to write (CSV)
-    #[arg(short, long, value_name = "FLIGHT")]
-    output: PathBuf,
+    /// The flight to write (CSV), or with --guess the mapping (without: it is printed)
+    #[arg(short, long, value_name = "FILE", required_unless_present = "guess")]
+    output: Option<PathBuf>,
+    /// Read a table of numbers by this file, which says which column is what
+    #[arg(long, value_name = "MAPPING", conflicts_with = "guess")]
+    mapping: Option<PathBuf>,
+    /// Draft such a file from the names, the values and physics; nothing is imported
+    #[arg(long, conflicts_with = "turn")]
+    guess: bool,
     /// Turn the sign of a velocity that the log has the wrong way round; may be given several times
     #[arg(long, value_name = "COLUMN", value_parser = clap::builder::PossibleValuesParser::new(import::signs::names()))]
     turn: Vec<String>,
@@ -47,19 +59,52 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    refuse_overwriting(
-        &[Role::new(&arguments.log, "the log")],
-        &[Role::new(&arguments.output, "the flight")],
-    )?;
-    let (flight, notes) =
-        while_busy("importing", || import::import_file_turned(&arguments.log, &arguments.turn))?;
-    while_busy("writing", || flight::write(&arguments.output, &flight))?;
+    if arguments.guess {
+        return guess(arguments);
+    }
+    let Some(output) = &arguments.output else {
+        return Err(Failure::input("no file to write the flight to, expected -o FLIGHT"));
+    };
+    let log = Role::new(&arguments.log, "the log");
+    let inputs: Vec<Role<'_>> = [log]
+        .into_iter()
+        .chain(arguments.mapping.as_deref().map(|file| Role::new(file, "the mapping")))
+        .collect();
+    refuse_overwriting(&inputs, &[Role::new(output, "the flight")])?;
+    let (flight, notes) = while_busy("importing", || -> Result<_, Failure> {
+        Ok(match &arguments.mapping {
+            Some(file) => mapping::import_file(&arguments.log, file, &arguments.turn)?,
+            None => import::import_file_turned(&arguments.log, &arguments.turn)?,
+        })
+    })?;
+    while_busy("writing", || flight::write(output, &flight))?;
     write_notes(&notes);
+    let clocks = while_busy("comparing clocks", || import::clock_offset::text(&flight));
+    write_notes(&clocks.map(flight::Note::new).into_iter().collect::<Vec<_>>());
     let channels: Vec<&str> = flight.channels.iter().map(|(channel, _)| channel.name()).collect();
     terminal::put(&format!(
         "{}: {} rows of time_s, {}\n",
-        arguments.output.display(),
+        output.display(),
         flight.rows(),
         channels.join(", ")
+    ))
+}
+
+/// Drafts a mapping: into a new file with its explanation on standard output, or onto standard output itself.
+fn guess(arguments: &Arguments) -> Result<(), Failure> {
+    let draft = while_busy("guessing", || guess::guess_file(&arguments.log))?;
+    let log = arguments.log.display().to_string();
+    let Some(output) = &arguments.output else { return terminal::put(&draft.text(&log, "mapping.toml")) };
+    let file = output.display().to_string();
+    // A mapping that somebody has corrected must not be lost to a second guess.
+    if output.is_file() {
+        return Err(Failure::input(format!(
+            "{file}: is there already and would be lost; give another name to -o"
+        )));
+    }
+    prepare(output, |out| out.write_all(draft.text(&log, &file).as_bytes()))?.publish_new()?;
+    terminal::put(&format!(
+        "{file}: {}nothing is applied yet: read it, then 'pylon import {log} --mapping {file} -o flight.csv'\n",
+        draft.explanation()
     ))
 }

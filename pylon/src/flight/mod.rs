@@ -36,6 +36,7 @@ pub use column::Column;
 pub use csv_reader::{parse, read};
 pub use csv_writer::{to_writer, write};
 pub use error::{FlightError, Problem, ReadError};
+pub(crate) use names::unit_slip;
 pub use note::Note;
 
 pub use crate::import::open;

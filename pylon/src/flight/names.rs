@@ -172,6 +172,15 @@ fn known_names() -> impl Iterator<Item = &'static str> {
     std::iter::once(TIME).chain(Channel::ALL.iter().map(|channel| channel.name()))
 }
 
+/// The known column that a name stands for in other letters or another unit, so that a flight's file could not have it.
+pub fn unit_slip(name: &str) -> Option<&'static str> {
+    let lower = name.to_ascii_lowercase();
+    let is_known = known_names().any(|known| known == name);
+    (!is_known)
+        .then(|| known_names().find(|known| lower == **known).or_else(|| same_quantity(&lower)))
+        .flatten()
+}
+
 /// The known column of which `name` (in lower case) is the quantity, but for its unit or without one.
 fn same_quantity(name: &str) -> Option<&'static str> {
     known_names().filter(|known| *known != Channel::GpsSats.name()).find(|known| {

@@ -14,6 +14,21 @@ pub enum ImportError {
     /// It is a flight's CSV.
     #[error("it is a flight already, expected a log of another program")]
     AlreadyFlight,
+    /// A table of numbers that no importer knows.
+    #[error(
+        "a table of numbers of no known format: 'pylon import {file} --guess -o mapping.toml' drafts what its columns may be, \
+         and 'pylon import {file} --mapping mapping.toml -o flight.csv' reads it by that"
+    )]
+    Table {
+        /// The file.
+        file: String,
+    },
+    /// MCAP of another program.
+    #[error(
+        "MCAP that pylon did not write, expected one of 'pylon export FLIGHT --format mcap': what another program's topics \
+         mean, it does not say"
+    )]
+    ForeignMcap,
     /// There is nothing in it.
     #[error("an empty file: nothing was recorded")]
     Empty,

@@ -5,12 +5,16 @@
 
 mod airspeed;
 pub mod altus;
+pub mod clock_offset;
 mod damage;
 pub mod dataflash;
 mod error;
 mod fixes;
 mod gps_time;
+pub mod guess;
 pub mod igc;
+pub mod mapping;
+pub mod mcap;
 pub mod record;
 pub mod signs;
 mod stamps;
@@ -49,6 +53,7 @@ pub trait Importer: Sync {
 /// have a check of 32 bits, and a MAVLink frame, whose check has 16, may be found in any long file.
 pub static IMPORTERS: &[&dyn Importer] = &[
     &ulog::Ulog,
+    &mcap::Mcap,
     &altus::Altus,
     &dataflash::DataFlash,
     &dataflash::DataFlashText,
@@ -74,7 +79,14 @@ pub fn import_file_turned(path: &Path, turned: &[String]) -> Result<(Flight, Vec
     if is_flight(&log) {
         return Err(ReadError::new(path, ImportError::AlreadyFlight.into()));
     }
-    import_turned(&log, turned).map_err(|error| ReadError::new(path, error.into()))
+    import_turned(&log, turned).map_err(|error| {
+        let error = if error == ImportError::UnknownFormat && mapping::Layout::find(&log).is_some() {
+            ImportError::Table { file: path.display().to_string() }
+        } else {
+            error
+        };
+        ReadError::new(path, error.into())
+    })
 }
 
 /// Imports a log from its bytes.
@@ -87,13 +99,19 @@ pub fn import(log: &[u8]) -> Result<(Flight, Vec<Note>), ImportError> {
 
 fn import_turned(log: &[u8], turned: &[String]) -> Result<(Flight, Vec<Note>), ImportError> {
     let (mut flight, mut notes) = as_logged(log)?;
+    turn_and_check(&mut flight, &mut notes, turned)?;
+    Ok((flight, notes))
+}
+
+/// Turns the signs of columns, and says what contradicts what.
+fn turn_and_check(flight: &mut Flight, notes: &mut Vec<Note>, turned: &[String]) -> Result<(), ImportError> {
     for name in turned {
-        if !signs::turn(&mut flight, name) {
+        if !signs::turn(flight, name) {
             return Err(ImportError::NothingToTurn { name: name.clone() });
         }
     }
-    notes.extend(signs::notes(&flight));
-    Ok((flight, notes))
+    notes.extend(signs::notes(flight));
+    Ok(())
 }
 
 fn as_logged(log: &[u8]) -> Result<(Flight, Vec<Note>), ImportError> {
@@ -128,8 +146,15 @@ fn is_utf16(log: &[u8]) -> bool {
 /// neither.
 pub fn open(path: &Path) -> Result<(Flight, Vec<Note>), ReadError> {
     let bytes = read(path)?;
-    let is_log = !is_flight(&bytes) && IMPORTERS.iter().any(|importer| importer.recognises(&bytes));
-    let result = if is_log { import(&bytes).map_err(Problem::from) } else { flight::parse(&bytes) };
+    let is_csv = is_flight(&bytes);
+    let is_log = !is_csv && IMPORTERS.iter().any(|importer| importer.recognises(&bytes));
+    let result = match is_log {
+        true => import(&bytes).map_err(Problem::from),
+        false if !is_csv && mapping::Layout::find(&bytes).is_some() => {
+            Err(ImportError::Table { file: path.display().to_string() }.into())
+        }
+        false => flight::parse(&bytes),
+    };
     result.map_err(|problem| ReadError::new(path, problem))
 }
 

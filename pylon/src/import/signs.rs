@@ -16,7 +16,7 @@ const GAP_S: f64 = 2.5;
 /// How many sigmas a correlation is beyond chance, by Fisher's transformation: 5 leave 3 in 10 million to chance.
 const SIGMAS: f64 = 5.0;
 /// Metres of a degree of latitude.
-const DEGREE_M: f64 = 111_195.0;
+pub(super) const DEGREE_M: f64 = 111_195.0;
 
 /// A velocity that runs against its position.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,7 +76,7 @@ fn samples(flight: &Flight, name: &str) -> Vec<(f64, f64)> {
 }
 
 /// The integral of a velocity and the change of a position over each window that both fill.
-fn windows(velocity: &[(f64, f64)], position: &[(f64, f64)]) -> Vec<(f64, f64)> {
+pub(super) fn windows(velocity: &[(f64, f64)], position: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut found = Vec::new();
     let Some((mut start_s, _)) = velocity.first().copied() else { return found };
     let end_s = velocity.last().map_or(start_s, |last| last.0);

@@ -13,6 +13,8 @@ const DISORDER_US: u64 = 1_000_000;
 const RESTART_US: u64 = 5_000_000;
 /// A logger writes many messages a second. One that is farther from every other one than this has a wrong time.
 const LONELY_US: u64 = 5_000_000;
+/// From one message to the next, for which the times above are.
+const BRISK_US: u64 = 200_000;
 /// So many stamps on either side decide whether a clock has started anew, most of them that is.
 const WITNESSES: usize = 16;
 /// Stamps of one run that are so near to each other belong together, for the witnesses.
@@ -72,13 +74,26 @@ pub fn believe<'a>(
     groups: impl Iterator<Item = &'a [u32]>,
     described: impl Fn(usize) -> String,
 ) -> Believed {
+    believe_paced(stamps_us, 0, groups, described)
+}
+
+/// As [`believe`], for a log whose usual time from one row to the next is `pace_us`: of one that writes a row a minute, a gap of
+/// five seconds says nothing.
+pub fn believe_paced<'a>(
+    stamps_us: &[u64],
+    pace_us: u64,
+    groups: impl Iterator<Item = &'a [u32]>,
+    described: impl Fn(usize) -> String,
+) -> Believed {
     let stamped: Vec<usize> = stamps_us
         .iter()
         .enumerate()
         .filter_map(|(index, stamp)| (*stamp != NO_TIME).then_some(index))
         .collect();
     let known: Vec<u64> = stamped.iter().filter_map(|index| stamps_us.get(*index)).copied().collect();
-    let Judged { believed, contradicting, restarts, of_other_runs } = judge(&known);
+    let slowness = (pace_us / BRISK_US).max(1);
+    let brisk: Vec<u64> = known.iter().map(|stamp| stamp / slowness).collect();
+    let Judged { believed, contradicting, restarts, of_other_runs } = judge(&brisk);
     let mut times_us = vec![None; stamps_us.len()];
     for ((index, time_us), believed) in stamped.iter().zip(&known).zip(&believed) {
         if let Some(slot) = times_us.get_mut(*index).filter(|_| *believed) {
