@@ -247,6 +247,13 @@ impl BlockStatistics {
         (self.merged..HALF).fold(self.closed_means, |line, number| line.with(number, self.block(number)))
     }
 
+    /// Mean of all samples; `None` without any.
+    #[must_use]
+    pub fn mean(&self) -> Option<f32> {
+        let all = self.closed.merged(self.filling);
+        (all.count > 0).then_some(all.mean)
+    }
+
     /// The means of all blocks.
     fn means(&self) -> Line {
         self.closed_means().with(self.open, self.filling)

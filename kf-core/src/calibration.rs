@@ -1,7 +1,7 @@
 //! Captive flight: the biases are estimated, and what their quality is judged by is gathered.
 
 use crate::block_statistics::BlockStatistics;
-use crate::config::{ClimbRate, MissionConfig, SigmaSource};
+use crate::config::{ClimbRate, MissionConfig, SensorConfig, SigmaSource};
 use crate::effect::{ActingEffects, EffectSubject};
 use crate::error::FilterError;
 use crate::estimator::{ConfigError, Estimator, MeasurementNoise};
@@ -18,6 +18,7 @@ use crate::ud::Innovation;
 pub(crate) use statistical_checks::StatisticalChecks;
 
 use gate::{GATE_SIGMAS, Outcome, SourceGate};
+use reference_level::ReferenceLevel;
 
 /// Error of a climb rate that is not measured (1 sigma, m/s): the altitude may then do what an
 /// aircraft does.
@@ -118,6 +119,9 @@ pub(crate) struct Calibration<const HEAD: usize, const TAIL: usize, const E: usi
     altitude: BlockStatistics,
     airspeed_squared: BlockStatistics,
     reference_drift: BlockStatistics,
+    reference_level: ReferenceLevel,
+    /// Each sensor's first residual of the settling time, metres, and whether the next one confirmed it.
+    settling: [(f32, bool); SENSORS],
     /// The series that is tidied next.
     turn: u8,
     innovations: u32,
@@ -154,6 +158,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
             altitude: BlockStatistics::EMPTY,
             airspeed_squared: BlockStatistics::EMPTY,
             reference_drift: BlockStatistics::EMPTY,
+            reference_level: ReferenceLevel::NEW,
+            settling: [(f32::NAN, false); SENSORS],
             turn: 0,
             innovations: 0,
             implausible: 0,
@@ -177,6 +183,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         self.altitude = BlockStatistics::EMPTY;
         self.airspeed_squared = BlockStatistics::EMPTY;
         self.reference_drift = BlockStatistics::EMPTY;
+        self.reference_level = ReferenceLevel::NEW;
         self.stagger();
     }
 
@@ -533,6 +540,53 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         self.implausible = self.implausible.saturating_add(u32::from(is_implausible));
     }
 
+    /// Takes a fix of captive flight. While the receiver settles, one that does not claim to be accurate may move.
+    #[inline]
+    pub(crate) fn follow_reference(
+        &mut self,
+        config: &MissionConfig<E>,
+        fix: &AcceptedFix,
+        tracker: &ReferenceTracker,
+        has_settled: bool,
+    ) {
+        let counts = has_settled || tracker.last_fix().is_some_and(|fix| config.quality.accepts(fix));
+        self.reference_level.follow(&config.reference, fix, counts);
+    }
+
+    /// How far the reference is from its mean over the calibration, which the biases are against, by its own climb rate, metres.
+    /// Nothing where no climb rate carries it.
+    pub(crate) fn reference_drift_m(&self, tracker: &ReferenceTracker) -> f32 {
+        match (tracker.altitude_minus_climb_m(), self.reference_drift.mean()) {
+            (Some(now_m), Some(mean_m)) => now_m - mean_m,
+            _ => 0.0,
+        }
+    }
+
+    /// Notes a residual of the settling time, against a reference that is said to be good: the first one that the next one confirms.
+    #[inline(never)]
+    pub(crate) fn note_settling(&mut self, config: &MissionConfig<E>, sensor: Sensor, residual_m: f32) {
+        let i = sensor.index();
+        if let (Some((first_m, is_confirmed)), Some(sensor)) =
+            (self.settling.get_mut(i), config.sensors.get(i))
+            && !*is_confirmed
+        {
+            let variance_m2 = level_variance_m2(config, sensor);
+            *is_confirmed = square(residual_m - *first_m) <= square(GATE_SIGMAS) * variance_m2;
+            *first_m = if *is_confirmed { *first_m } else { residual_m };
+        }
+    }
+
+    /// Whether a sensor is on the level on which it was in the settling time. If not, its bias is known of one of the two, and nobody knows
+    /// of which.
+    fn is_on_its_level(&self, config: &MissionConfig<E>, sensor: Sensor, duration_s: f32) -> bool {
+        let i = sensor.index();
+        let (Some((first_m, true)), Some(known)) = (self.settling.get(i), config.sensors.get(i)) else {
+            return true;
+        };
+        let variance_m2 = level_variance_m2(config, known) + square(known.wander_m_per_sqrt_s) * duration_s;
+        square(self.estimator.bias_m(sensor) - first_m) <= square(GATE_SIGMAS) * variance_m2
+    }
+
     /// Notes a calibrated residual that still contains the bias (its spread does not care).
     #[inline]
     pub(crate) fn note_residual(&mut self, time_us: u64, sensor: Sensor, residual_m: f32) {
@@ -556,7 +610,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
     }
 
     /// Whether every source has been consistent, and every bias is one that its prior allows.
-    fn is_consistent(&self, config: &MissionConfig<E>) -> bool {
+    fn is_consistent(&self, config: &MissionConfig<E>, duration_s: f32) -> bool {
         let share = config.quality.implausible_share;
         let sensors = Sensor::ALL.iter().zip(&config.sensors).zip(&self.sensor_gates);
         !gate::stands()
@@ -565,6 +619,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
                     let off_m = self.estimator.bias_m(*sensor) - config.prior_bias_m;
                     gate.is_consistent(share) && square(off_m) <= square(GATE_SIGMAS * config.prior_sigma_m)
                 })
+                && Sensor::ALL.into_iter().all(|sensor| self.is_on_its_level(config, sensor, duration_s))
     }
 
     /// Copies the calibration at launch. Its failed checks are without those of [`StatisticalChecks`].
@@ -607,7 +662,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         failed.note(Check::SensorsAlive, sensors_alive);
         let is_fresh = tracker.is_fresh(time_us) && !self.reference_was_lost;
         failed.note(Check::ReferenceFresh, is_fresh);
-        failed.note(Check::ReadingsConsistent, self.is_consistent(config));
+        failed.note(Check::ReadingsConsistent, self.is_consistent(config, duration_s));
 
         let biases = Sensor::ALL.map(|sensor| self.estimator.bias_m(sensor));
         let coefficients = self.estimator.coefficients();
@@ -628,9 +683,15 @@ fn climb_over(climb: &ClimbRate, tracker: &ReferenceTracker, seconds: f32) -> (f
     }
 }
 
+/// Variance of the difference of two residuals, each with an error of the sensor and one of the reference, square metres.
+fn level_variance_m2<const E: usize>(config: &MissionConfig<E>, sensor: &SensorConfig) -> f32 {
+    2.0 * (square(sensor.sigma_m) + square(config.reference.sigma_m))
+}
+
 const fn square(x: f32) -> f32 {
     x * x
 }
 
 mod gate;
+mod reference_level;
 mod statistical_checks;

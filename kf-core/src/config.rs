@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::effect::EffectTerm;
+use crate::input::GpsFix;
 use crate::sensor::SENSORS;
 
 /// How many effects a model can hold as constants, beside those that are states.
@@ -116,6 +117,14 @@ pub struct QualityConfig {
     pub bias_drift_sigmas: f32,
     /// Largest share of innovations beyond three sigmas.
     pub implausible_share: f32,
+}
+
+impl QualityConfig {
+    /// Whether a receiver that reports this of its fix claims to be good enough; one that reports nothing does.
+    pub(crate) fn accepts(&self, fix: &GpsFix) -> bool {
+        fix.vertical_accuracy_m.is_none_or(|sigma_m| sigma_m <= self.vertical_accuracy_m)
+            && fix.satellites.is_none_or(|count| count >= self.minimum_satellites)
+    }
 }
 
 /// Everything that one mission is configured with; `E` effects are states.

@@ -233,10 +233,15 @@ impl FreeFlight {
         }
     }
 
-    /// Launch, or a suspicion of it.
+    /// Launch, or a suspicion of it. The reference is `reference_left_m` from its mean over the calibration.
     #[inline(never)]
-    pub(crate) fn begin<const E: usize>(&mut self, config: &MissionConfig<E>, latch: &LatchRecord) {
-        self.reference.begin(latch.time_us);
+    pub(crate) fn begin<const E: usize>(
+        &mut self,
+        config: &MissionConfig<E>,
+        latch: &LatchRecord,
+        reference_left_m: f32,
+    ) {
+        self.reference.begin(latch.time_us, reference_left_m);
         for (watch, sensor) in self.watches.iter_mut().zip(WATCHED) {
             let latched = latch.sensors.get(sensor.index());
             let latched = latched.filter(|latched| latched.bound_m2 > 0.0 && latched.bound_m2.is_finite());
@@ -352,16 +357,24 @@ impl FreeFlight {
     }
 
     /// Takes the error of eq. 16 of one sensor, metres; `None` if the sensor is not watched or the
-    /// error overflows.
+    /// error overflows. `is_current`: the reference is not carried on by an old climb rate. After launch a vehicle manoeuvres as no
+    /// carrier does, and what its last climb rate makes of some seconds says nothing of a sensor.
     #[inline]
-    pub(crate) fn take(&mut self, sensor: Sensor, time_us: u64, error_m: f32) -> Option<WatchedError> {
+    pub(crate) fn take(
+        &mut self,
+        sensor: Sensor,
+        time_us: u64,
+        error_m: f32,
+        is_current: bool,
+    ) -> Option<WatchedError> {
         let place = position(sensor)?;
         let watch = self.watches.get(place).filter(|watch| watch.is_on && !watch.stopped)?;
         let corrected_m = error_m - watch.correction.value_m();
         if !corrected_m.is_finite() {
             return None;
         }
-        let is_unjudged = self.reference.is_on() && self.may_be_the_references(place, time_us, corrected_m);
+        let is_unjudged = self.reference.is_on()
+            && (!is_current || self.may_be_the_references(place, time_us, corrected_m));
         let watch = self.watches.get_mut(place)?;
         watch.testimony = Testimony { error_m: corrected_m, time_us };
         watch.is_unjudged = is_unjudged;
@@ -386,7 +399,13 @@ impl FreeFlight {
         if self.reference.is_lost(time_us) {
             return true;
         }
-        if own.is_within_bound(error_m) || !other.can_testify(time_us, self.silent_after_us) {
+        if own.is_within_bound(error_m) {
+            return false;
+        }
+        if own.is_within_bound(error_m - self.reference.other_m()) {
+            return true;
+        }
+        if !other.can_testify(time_us, self.silent_after_us) {
             return false;
         }
         let others_m = other.testimony.error_m;

@@ -214,6 +214,10 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         let regressors_m = use_of_effects.regressors_m();
         let fix = accepted.map(|accepted| self.correct_fix(accepted, &mut use_of_effects));
         let gps_rejection = gps_rejection.or(fix.and_then(|fix| self.check_fix(time_us, fix, carried)));
+        if let (None, Some(fix)) = (&self.latch, &fix) {
+            let has_settled = self.phase == Phase::Calibrating;
+            self.calibration.follow_reference(&self.config, fix, &self.tracker, has_settled);
+        }
         let reference_m = self.reference_m(time_us);
         let (readings_m, mut rejections) =
             self.take_readings(time_us, input, reference_m, &mut use_of_effects);
@@ -391,7 +395,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             !faults,
             delivering && !silent,
         );
-        self.free_flight.begin(&self.config, &latch);
+        let left_m = self.calibration.reference_drift_m(&self.tracker);
+        self.free_flight.begin(&self.config, &latch, left_m);
         self.cross_check.begin(&latch);
         let mut failed = FailedChecks::from_bits(latch.failed_checks);
         let unchecked = StatisticalChecks::begin(&self.config, latch.duration_s, &self.tracker, &mut failed);
@@ -453,7 +458,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         match &self.latch {
             Some(latch) => {
                 let error_m = residual_m - latch.sensors[sensor.index()].bias_m;
-                let watched = self.free_flight.take(sensor, time_us, error_m);
+                let is_current = self.tracker.is_current(time_us);
+                let watched = self.free_flight.take(sensor, time_us, error_m, is_current);
                 match watched {
                     Some(watched) if self.is_launched => {
                         output.error_m = Some(watched.error_m);
@@ -469,8 +475,13 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             None => {
                 let error_m = residual_m - output.bias_m;
                 output.error_m = error_m.is_finite().then_some(error_m);
-                if self.phase == Phase::Calibrating && residual_m.is_finite() {
+                if !residual_m.is_finite() {
+                    return true;
+                }
+                if self.phase == Phase::Calibrating {
                     self.calibration.note_residual(time_us, sensor, residual_m);
+                } else if self.tracker.last_fix().is_some_and(|fix| self.config.quality.accepts(fix)) {
+                    self.calibration.note_settling(&self.config, sensor, residual_m);
                 }
             }
         }

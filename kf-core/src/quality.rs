@@ -14,8 +14,8 @@ pub enum Check {
     TrimmedAltitude = 2,
     /// The airspeed was quiet.
     TrimmedAirspeed = 3,
-    /// The reference's own altitude had converged: it did not drift against its integrated climb
-    /// rate, nor all sensors against it alike, and the receiver itself reports accuracy and satellites.
+    /// The reference's own altitude had converged: it neither drifted nor jumped against its integrated climb
+    /// rate, nor did all sensors drift against it alike, and the receiver itself reports accuracy and satellites.
     ReferenceConverged = 4,
     /// The reference was there all through the calibration and at launch.
     ReferenceFresh = 5,
@@ -30,7 +30,7 @@ pub enum Check {
     /// The launch itself was confirmed by more than the umbilical's wire.
     LaunchConfirmed = 10,
     /// No source had more of its readings refused as implausible or as outliers than may be implausible, none has settled on
-    /// another level in mid-calibration, and no bias is beyond what its prior allows.
+    /// another level in mid-calibration or in the settling time, and no bias is beyond what its prior allows.
     ReadingsConsistent = 11,
 }
 

@@ -34,7 +34,14 @@ pub struct ReferenceTracker {
     climbed_m: f32,
     /// Fixes in a row that repeat every bit of altitude and velocity.
     repeats: u8,
+    /// The usual time between two fixes, microseconds; 0 before there were two. Not kept over a restart: the next two say it anew.
+    #[serde(skip)]
+    interval_us: u64,
 }
+
+/// For how long a climb rate carries the altitude at least, microseconds: an aircraft that begins to fall, or pulls 2 g, is by then 2 m
+/// from where it carries it, a fix's own error. A receiver that is slower by itself is given half as long again as it takes.
+const CARRIED_US: u64 = 640_000;
 
 /// So many repeats are a receiver that stands still: a fix has its altitude in millimetres and three velocities in mm/s, all of
 /// them with noise of many times that.
@@ -59,6 +66,7 @@ impl ReferenceTracker {
             correction_m: 0.0,
             climbed_m: 0.0,
             repeats: 0,
+            interval_us: 0,
         }
     }
 
@@ -103,6 +111,11 @@ impl ReferenceTracker {
                 self.climbed_m -= 0.5 * (before + now) * seconds;
             }
             interval_s = fresh.then_some(seconds);
+            // A gap is not what is usual, unless it stays so.
+            let interval_us = time_us.saturating_sub(*last_us);
+            let longest_us =
+                if self.interval_us == 0 { u64::MAX } else { self.interval_us.saturating_mul(2) };
+            self.interval_us = interval_us.min(longest_us);
             self.repeats = if repeats(fix, last) { self.repeats.saturating_add(1) } else { 0 };
         }
         self.last = Some((time_us, *fix));
@@ -128,6 +141,21 @@ impl ReferenceTracker {
     #[inline]
     pub fn is_fresh(&self, time_us: u64) -> bool {
         self.last.as_ref().is_some_and(|(last_us, _)| time_us.saturating_sub(*last_us) <= self.lost_after_us)
+    }
+
+    /// Whether the altitude now is still that of the last fix: the climb rate that carries it is not older than it is good for.
+    #[must_use]
+    #[inline]
+    pub fn is_current(&self, time_us: u64) -> bool {
+        let age_us = time_us.saturating_sub(self.last_fix_us());
+        !self.carries_climb || age_us <= CARRIED_US || age_us <= self.interval_us + self.interval_us / 2
+    }
+
+    /// See [`AcceptedFix::altitude_minus_climb_m`]; of the last fix, where a climb rate carries it.
+    #[must_use]
+    pub(crate) fn altitude_minus_climb_m(&self) -> Option<f32> {
+        let (_, fix) = self.last.as_ref().filter(|_| self.carries_climb)?;
+        fix.velocity_down_mps.map(|_| fix.altitude_m - self.correction_m - self.climbed_m)
     }
 
     /// What was taken off the last fix's altitude, metres.

@@ -9,15 +9,25 @@
 //! - An error of both sensors is the reference's before it is two sensors' by coincidence. With two sensors to ask, the error
 //!   of one counts against it only while the other vouches for the reference: it is itself within its bound, and nearer to
 //!   the reference than to the first. Otherwise the reading is not judged, and the sensor is `unmonitored`.
+//! - A receiver that contradicts itself has two words: an altitude that has left its own climb rate may be as wrong as that, and a
+//!   fix that was refused may be right and what was carried on wrong. An error counts only if the sensor is beyond its bound by both.
+//!   A second sensor cannot settle that: the inertial one is tied to the same receiver.
 //!
 //! The limits: two sensors that fail alike are told from a reference that drifts by nobody, and are `unmonitored`, not flagged;
-//! a single sensor is blamed for a slow drift of the reference, and, where the receiver gives no climb rate, for a jump.
+//! where the receiver gives no climb rate, a single sensor is blamed for the reference.
 
 use serde::{Deserialize, Serialize};
 
 use crate::config::MissionConfig;
 use crate::guard::Guard;
 use crate::time::{microseconds, seconds_between};
+
+/// For how long it is known that the altitude has left the climb rate's integral, seconds. A receiver that converges takes a minute
+/// or two; the climb rate's own random walk is 6 m by then, within a monitor's bound.
+const MEMORY_S: f32 = 300.0;
+/// The altitude leaves the climb rate's integral by so many of a fix's sigmas without a fault: the bound allows for that, and it excuses
+/// nobody. What is left of a fault with that taken off is within any bound, which is three.
+const WANDER_SIGMAS: f32 = 2.0;
 
 /// The reference's standing.
 #[derive(Clone, Debug)]
@@ -28,6 +38,8 @@ pub(crate) struct ReferenceCheck {
     gate_m2: f32,
     /// What the climb rate's own error adds to that in a second.
     gate_m2_per_s: f32,
+    /// How far the altitude may leave the climb rate's integral by itself, metres.
+    wander_m: f32,
     lost_after_us: u64,
     standing: Standing,
 }
@@ -39,6 +51,12 @@ pub(crate) struct Standing {
     good_us: u64,
     /// The altitude that was carried on to the last fix, metres, where that was refused.
     carried_m: Option<f32>,
+    /// How far the good fixes have left the altitude that their climb rate carries, metres.
+    left_m: f32,
+    /// The receiver's other word on the altitude, less the reference, metres: the last fix, if it was refused, or else what the
+    /// climb rate makes of the fixes before it. Not kept over a restart: the next fix says it anew.
+    #[serde(skip)]
+    other_m: f32,
 }
 
 impl ReferenceCheck {
@@ -52,14 +70,17 @@ impl ReferenceCheck {
             is_on: config.monitor.reference_check,
             gate_m2: multiplier2 * 2.0 * reference.sigma_m * reference.sigma_m,
             gate_m2_per_s: multiplier2 * climb_m2_per_s,
+            wander_m: WANDER_SIGMAS * reference.sigma_m,
             lost_after_us: microseconds(reference.lost_after_s),
-            standing: Standing { good_us: 0, carried_m: None },
+            standing: Standing { good_us: 0, carried_m: None, left_m: 0.0, other_m: 0.0 },
         }
     }
 
-    /// At launch, with the reference as it is.
-    pub(crate) fn begin(&mut self, time_us: u64) {
-        self.standing = Standing { good_us: time_us, carried_m: None };
+    /// At launch, or at a good fix, with the reference as it is: so many metres from its mean over the calibration, by its climb rate.
+    pub(crate) fn begin(&mut self, time_us: u64, left_m: f32) {
+        let excess_m = if left_m.abs() > self.wander_m { left_m.abs() - self.wander_m } else { 0.0 };
+        let other_m = if left_m > 0.0 { -excess_m } else { excess_m };
+        self.standing = Standing { good_us: time_us, carried_m: None, left_m, other_m };
     }
 
     pub(crate) const fn standing(&self) -> Standing {
@@ -67,7 +88,11 @@ impl ReferenceCheck {
     }
 
     pub(crate) fn restore(&mut self, standing: Standing) {
-        self.standing = standing;
+        if standing.carried_m.is_none() {
+            self.begin(standing.good_us, standing.left_m);
+        } else {
+            self.standing = standing;
+        }
     }
 
     #[inline]
@@ -79,6 +104,12 @@ impl ReferenceCheck {
     #[inline]
     pub(crate) const fn carried_m(&self) -> Option<f32> {
         self.standing.carried_m
+    }
+
+    /// See [`Standing::other_m`].
+    #[inline]
+    pub(crate) const fn other_m(&self) -> f32 {
+        self.standing.other_m
     }
 
     /// Fixes have been refused for so long that what they were carried on from is worth nothing.
@@ -97,13 +128,18 @@ impl ReferenceCheck {
         departure_m: f32,
         is_vouched: impl FnOnce() -> bool,
     ) -> bool {
-        let gate_m2 = self.gate_m2 + self.gate_m2_per_s * seconds_between(self.standing.good_us, time_us);
+        let seconds = seconds_between(self.standing.good_us, time_us);
+        let gate_m2 = self.gate_m2 + self.gate_m2_per_s * seconds;
         // A departure that overflows is beyond any gate.
         let is_good = carried_m.is_none() || departure_m * departure_m <= gate_m2 || is_vouched();
-        self.standing = match is_good {
-            true => Standing { good_us: time_us, carried_m: None },
-            false => Standing { carried_m, ..self.standing },
-        };
+        if is_good {
+            // After a loss nobody knows what it has left.
+            let is_known = carried_m.is_some() && seconds < MEMORY_S;
+            let kept_m = if is_known { self.standing.left_m * (1.0 - seconds / MEMORY_S) } else { 0.0 };
+            self.begin(time_us, kept_m + departure_m);
+        } else {
+            self.standing = Standing { carried_m, other_m: departure_m, ..self.standing };
+        }
         is_good
     }
 }

@@ -21,7 +21,7 @@ use crate::reference_check::Standing;
 use crate::sensor::{SENSORS, Sensor};
 
 /// Version of the layout: of this struct, of every type in it, and of the [`MissionMark`] that it goes with.
-pub const SNAPSHOT_VERSION: u8 = 7;
+pub const SNAPSHOT_VERSION: u8 = 8;
 /// Longest snapshot, bytes: two of them fit into the 4 KiB of an STM32F405's backup SRAM. The largest
 /// model's do, with windows of up to 2^14 samples a part and a month after power-on (`mission::tests::resume`).
 pub const MAX_SNAPSHOT_BYTES: usize = 1_920;

@@ -44,11 +44,7 @@ impl StatisticalChecks {
         for check in Self::CHECKS {
             failed.note(check, false);
         }
-        let limits = &config.quality;
-        let reported = tracker.last_fix().is_none_or(|fix| {
-            fix.vertical_accuracy_m.is_none_or(|sigma_m| sigma_m <= limits.vertical_accuracy_m)
-                && fix.satellites.is_none_or(|count| count >= limits.minimum_satellites)
-        });
+        let reported = tracker.last_fix().is_none_or(|fix| config.quality.accepts(fix));
         Self { trends: heapless::Vec::new(), duration_s, reported, stationary: true }
     }
 
@@ -67,7 +63,7 @@ impl StatisticalChecks {
         let is_done = self.trends.is_full();
         if is_done {
             failed.settle(Check::BiasesStationary, self.stationary);
-            self.check_reference(config, &calibration.reference_drift, failed);
+            self.check_reference(config, calibration, failed);
             calibration.check_trim(config, failed);
         }
         is_done
@@ -88,17 +84,21 @@ impl StatisticalChecks {
         let _ = self.trends.push(trend);
     }
 
-    fn check_reference<const E: usize>(
+    fn check_reference<const HEAD: usize, const TAIL: usize, const E: usize>(
         &self,
         config: &MissionConfig<E>,
-        reference_drift: &BlockStatistics,
+        calibration: &Calibration<HEAD, TAIL, E>,
         failed: &mut FailedChecks,
     ) {
         let limit_m = config.quality.reference_drift_m;
-        let drifts_alone = reference_drift
+        let drifts_alone = calibration
+            .reference_drift
             .later_trend()
             .is_some_and(|trend| is_significant(&trend) && trend.drift.abs() > limit_m);
-        let converged = self.reported && !drifts_alone && !drift_is_common(&self.trends, limit_m);
+        let converged = self.reported
+            && !drifts_alone
+            && !calibration.reference_level.has_jumped()
+            && !drift_is_common(&self.trends, limit_m);
         failed.settle(Check::ReferenceConverged, converged);
     }
 }

@@ -161,7 +161,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
     #[inline(never)]
     fn read_watches(&mut self, fields: &mut Fields<'_>) -> Result<bool, SnapshotError> {
         if let Some(latch) = &self.latch {
-            self.free_flight.begin(&self.config, latch);
+            self.free_flight.begin(&self.config, latch, 0.0);
         }
         self.free_flight.restore_standing(fields.standing()?);
         let mut are_ours = true;

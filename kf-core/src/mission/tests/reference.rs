@@ -291,3 +291,134 @@ fn a_mission_that_goes_on_in_the_middle_of_a_jump_says_the_same() {
         assert_eq!(fly(Some(at))[at..], whole[at..], "{at}");
     }
 }
+
+/// With the barometer as the only sensor, and a receiver that is lost after 5 s.
+fn flown_alone(change: impl Fn(f32, &mut TickInput)) -> Seen {
+    let mut config = config(true);
+    config.reference.lost_after_s = 5.0;
+    let alone = |time_s: f32, input: &mut TickInput| {
+        input.imu_slave_altitude_m = None;
+        change(time_s, input);
+    };
+    flown(&config, alone).0
+}
+
+#[test]
+fn what_an_old_climb_rate_carries_on_is_held_against_nobody() {
+    // The vehicle falls for 4 s while no fix comes: by its last climb rate it flies level.
+    let fallen_m = |time_s: f32| 3.0 * (time_s - 3.0).clamp(0.0, 4.0) * (time_s - 3.0).clamp(0.0, 4.0);
+    let seen = flown_alone(|time_s, input| {
+        add_to_baro(input, -fallen_m(time_s));
+        add_to_fix(input, -fallen_m(time_s));
+        if let (true, Some(fix)) = (time_s < 7.1, &mut input.gps) {
+            fix.velocity_down_mps = Some(6.0 * (time_s - 3.0).max(0.0));
+        }
+        if (3.0..7.0).contains(&time_s) {
+            input.gps = None;
+        }
+    });
+    assert_eq!(seen.flags_s[1], [None; 2]);
+    assert_eq!(seen.at(3.4)[1], Trust::Trusted);
+    assert_eq!(seen.at(5.0)[1], Trust::Unmonitored);
+    assert_eq!(seen.at(8.0)[1], Trust::Trusted);
+}
+
+#[test]
+fn a_single_sensor_is_not_blamed_for_a_drift_that_the_climb_rate_denies() {
+    for drift_mps in [2.0, -5.0] {
+        let seen = flown_alone(|time_s, input| add_to_fix(input, drift_mps * time_s.clamp(0.0, 6.0)));
+        assert_eq!(seen.flags_s[1][1], None, "{drift_mps}");
+        assert_eq!(seen.at(8.0)[1], Trust::Unmonitored, "{drift_mps}");
+    }
+    // Nor for one that begins before the launch and that the captive gate lets through.
+    let seen = flown_alone(|time_s, input| add_to_fix(input, 2.5 * (time_s + 4.0).clamp(0.0, 4.0)));
+    assert_eq!(seen.flags_s[1][1], None);
+}
+
+#[test]
+fn a_sensor_that_the_refused_fixes_agree_with_is_not_blamed_for_a_wrong_climb_rate() {
+    let seen = flown_alone(|time_s, input| {
+        if let (true, Some(fix)) = (time_s > 1.0, &mut input.gps) {
+            fix.velocity_down_mps = Some(80.0);
+        }
+    });
+    assert_eq!(seen.flags_s[1][1], None);
+}
+
+#[test]
+fn a_single_sensor_that_fails_is_flagged_as_soon_as_without_the_check() {
+    let mut unchecked = config(true);
+    unchecked.monitor.reference_check = false;
+    let failures: [&dyn Fn(f32) -> f32; 3] =
+        [&|time_s| 2.0 * time_s.max(0.0), &|time_s| -2.0 * time_s.max(0.0), &|time_s| {
+            if time_s > 2.0 { 25.0 } else { 0.0 }
+        }];
+    for (number, error_m) in failures.into_iter().enumerate() {
+        let fail = |time_s: f32, input: &mut TickInput| add_to_baro(input, error_m(time_s));
+        let clean_s = flown(&unchecked, fail).0.flags_s[1][1].unwrap();
+        let alone_s = flown_alone(fail).flags_s[1][1].unwrap();
+        assert!((alone_s - clean_s).abs() < 0.3, "{number}: {alone_s} {clean_s}");
+    }
+    // A receiver that is 10 m off does not excuse what is not its error.
+    let seen = flown_alone(|time_s, input| {
+        add_to_fix(input, (5.0 * time_s).clamp(0.0, 10.0));
+        add_to_baro(input, if time_s > 4.0 { 40.0 } else { 0.0 });
+    });
+    assert!((5.0..6.0).contains(&seen.flags_s[1][1].unwrap()), "{:?}", seen.flags_s);
+}
+
+/// The failed checks of a flight whose fixes have the noise of one that wanders for a minute.
+fn failed_with(change: impl Fn(f32, &mut TickInput)) -> Vec<&'static str> {
+    let mut config = config(true);
+    config.reference.correlation_time_s = 60.0;
+    let change = |k: u64, input: &mut TickInput| {
+        if let Some(fix) = &mut input.gps {
+            fix.altitude_m = 2_000.0 + 0.2 * (fix.altitude_m - 2_000.0);
+        }
+        change(k as f32 * 0.005, input);
+    };
+    failed(&fly::<0, 4, 0>(&config, change, |_, _| {}))
+}
+
+#[test]
+fn a_reference_that_jumps_in_captive_flight_degrades_the_calibration_by_name() {
+    assert_eq!(failed_with(|_, _| {}), [""; 0]);
+    for (from_s, to_s) in [(1.0, 99.0), (12.0, 99.0), (12.0, 20.0), (26.0, 99.0)] {
+        for jump_m in [7.0, -7.0] {
+            let failed = failed_with(|time_s, input| {
+                if (from_s..to_s).contains(&time_s) {
+                    add_to_fix(input, jump_m);
+                }
+            });
+            assert!(failed.contains(&"reference_converged"), "{from_s} {to_s} {jump_m}: {failed:?}");
+        }
+    }
+    // A single fix that is off is none, and a receiver that says that it has not converged may do so while it settles.
+    let spike = |time_s: f32, input: &mut TickInput| {
+        if (12.0..12.1).contains(&time_s) {
+            add_to_fix(input, 7.0);
+        }
+        // While it settles nothing is gated.
+        if (1.0..1.1).contains(&time_s) {
+            add_to_fix(input, 4_000.0);
+        }
+    };
+    assert_eq!(failed_with(spike), [""; 0]);
+    let cold_start = |time_s: f32, input: &mut TickInput| {
+        if let (true, Some(fix)) = (time_s < 1.0, &mut input.gps) {
+            fix.altitude_m += 30.0 * (1.0 - time_s);
+            fix.vertical_accuracy_m = Some(30.0);
+        }
+    };
+    assert_eq!(failed_with(cold_start), [""; 0]);
+}
+
+#[test]
+fn a_sensor_that_changes_its_level_while_the_reference_settles_degrades_the_calibration_by_name() {
+    let failed = failed_with(|time_s, input| {
+        if time_s > 1.0 {
+            input.imu_master_altitude_m = input.imu_master_altitude_m.map(|altitude_m| altitude_m - 187.0);
+        }
+    });
+    assert_eq!(failed, ["readings_consistent"]);
+}
