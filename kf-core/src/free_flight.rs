@@ -408,8 +408,7 @@ impl FreeFlight {
         if !other.can_testify(time_us, self.silent_after_us) {
             return false;
         }
-        let others_m = other.testimony.error_m;
-        !(other.is_within_bound(others_m) && others_m.abs() < (error_m - others_m).abs())
+        !is_likelier_own(error_m, own.monitor.bound_m2(), other.testimony.error_m, other.monitor.bound_m2())
     }
 
     /// What a sensor is worth. A flag that was raised stays; otherwise, a sensor without a reference that may be
@@ -427,9 +426,42 @@ impl FreeFlight {
     }
 }
 
+/// Whether an error of a sensor beyond its bound is likelier its own than the reference's, by what the other sensor's error is. Both in
+/// metres, with the squares of the bounds, which are the same multiple of each one's sigma.
+///
+/// A reference that is off by `r` leaves `own - r` and `others - r`; the best `r` leaves `(own - others)^2 / (own_bound^2 + others_bound^2)` of
+/// chi squared, in units of the multiple squared. An error of the sensor leaves the other's alone, `others^2 / others_bound^2`, and no more than
+/// 1 of it: beyond its bound the other is off as well, which no error of the reference explains while the two differ by more than
+/// their bounds together. Were that left open, two sensors that fail would hide each other for ever.
+fn is_likelier_own(own_m: f32, own_bound_m2: f32, others_m: f32, others_bound_m2: f32) -> bool {
+    let apart_m = own_m - others_m;
+    let others_m2 = others_m * others_m;
+    let by_itself_m2 = if others_m2 < others_bound_m2 { others_m2 } else { others_bound_m2 };
+    by_itself_m2 * (own_bound_m2 + others_bound_m2) < apart_m * apart_m * others_bound_m2
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Bounds of 7 m: the other within its bound vouches for the reference, unless the two are closer to each other than it is to the
+    /// reference; beyond it, both have failed if they are 9.9 m apart.
+    #[test]
+    fn an_error_is_a_sensors_own_unless_the_reference_explains_both() {
+        for (own_m, others_m, is_own) in [
+            (8.0, 0.0, true),
+            (8.0, 3.2, true),
+            (8.0, 3.4, false),
+            (8.0, -6.0, true),
+            (8.0, 7.5, false),
+            (30.0, 21.0, false),
+            (30.0, 19.0, true),
+            (-23.0, 9.0, true),
+            (8.0, f32::NAN, false),
+        ] {
+            assert_eq!(is_likelier_own(own_m, 49.0, others_m, 49.0), is_own, "{own_m} {others_m}");
+        }
+    }
 
     #[test]
     fn every_sensor_that_flies_free_has_its_place() {
