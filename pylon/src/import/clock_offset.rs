@@ -111,7 +111,7 @@ pub fn text(flight: &Flight) -> Option<String> {
     has_both.then(|| {
         estimate(flight).map_or_else(
             || {
-                "clocks: barometer and receiver climb too little together to tell whether their times agree"
+                "clocks: barometer and receiver climb too little together, or are recorded too seldom, to tell whether their times agree"
                     .to_owned()
             },
             |offset| offset.text(),

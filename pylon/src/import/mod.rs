@@ -150,7 +150,7 @@ pub fn open(path: &Path) -> Result<(Flight, Vec<Note>), ReadError> {
     let is_log = !is_csv && IMPORTERS.iter().any(|importer| importer.recognises(&bytes));
     let result = match is_log {
         true => import(&bytes).map_err(Problem::from),
-        false if !is_csv && mapping::Layout::find(&bytes).is_some() => {
+        false if !is_csv && !has_flights_names(&bytes) && mapping::Layout::find(&bytes).is_some() => {
             Err(ImportError::Table { file: path.display().to_string() }.into())
         }
         false => flight::parse(&bytes),
@@ -178,6 +178,12 @@ fn read(path: &Path) -> Result<Vec<u8>, ReadError> {
         };
         ReadError::new(path, Problem::Io(why))
     })
+}
+
+/// Whether the beginning has the names that every flight has: what is missing then is the flight's own first line.
+fn has_flights_names(bytes: &[u8]) -> bool {
+    let head = bytes.get(..4_096).unwrap_or(bytes);
+    [&b"time_s"[..], b"gps_alt_m"].iter().all(|name| memchr::memmem::find(head, name).is_some())
 }
 
 /// A flight's CSV begins with header lines, one of which says so.

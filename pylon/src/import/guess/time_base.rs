@@ -129,11 +129,10 @@ fn counted(board: &Board<'_>, clock: &Clock) -> TimeGuess {
     let guess = |unit, is_sure, evidence| TimeGuess { column, unit: Some(unit), is_sure, evidence };
     // A date as a number says its unit by its size.
     let center = middle(board.numbers(column)).unwrap_or(0.0);
-    if let Some((unit, factor)) = UNITS.into_iter().find(|(_, factor)| EPOCH_S.contains(&(center * factor))) {
-        if fits(factor) {
-            let what = described(factor);
-            return guess(unit, true, format!("{runs}, and counts from 1970 if its unit is {unit}: {what}"));
-        }
+    let since_1970 = UNITS.into_iter().find(|(_, factor)| EPOCH_S.contains(&(center * factor)));
+    if let Some((unit, factor)) = since_1970.filter(|(_, factor)| fits(*factor)) {
+        let what = described(factor);
+        return guess(unit, true, format!("{runs}, and counts from 1970 if its unit is {unit}: {what}"));
     }
     let named = hint.unit_of(Quantity::Time);
     if let Some(unit) = named {
