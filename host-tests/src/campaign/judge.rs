@@ -381,8 +381,13 @@ impl Judge<'_> {
         }
         let (sensor, i) = (failure.sensor, failure.sensor.index());
         let Some(clean) = self.clean.flagged[i].filter(|clean| clean.tick >= failure.tick) else { return };
+        // One that is doubtful before it fails is flagged for that sooner or later: when, tells nothing of the failure.
+        if self.clean.trust(sensor, failure.tick) != Some(Trust::Trusted) {
+            return;
+        }
         let delay = clean.tick - failure.tick;
-        let latest = failure.tick + (delay as f32 * DELAY_FACTOR) as usize + GRACE_TICKS;
+        let allowed = (delay as f32 * DELAY_FACTOR) as usize + GRACE_TICKS;
+        let latest = failure.tick + allowed;
         // What of the faults lies between is no time in which anybody could have seen it.
         let blind: usize = self
             .case
@@ -390,7 +395,20 @@ impl Judge<'_> {
             .iter()
             .map(|fault| fault.to.min(latest).saturating_sub(fault.from.max(failure.tick)))
             .sum();
-        let latest = latest + blind;
+        // Nor is any time, however long, in which what the watch rests on is at fault: the sensor itself, the reference, the computer.
+        let has_unit = self.case.plan.own_unit.is_some();
+        let bears = |fault: &&Drawn| {
+            matches!(fault.place, Place::Gps | Place::Supply | Place::Clock | Place::Program)
+                || is_own(fault, sensor, has_unit)
+        };
+        let is_whole = |tick: &usize| {
+            let mut bearing = self.case.faults.iter().filter(bears);
+            bearing.all(|fault| !(fault.from..fault.to).contains(tick))
+        };
+        let Some(whole) = (failure.tick..self.faulty.ticks.len()).filter(is_whole).nth(allowed) else {
+            return;
+        };
+        let latest = whole.max(latest + blind);
         let flagged = self.faulty.flagged[i].map(|flagged| flagged.tick);
         if latest >= self.faulty.ticks.len() || flagged.is_some_and(|tick| tick <= latest) {
             return;
@@ -482,7 +500,9 @@ impl Judge<'_> {
         }
         for sensor in FREE {
             let extra = self.faulty.unmonitored(sensor).saturating_sub(self.clean.unmonitored(sensor));
-            if extra > (to - from) + GRACE_TICKS && self.faulty.launched.is_some() && !restarts_captive {
+            // Where the clean flight's launch is not seen, nothing is monitored there either.
+            let both_launched = self.clean.launched.is_some() && self.faulty.launched.is_some();
+            if extra > (to - from) + GRACE_TICKS && both_launched && !restarts_captive {
                 let last = self.faulty.ticks.iter().rev().flatten().next();
                 let for_good = last.is_some_and(|seen| seen.trust[sensor.index()] == Trust::Unmonitored);
                 let invariant = if for_good { Invariant::Permanent } else { Invariant::Transient };

@@ -25,6 +25,9 @@ const FLOOR_MPS2: f32 = 0.1;
 const FLOOR_ROUGHNESS: f32 = 0.25;
 /// Blocks in a row that differ.
 const IN_A_ROW: u8 = 2;
+/// So many captive ones in a row are what the flight is like from then on; fewer are a flipped bit or a bump, which must not widen for
+/// ten seconds what a change is held against.
+const NEW_REGIME: u8 = 3;
 /// The last block of a living unit ended no longer ago than this, microseconds: a block and a lost one.
 const LIVING_US: u64 = 600_000;
 
@@ -44,8 +47,12 @@ pub(super) struct Character {
     variance: Figures,
     was_captive: bool,
     differing: u8,
+    /// Captive blocks in a row that differ from those before.
+    odd: u8,
     /// When the last block of a living unit ended.
     living_us: Option<u64>,
+    /// The unit has been silent since the suspicion began: a change that passes may have passed meanwhile.
+    was_blind: bool,
 }
 
 impl Character {
@@ -55,6 +62,7 @@ impl Character {
             self.was_captive = is_captive;
             self.differing = 0;
             self.pending = None;
+            self.was_blind = !is_captive && !self.lives(now_us);
             self.begin(now_us);
         }
         if let Some(last) = self.last.replace(force_mps2) {
@@ -87,6 +95,7 @@ impl Character {
         }
         let share = 1.0 / f32::from(self.samples);
         let figures = self.sums.map(|sum| sum * share);
+        self.was_blind |= !is_captive && !self.lives(now_us);
         self.living_us = Some(now_us);
         if !is_captive {
             let differs = self.blocks >= LEAST_BLOCKS && self.differs(&figures);
@@ -94,6 +103,14 @@ impl Character {
             return;
         }
         let Some(figures) = self.pending.replace(figures) else { return };
+        if self.blocks >= LEAST_BLOCKS && self.differs(&figures) {
+            self.odd = self.odd.saturating_add(1);
+            if self.odd < NEW_REGIME {
+                return;
+            }
+        } else {
+            self.odd = 0;
+        }
         self.blocks = (self.blocks + 1).min(MEMORY_BLOCKS);
         let gain = 1.0 / f32::from(self.blocks);
         for ((figure, mean), variance) in figures.into_iter().zip(&mut self.mean).zip(&mut self.variance) {
@@ -119,9 +136,12 @@ impl Character {
         self.differing >= IN_A_ROW
     }
 
-    /// Whether a change would have been seen: the unit lives, and captive flight is known.
+    /// Whether a change would have been seen: the unit lives, and has lived since the suspicion began, and captive flight is known.
     pub(super) fn is_known(&self, now_us: u64) -> bool {
-        self.blocks >= LEAST_BLOCKS
-            && self.living_us.is_some_and(|living_us| now_us.saturating_sub(living_us) <= LIVING_US)
+        self.blocks >= LEAST_BLOCKS && !self.was_blind && self.lives(now_us)
+    }
+
+    fn lives(&self, now_us: u64) -> bool {
+        self.living_us.is_some_and(|living_us| now_us.saturating_sub(living_us) <= LIVING_US)
     }
 }

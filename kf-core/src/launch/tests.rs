@@ -287,6 +287,26 @@ fn free_fall_that_was_none_hides_no_release() {
     assert_eq!((launch.first_edge_us, launch.by), (edge_us, Confirmation::Force));
 }
 
+/// A vehicle that soon carries itself shows its release for a second. A unit that is silent in that second has not seen that nothing
+/// changed, however well it is afterwards.
+#[test]
+fn a_unit_that_was_silent_at_the_edge_denies_no_launch() {
+    let mut rig = Rig::captive();
+    rig.run(0.5, Now { load: None, ..CAPTIVE });
+    assert_eq!(rig.run(1.5, Now { load: None, ..TORN }), None);
+    assert_eq!(rig.run(5.0, TORN).map(|launch| launch.by), Some(Confirmation::Unconfirmed));
+}
+
+/// One wild sample in captive flight must not hide for ten seconds, in what it does to the spread, how the roughness changes at a release.
+#[test]
+fn one_wild_sample_hides_no_release() {
+    let mut rig = Rig::captive();
+    rig.step(Now { load: Some(-15.0), ..CAPTIVE });
+    assert_eq!(rig.run(2.0, CAPTIVE), None);
+    let launch = rig.run(2.0, Now { vibration: 1.0, ..TORN }).unwrap();
+    assert_eq!(launch.by, Confirmation::Silence);
+}
+
 #[test]
 fn after_a_torn_cable_a_fall_is_a_launch() {
     let mut rig = Rig::captive();
