@@ -1,7 +1,7 @@
 //! Captive flight: the biases are estimated, and what their quality is judged by is gathered.
 
 use crate::block_statistics::BlockStatistics;
-use crate::config::{ClimbRate, MissionConfig, SensorConfig, SigmaSource};
+use crate::config::{ClimbRate, MissionConfig, SigmaSource};
 use crate::effect::{ActingEffects, EffectSubject};
 use crate::error::FilterError;
 use crate::estimator::{ConfigError, Estimator, MeasurementNoise};
@@ -19,6 +19,7 @@ pub(crate) use statistical_checks::StatisticalChecks;
 
 use gate::{GATE_SIGMAS, Outcome, SourceGate};
 use reference_level::ReferenceLevel;
+use settling::SettlingLevel;
 
 /// Error of a climb rate that is not measured (1 sigma, m/s): the altitude may then do what an
 /// aircraft does.
@@ -120,8 +121,7 @@ pub(crate) struct Calibration<const HEAD: usize, const TAIL: usize, const E: usi
     airspeed_squared: BlockStatistics,
     reference_drift: BlockStatistics,
     reference_level: ReferenceLevel,
-    /// Each sensor's first residual of the settling time, metres, and whether the next one confirmed it.
-    settling: [(f32, bool); SENSORS],
+    settling: [SettlingLevel; SENSORS],
     /// The series that is tidied next.
     turn: u8,
     innovations: u32,
@@ -159,7 +159,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
             airspeed_squared: BlockStatistics::EMPTY,
             reference_drift: BlockStatistics::EMPTY,
             reference_level: ReferenceLevel::NEW,
-            settling: [(f32::NAN, false); SENSORS],
+            settling: [SettlingLevel::NEW; SENSORS],
             turn: 0,
             innovations: 0,
             implausible: 0,
@@ -562,29 +562,13 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         }
     }
 
-    /// Notes a residual of the settling time, against a reference that is said to be good: the first one that the next one confirms.
+    /// Notes a residual of the settling time, against a reference that is said to be good.
     #[inline(never)]
     pub(crate) fn note_settling(&mut self, config: &MissionConfig<E>, sensor: Sensor, residual_m: f32) {
         let i = sensor.index();
-        if let (Some((first_m, is_confirmed)), Some(sensor)) =
-            (self.settling.get_mut(i), config.sensors.get(i))
-            && !*is_confirmed
-        {
-            let variance_m2 = level_variance_m2(config, sensor);
-            *is_confirmed = square(residual_m - *first_m) <= square(GATE_SIGMAS) * variance_m2;
-            *first_m = if *is_confirmed { *first_m } else { residual_m };
+        if let (Some(level), Some(sensor)) = (self.settling.get_mut(i), config.sensors.get(i)) {
+            level.note(config, sensor, residual_m);
         }
-    }
-
-    /// Whether a sensor is on the level on which it was in the settling time. If not, its bias is known of one of the two, and nobody knows
-    /// of which.
-    fn is_on_its_level(&self, config: &MissionConfig<E>, sensor: Sensor, duration_s: f32) -> bool {
-        let i = sensor.index();
-        let (Some((first_m, true)), Some(known)) = (self.settling.get(i), config.sensors.get(i)) else {
-            return true;
-        };
-        let variance_m2 = level_variance_m2(config, known) + square(known.wander_m_per_sqrt_s) * duration_s;
-        square(self.estimator.bias_m(sensor) - first_m) <= square(GATE_SIGMAS) * variance_m2
     }
 
     /// Notes a calibrated residual that still contains the bias (its spread does not care).
@@ -609,17 +593,21 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         }
     }
 
-    /// Whether every source has been consistent, and every bias is one that its prior allows.
+    /// Whether every source has been consistent, and every bias is one that its prior and the settling time allow.
     fn is_consistent(&self, config: &MissionConfig<E>, duration_s: f32) -> bool {
         let share = config.quality.implausible_share;
-        let sensors = Sensor::ALL.iter().zip(&config.sensors).zip(&self.sensor_gates);
+        let mut sensors =
+            Sensor::ALL.into_iter().zip(&config.sensors).zip(&self.sensor_gates).zip(&self.settling);
         !gate::stands()
             || self.reference_gate.is_consistent(share)
-                && sensors.into_iter().all(|((sensor, config), gate)| {
-                    let off_m = self.estimator.bias_m(*sensor) - config.prior_bias_m;
-                    gate.is_consistent(share) && square(off_m) <= square(GATE_SIGMAS * config.prior_sigma_m)
+                && sensors.all(|(((sensor, known), gate), settling)| {
+                    let bias_m = self.estimator.bias_m(sensor);
+                    let is_allowed =
+                        square(bias_m - known.prior_bias_m) <= square(GATE_SIGMAS * known.prior_sigma_m);
+                    gate.is_consistent(share)
+                        && is_allowed
+                        && settling.is_level_of(config, known, bias_m, duration_s)
                 })
-                && Sensor::ALL.into_iter().all(|sensor| self.is_on_its_level(config, sensor, duration_s))
     }
 
     /// Copies the calibration at launch. Its failed checks are without those of [`StatisticalChecks`].
@@ -683,15 +671,11 @@ fn climb_over(climb: &ClimbRate, tracker: &ReferenceTracker, seconds: f32) -> (f
     }
 }
 
-/// Variance of the difference of two residuals, each with an error of the sensor and one of the reference, square metres.
-fn level_variance_m2<const E: usize>(config: &MissionConfig<E>, sensor: &SensorConfig) -> f32 {
-    2.0 * (square(sensor.sigma_m) + square(config.reference.sigma_m))
-}
-
 const fn square(x: f32) -> f32 {
     x * x
 }
 
 mod gate;
 mod reference_level;
+mod settling;
 mod statistical_checks;

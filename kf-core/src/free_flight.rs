@@ -432,7 +432,7 @@ impl FreeFlight {
 /// A reference that is off by `r` leaves `own - r` and `others - r`; the best `r` leaves `(own - others)^2 / (own_bound^2 + others_bound^2)` of
 /// chi squared, in units of the multiple squared. An error of the sensor leaves the other's alone, `others^2 / others_bound^2`, and no more than
 /// 1 of it: beyond its bound the other is off as well, which no error of the reference explains while the two differ by more than
-/// their bounds together. Were that left open, two sensors that fail would hide each other for ever.
+/// the root of the sum of their bounds' squares. Were that left open, two sensors that fail would hide each other for ever.
 fn is_likelier_own(own_m: f32, own_bound_m2: f32, others_m: f32, others_bound_m2: f32) -> bool {
     let apart_m = own_m - others_m;
     let others_m2 = others_m * others_m;
@@ -445,7 +445,7 @@ mod tests {
     use super::*;
 
     /// Bounds of 7 m: the other within its bound vouches for the reference, unless the two are closer to each other than it is to the
-    /// reference; beyond it, both have failed if they are 9.9 m apart.
+    /// reference; beyond it, both have failed if they are more than 9.9 m apart, the root of 49 + 49.
     #[test]
     fn an_error_is_a_sensors_own_unless_the_reference_explains_both() {
         for (own_m, others_m, is_own) in [

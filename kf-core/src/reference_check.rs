@@ -7,13 +7,13 @@
 //!   by the climb rate, has jumped. It is refused ([`crate::output::Rejection::Gated`]), and the altitude is carried on for as long as
 //!   a reference without fixes counts. A jump that lasts is a lost reference.
 //! - An error of both sensors is the reference's before it is two sensors' by coincidence. With two sensors to ask, the error
-//!   of one counts against it only while the other vouches for the reference: it is itself within its bound, and nearer to
-//!   the reference than to the first. Otherwise the reading is not judged, and the sensor is `unmonitored`.
+//!   of one counts against it only where its own fault is the likelier reading of both errors (`is_likelier_own` in
+//!   `free_flight`). Otherwise the reading is not judged, and the sensor is `unmonitored`.
 //! - A receiver that contradicts itself has two words: an altitude that has left its own climb rate may be as wrong as that, and a
 //!   fix that was refused may be right and what was carried on wrong. An error counts only if the sensor is beyond its bound by both.
 //!   A second sensor cannot settle that: the inertial one is tied to the same receiver.
 //!
-//! The limits: two sensors that fail alike are told from a reference that drifts by nobody, and are `unmonitored`, not flagged;
+//! The limits: nobody tells two sensors that fail alike from a reference that drifts; they are `unmonitored`, not flagged;
 //! where the receiver gives no climb rate, a single sensor is blamed for the reference.
 
 use serde::{Deserialize, Serialize};

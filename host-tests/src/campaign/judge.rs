@@ -2,11 +2,13 @@
 
 use std::fmt;
 
+use kf_core::launch::LaunchConfig;
 use kf_core::output::Trust;
 use kf_core::sensor::Sensor;
 use survival::Start;
 
 use super::fault::{Drawn, Place};
+use super::flight::TICKS_PER_S;
 use super::run::{Case, Flown};
 use super::watch::{REFERENCE, Watched};
 
@@ -18,8 +20,10 @@ const BOUND_FACTOR: f32 = 1.3;
 const DELAY_FACTOR: f32 = 1.5;
 /// What a transient may cost beyond its own length, ticks: half a second.
 const GRACE_TICKS: usize = 100;
-/// For how long a launch may be left undecided, ticks: `LaunchConfig::undecided_s`.
-const UNDECIDED_TICKS: usize = 600;
+/// For how long a launch may be left undecided, ticks.
+const UNDECIDED_TICKS: usize = (LaunchConfig::DEFAULT.undecided_s as f64 * TICKS_PER_S) as usize;
+/// From a message to the tick that knows of it, ticks, and what the wire's debounce takes: a launch may be told so much after the limit.
+const DECISION_TICKS: usize = 10;
 /// Most operations on ports that a tick may take. A clean flight's worst tick takes 14; the budget of instructions, which the
 /// QEMU sample is held to, is for all of them.
 const MOST_OPERATIONS: u32 = 40;
@@ -271,7 +275,7 @@ impl Judge<'_> {
             return;
         };
         // Where the clean flight shows no change in time, none is promised.
-        if fault.place == Place::Wire || clean > edge + UNDECIDED_TICKS + 10 {
+        if fault.place == Place::Wire || clean > edge + UNDECIDED_TICKS + DECISION_TICKS {
             return;
         }
         let latest = clean.max(fault.to) + UNDECIDED_TICKS + GRACE_TICKS;

@@ -7,6 +7,7 @@
 //! campaign's seed and its own number, whatever else is flown and on how many threads.
 
 mod computer;
+pub mod draw;
 pub mod fault;
 pub mod flight;
 pub mod judge;

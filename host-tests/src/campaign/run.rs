@@ -12,7 +12,8 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
 use super::computer::{Computer, FlownMission};
-use super::fault::{self, Dip, DipTick, Drawn};
+use super::draw::draw;
+use super::fault::{Dip, DipTick, Drawn};
 use super::flight::{self, FIRST_US, Row, TICK_US, pressure_pa};
 use super::plan::Plan;
 use super::watch::Watched;
@@ -82,7 +83,7 @@ impl Case {
     pub fn draw(seed: u64, index: u64, is_short: bool) -> Self {
         let plan = Plan::draw(&mut random(seed, index, 0), is_short);
         let mut random = random(seed, index, 1);
-        let faults = fault::draw(&plan, &mut random);
+        let faults = draw(&plan, &mut random);
         let failure = (plan.separates && random.random_bool(0.67)).then(|| Failure {
             sensor: if random.random_bool(0.6) { Sensor::Baro } else { Sensor::ImuSlave },
             kind: if random.random_bool(0.5) { FailureKind::Drift } else { FailureKind::Step },

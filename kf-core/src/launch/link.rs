@@ -74,6 +74,7 @@ impl Link {
     }
 
     /// Whether messages came until then.
+    #[inline(never)]
     pub(super) fn is_alive_at(&self, time_us: u64, config: &LaunchConfig) -> bool {
         let limit_us = self.silence_us(config);
         self.last_us.is_some_and(|last_us| time_us.saturating_sub(last_us) <= limit_us)

@@ -471,11 +471,13 @@ impl LaunchDetector {
         self.state
     }
 
+    #[inline(never)]
     fn has_lasted(since_us: u64, now_us: u64, limit_s: f32) -> bool {
         now_us.saturating_sub(since_us) >= microseconds(limit_s)
     }
 
     /// Whether a message came so late after a sign of launch that the umbilical must still be there.
+    #[inline(never)]
     fn is_attached_after(&self, sign_us: u64) -> bool {
         self.link
             .last_us()

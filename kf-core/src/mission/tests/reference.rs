@@ -422,3 +422,18 @@ fn a_sensor_that_changes_its_level_while_the_reference_settles_degrades_the_cali
     });
     assert_eq!(failed, ["readings_consistent"]);
 }
+
+#[test]
+fn a_single_wild_reading_while_the_reference_settles_is_no_level() {
+    // The first one that counts, and one in the middle.
+    for wild_s in [0.0, 0.5] {
+        let is_over = core::cell::Cell::new(false);
+        let failed = failed_with(|time_s, input| {
+            if time_s >= wild_s && input.imu_master_altitude_m.is_some() && !is_over.replace(true) {
+                input.imu_master_altitude_m =
+                    input.imu_master_altitude_m.map(|altitude_m| altitude_m - 187.0);
+            }
+        });
+        assert_eq!(failed, [""; 0], "{wild_s}");
+    }
+}
