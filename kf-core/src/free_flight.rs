@@ -408,7 +408,9 @@ impl FreeFlight {
         if !other.can_testify(time_us, self.silent_after_us) {
             return false;
         }
-        !is_likelier_own(error_m, own.monitor.bound_m2(), other.testimony.error_m, other.monitor.bound_m2())
+        let own = (error_m, own.monitor.bound_m2());
+        let other = (other.testimony.error_m, other.monitor.bound_m2());
+        !is_likelier_own(own, other, self.reference.stiffness_per_m2())
     }
 
     /// What a sensor is worth. A flag that was raised stays; otherwise, a sensor without a reference that may be
@@ -426,18 +428,24 @@ impl FreeFlight {
     }
 }
 
-/// Whether an error of a sensor beyond its bound is likelier its own than the reference's, by what the other sensor's error is. Both in
-/// metres, with the squares of the bounds, which are the same multiple of each one's sigma.
+/// Whether an error of a sensor beyond its bound is likelier its own than the reference's, by what the other sensor's error is. Of each the
+/// error, metres, and the square of its bound; the bounds are the same multiple of each one's sigma, and chi squared is in units of its square.
 ///
-/// A reference that is off by `r` leaves `own - r` and `others - r`; the best `r` leaves `(own - others)^2 / (own_bound^2 + others_bound^2)` of
-/// chi squared, in units of the multiple squared. An error of the sensor leaves the other's alone, `others^2 / others_bound^2`, and no more than
-/// 1 of it: beyond its bound the other is off as well, which no error of the reference explains while the two differ by more than
-/// the root of the sum of their bounds' squares. Were that left open, two sensors that fail would hide each other for ever.
-fn is_likelier_own(own_m: f32, own_bound_m2: f32, others_m: f32, others_bound_m2: f32) -> bool {
-    let apart_m = own_m - others_m;
-    let others_m2 = others_m * others_m;
-    let by_itself_m2 = if others_m2 < others_bound_m2 { others_m2 } else { others_bound_m2 };
-    by_itself_m2 * (own_bound_m2 + others_bound_m2) < apart_m * apart_m * others_bound_m2
+/// A reference that is off by `r` costs `(own - r)^2 / own_bound^2 + (others - r)^2 / others_bound^2 + r^2 stiffness`, at the best `r`: a receiver
+/// whose climb rate agrees with its altitude has gone no further than that allows ([`ReferenceCheck::stiffness_per_m2`]). An error of the sensor
+/// costs the other's alone, `others^2 / others_bound^2`, and no more than 1: beyond its bound the other is off as well. Were that left open,
+/// two sensors that fail would hide each other for ever.
+fn is_likelier_own(
+    (own_m, own_bound_m2): (f32, f32),
+    (others_m, others_bound_m2): (f32, f32),
+    stiffness_per_m2: f32,
+) -> bool {
+    let (own, others) = (1.0 / own_bound_m2, 1.0 / others_bound_m2);
+    let others_cost = others * others_m * others_m;
+    let pulled_per_m = own * own_m + others * others_m;
+    let explained = pulled_per_m * pulled_per_m / (own + others + stiffness_per_m2);
+    let by_itself = if others_cost < 1.0 { others_cost } else { 1.0 };
+    by_itself < own * own_m * own_m + others_cost - explained
 }
 
 #[cfg(test)]
@@ -459,7 +467,17 @@ mod tests {
             (-23.0, 9.0, true),
             (8.0, f32::NAN, false),
         ] {
-            assert_eq!(is_likelier_own(own_m, 49.0, others_m, 49.0), is_own, "{own_m} {others_m}");
+            assert_eq!(is_likelier_own((own_m, 49.0), (others_m, 49.0), 0.0), is_own, "{own_m} {others_m}");
+        }
+    }
+
+    /// A receiver that may be off by 10 m explains two sensors that are 8 m off, and not two that are 20 m off.
+    #[test]
+    fn a_reference_explains_no_more_than_it_may_be_off() {
+        for (own_m, others_m, is_own) in
+            [(8.0, 8.0, false), (12.0, 12.0, true), (20.0, 20.0, true), (8.0, 3.2, true), (8.0, -6.0, true)]
+        {
+            assert_eq!(is_likelier_own((own_m, 49.0), (others_m, 49.0), 0.01), is_own, "{own_m} {others_m}");
         }
     }
 

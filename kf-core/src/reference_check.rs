@@ -51,7 +51,7 @@ pub(crate) struct Standing {
     good_us: u64,
     /// The altitude that was carried on to the last fix, metres, where that was refused.
     carried_m: Option<f32>,
-    /// How far the good fixes have left the altitude that their climb rate carries, metres.
+    /// How far the good fixes have left the altitude that their climb rate carries, metres; infinite where nobody knows.
     left_m: f32,
     /// The receiver's other word on the altitude, less the reference, metres: the last fix, if it was refused, or else what the
     /// climb rate makes of the fixes before it. Not kept over a restart: the next fix says it anew.
@@ -78,7 +78,8 @@ impl ReferenceCheck {
 
     /// At launch, or at a good fix, with the reference as it is: so many metres from its mean over the calibration, by its climb rate.
     pub(crate) fn begin(&mut self, time_us: u64, left_m: f32) {
-        let excess_m = if left_m.abs() > self.wander_m { left_m.abs() - self.wander_m } else { 0.0 };
+        let is_excess = left_m.is_finite() && left_m.abs() > self.wander_m;
+        let excess_m = if is_excess { left_m.abs() - self.wander_m } else { 0.0 };
         let other_m = if left_m > 0.0 { -excess_m } else { excess_m };
         self.standing = Standing { good_us: time_us, carried_m: None, left_m, other_m };
     }
@@ -112,6 +113,14 @@ impl ReferenceCheck {
         self.standing.other_m
     }
 
+    /// One over the square of how far the reference may be off by itself, 1/m^2, at the monitor's multiple of sigma: zero where nobody
+    /// knows. Two errors of a fix, one in the calibration and one now, and what the climb rate says that it has left.
+    #[inline]
+    pub(crate) fn stiffness_per_m2(&self) -> f32 {
+        let Standing { carried_m, left_m, .. } = self.standing;
+        if carried_m.is_some() { 0.0 } else { 1.0 / (self.gate_m2 + left_m * left_m) }
+    }
+
     /// Fixes have been refused for so long that what they were carried on from is worth nothing.
     #[inline]
     pub(crate) fn is_lost(&self, time_us: u64) -> bool {
@@ -133,9 +142,10 @@ impl ReferenceCheck {
         // A departure that overflows is beyond any gate.
         let is_good = carried_m.is_none() || departure_m * departure_m <= gate_m2 || is_vouched();
         if is_good {
-            // After a loss nobody knows what it has left.
+            // After a loss nobody knows what it has left, and where no climb rate carries it nobody ever does.
             let is_known = carried_m.is_some() && seconds < MEMORY_S;
-            let kept_m = if is_known { self.standing.left_m * (1.0 - seconds / MEMORY_S) } else { 0.0 };
+            let kept_m =
+                if is_known { self.standing.left_m * (1.0 - seconds / MEMORY_S) } else { f32::INFINITY };
             self.begin(time_us, kept_m + departure_m);
         } else {
             self.standing = Standing { carried_m, other_m: departure_m, ..self.standing };
