@@ -136,7 +136,7 @@ fn every_restart_is_told_with_its_cause_and_its_gap() {
         // The first tick is the next of the grid.
         assert!((0..TICK_US).contains(&(first.output.bridged_us.unwrap() - gap_us)), "{report:?}");
         let resumed = format!("resumed, {}s not known", seconds(gap_us));
-        let expected = start_texts(&report, &[(3, &format!("restart: {cause}")), (3, &resumed)]);
+        let expected = start_texts(&report, &[(3, &format!("restart 1: {cause}")), (3, &resumed)]);
         assert_eq!(told(&flown)[..2], expected, "{blow:?}");
     }
 }
@@ -191,7 +191,7 @@ fn a_reset_in_captive_flight_starts_the_calibration_again_and_says_so() {
     // Ten seconds, less the restart and the settling.
     assert!((latch.duration_s - (10.0 - 0.1 - 2.0)).abs() < 0.02, "{}", latch.duration_s);
     assert!(flown.log.iter().any(|line| line.contains("the calibration starts again")));
-    let expected = [(3, "restart: a reset without a record"), (4, "calibration starts again")];
+    let expected = [(3, "restart 1: a reset without a record"), (4, "calibration starts again")];
     assert_eq!(told(&flown)[..2], start_texts(&report, &expected));
 }
 
@@ -296,7 +296,7 @@ fn a_reset_while_a_launch_is_suspected_leaves_the_suspicion_and_what_it_holds() 
         assert!(!trusts_nobody(&flown.ticks[latched[0] + 1..]));
         let gap_us = report.resumed_us - report.snapshot_us.unwrap();
         let texts = [
-            "restart: a reset without a record".to_owned(),
+            "restart 1: a reset without a record".to_owned(),
             format!("resumed, {}s not known", seconds(gap_us)),
         ];
         assert_eq!(told(&flown)[..2], start_texts(&report, &[(3, &texts[0]), (3, &texts[1])]));
@@ -315,7 +315,7 @@ fn a_reset_in_the_tick_of_the_first_edge_starts_the_calibration_again_and_trusts
     same_on_the_host(&flown);
     assert!(trusts_nobody(&flown.ticks[ticks..]));
     let expected = [
-        (3, "restart: a reset without a record"),
+        (3, "restart 1: a reset without a record"),
         (2, "copy 0 refused: another launch's"),
         (4, "calibration starts again"),
     ];
@@ -463,7 +463,7 @@ fn one_flipped_bit_costs_the_newest_copy_and_the_one_before_it_is_used() {
     assert!(flown.log.iter().any(|line| line.contains("is corrupt")), "{:?}", flown.log);
     let copy = report.refused.iter().position(Option::is_some).unwrap();
     let texts = [
-        "restart: a reset without a record".to_owned(),
+        "restart 1: a reset without a record".to_owned(),
         format!("copy {copy} refused: corrupt"),
         format!("resumed, {}s not known", seconds(bridged_us)),
     ];
@@ -491,7 +491,7 @@ fn garbage_another_models_copies_and_what_is_no_snapshot_are_refused_loudly() {
         let why = refusal.name();
         let copies = [0, 1].map(|copy| format!("copy {copy} refused: {why}"));
         let expected = [
-            (3, "restart: a reset without a record"),
+            (3, "restart 1: a reset without a record"),
             (2, &copies[0]),
             (2, &copies[1]),
             (2, "calibration lost in the restart"),

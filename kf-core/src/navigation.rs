@@ -193,6 +193,11 @@ impl InertialAltitude {
             return;
         }
         let mut is_taken = self.channel.reference(time_us, fix.altitude_m).is_ok();
+        // Once its altitude has mended the gap nobody asks for its climb rate.
+        if let (true, true, Some(down_mps)) = (self.is_off, self.channel.is_mending(), fix.velocity_down_mps)
+        {
+            is_taken &= self.channel.climb_rate_fix(time_us, -down_mps).is_ok();
+        }
         if let (Some(north), Some(east), false) = (fix.velocity_north_mps, fix.velocity_east_mps, self.is_off)
         {
             is_taken &= self.channel.velocity(time_us, [north, east]).is_ok();

@@ -52,8 +52,13 @@ pub enum Event {
     Launch(LaunchDoubt),
     /// The umbilical's wire is no witness any more, or is one again.
     Wire(WireCondition),
-    /// The flight computer was restarted, after that.
-    Restarted(Cause),
+    /// The flight computer was restarted.
+    Restarted {
+        /// So many times since power-on, with this one; 255 is as many or more.
+        number: u8,
+        /// After what.
+        cause: Cause,
+    },
     /// A copy of what was kept was not believed.
     Refused {
         /// Which of the two.
@@ -108,7 +113,7 @@ impl Event {
     /// | launched, and nothing confirms it | warning | `t=130.105 launched, not confirmed` |
     /// | the wire was found broken; unreadable | warning | `t=130.400 umbilical's wire broken` |
     /// | and is whole again | notice | `t=131.000 umbilical's wire closed` |
-    /// | restart, and after what | error | `t=140.000 restart: a panic` |
+    /// | restart, its number since power-on, and after what | error | `t=140.000 restart 2: a panic` |
     /// | a copy that was not believed, and why | critical | `t=140.000 copy 0 refused: corrupt` |
     /// | restart in free flight, and of how long nothing is known | error | `t=140.000 resumed, 0.150s not known` |
     /// | the same without a copy that could be believed | critical | `t=140.000 calibration lost in the restart` |
@@ -187,9 +192,10 @@ impl Event {
             Self::Launch(LaunchDoubt::Unconfirmed) => {
                 (MavSeverity::MAV_SEVERITY_WARNING, *at().text("launched, not confirmed"))
             }
-            Self::Restarted(cause) => {
-                (MavSeverity::MAV_SEVERITY_ERROR, *at().text("restart: ").text(cause.name()))
-            }
+            Self::Restarted { number, cause } => (
+                MavSeverity::MAV_SEVERITY_ERROR,
+                *at().text("restart ").number(number.into()).text(": ").text(cause.name()),
+            ),
             Self::Refused { copy, refusal } => (
                 MavSeverity::MAV_SEVERITY_CRITICAL,
                 *at().text("copy ").number(copy.into()).text(" refused: ").text(refusal.name()),
@@ -287,7 +293,7 @@ mod tests {
             (Event::Launch(LaunchDoubt::Unconfirmed), 4, "t=130.000 launched, not confirmed"),
             (Event::Wire(WireCondition::Broken), 4, "t=130.000 umbilical's wire broken"),
             (Event::Wire(WireCondition::Closed), 5, "t=130.000 umbilical's wire closed"),
-            (Event::Restarted(Cause::Panic), 3, "t=130.000 restart: a panic"),
+            (Event::Restarted { number: 2, cause: Cause::Panic }, 3, "t=130.000 restart 2: a panic"),
             (Event::Refused { copy: 1, refusal: Refusal::Corrupt }, 2, "t=130.000 copy 1 refused: corrupt"),
             (Event::Resumed { gap_ms: 150 }, 3, "t=130.000 resumed, 0.150s not known"),
             (Event::Lost, 2, "t=130.000 calibration lost in the restart"),
@@ -350,7 +356,7 @@ mod tests {
             take(Event::Wire(wire));
         }
         for cause in CAUSES {
-            take(Event::Restarted(cause));
+            take(Event::Restarted { number: u8::MAX, cause });
             take(Event::Cold(cause));
             take(Event::Standby { cause, pause_us: 16_000_000 });
         }

@@ -537,19 +537,19 @@ fn a_start_that_is_no_power_on_is_said_before_all_else() {
     let none_left = RestartReport { start: Start::Lost, snapshot_us: None, ..resumed };
     let refused = [Some(Refusal::Corrupt), Some(Refusal::OtherModel)];
     for (report, expected) in [
-        (resumed, vec![(3, "t=7.000 restart: something stuck"), (3, "t=7.000 resumed, 0.150s not known")]),
+        (resumed, vec![(3, "t=7.000 restart 1: something stuck"), (3, "t=7.000 resumed, 0.150s not known")]),
         (
             RestartReport { pause_us: 2_000_000, ..resumed },
             vec![
                 (0, "t=7.000 standby 2s: something stuck"),
-                (3, "t=7.000 restart: something stuck"),
+                (3, "t=7.000 restart 1: something stuck"),
                 (3, "t=7.000 resumed, 0.150s not known"),
             ],
         ),
         (
             RestartReport { refused: [None, Some(Refusal::NotUnderstood)], ..resumed },
             vec![
-                (3, "t=7.000 restart: something stuck"),
+                (3, "t=7.000 restart 1: something stuck"),
                 (2, "t=7.000 copy 1 refused: another version's"),
                 (3, "t=7.000 resumed, 0.150s not known"),
             ],
@@ -557,7 +557,7 @@ fn a_start_that_is_no_power_on_is_said_before_all_else() {
         (
             RestartReport { refused, ..none_left },
             vec![
-                (3, "t=7.000 restart: something stuck"),
+                (3, "t=7.000 restart 1: something stuck"),
                 (2, "t=7.000 copy 0 refused: corrupt"),
                 (2, "t=7.000 copy 1 refused: another model's"),
                 (2, "t=7.000 calibration lost in the restart"),
@@ -566,11 +566,11 @@ fn a_start_that_is_no_power_on_is_said_before_all_else() {
         // None had been kept yet: there is nothing to refuse.
         (
             RestartReport { refused: [Some(Refusal::Empty); 2], ..none_left },
-            vec![(3, "t=7.000 restart: something stuck"), (2, "t=7.000 calibration lost in the restart")],
+            vec![(3, "t=7.000 restart 1: something stuck"), (2, "t=7.000 calibration lost in the restart")],
         ),
         (
             RestartReport { start: Start::Captive, snapshot_us: None, ..resumed },
-            vec![(3, "t=7.000 restart: something stuck"), (4, "t=7.000 calibration starts again")],
+            vec![(3, "t=7.000 restart 1: something stuck"), (4, "t=7.000 calibration starts again")],
         ),
         (
             RestartReport { start: Start::Cold, cause: Cause::Supply, refused, ..none_left },

@@ -15,7 +15,7 @@ pub const REFERENCE: usize = SENSORS;
 /// What a sensor's true error is smoothed over, seconds: the monitor's window.
 const SMOOTH_S: f32 = 2.0;
 /// Ticks after a restart within which it must be told: a second.
-const TELLING_TICKS: usize = 200;
+pub const TELLING_TICKS: usize = 200;
 
 /// One tick.
 #[derive(Clone, Copy, Debug, PartialEq)]

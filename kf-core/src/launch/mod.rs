@@ -317,6 +317,10 @@ pub struct LaunchDetector {
     /// The start was an interruption.
     was_interrupted: bool,
     last_us: Option<u64>,
+    /// What the clock has leapt by; see [`Self::without_leaps`].
+    leapt_us: u64,
+    /// The last message's time by the clock, and without leaps.
+    message_us: Option<(u64, u64)>,
     wire: Wire,
     force: Force,
     character: Character,
@@ -336,6 +340,11 @@ const EARLY_US: u64 = 10_000_000;
 /// Who moves over ground as fast as this, squared, is not being made ready: (10 m/s)^2, faster than anybody taxies with a loose
 /// cable, slower than anything flies.
 const UNDER_WAY_M2PS2: f32 = 100.0;
+
+/// A tick comes every 5 ms; one that is later than this by the clock is a clock that has leapt, for after an outage there is another detector.
+const LEAP_US: u64 = 100_000;
+/// What has passed then.
+const TICK_US: u64 = 5_000;
 
 /// What a tick comes to, before it is dated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -375,6 +384,8 @@ impl LaunchDetector {
             had_mission: false,
             was_interrupted: false,
             last_us: None,
+            leapt_us: 0,
+            message_us: None,
             wire: Wire::default(),
             force: Force::default(),
             character: Character::default(),
@@ -420,12 +431,12 @@ impl LaunchDetector {
 
     /// Takes everything that is new at one tick.
     pub fn tick(&mut self, input: &LaunchInput) -> LaunchState {
-        let now_us = input.time_us;
-        if self.last_us.is_some_and(|last_us| now_us <= last_us) {
+        if self.last_us.is_some_and(|last_us| input.time_us <= last_us) {
             count(&mut self.counts.out_of_order);
             return self.state;
         }
-        self.last_us = Some(now_us);
+        let input = &self.without_leaps(input);
+        let now_us = input.time_us;
         let first_us = *self.first_us.get_or_insert(now_us);
         // No speed of an aircraft overflows when squared; NaN is not fast.
         let is_under_way = input.ground_speed_squared_m2ps2.is_some_and(|squared| squared >= UNDER_WAY_M2PS2);
@@ -457,18 +468,50 @@ impl LaunchDetector {
             Reading::Closed => self.judge_without(now_us, false),
             Reading::Nothing => self.judge_without(now_us, true),
         };
+        let clock_us = now_us.saturating_add(self.leapt_us);
         let since_us = match self.state {
             LaunchState::Suspected { since_us } => since_us,
-            LaunchState::Captive | LaunchState::Launched(_) => now_us,
+            LaunchState::Captive | LaunchState::Launched(_) => clock_us,
         };
         self.state = match verdict {
             Verdict::Captive => LaunchState::Captive,
             Verdict::Suspected => LaunchState::Suspected { since_us },
             Verdict::Launched(by) => {
-                LaunchState::Launched(Launch { first_edge_us: since_us, confirmed_us: now_us, by })
+                LaunchState::Launched(Launch { first_edge_us: since_us, confirmed_us: clock_us, by })
             }
         };
         self.state
+    }
+
+    /// The input by a clock that has not leapt. A leap of the clock between the opening of the wire and a message that came within the
+    /// cable's slack would make of that one that came too late for a launch, and of everything else a long silence.
+    #[inline]
+    fn without_leaps(&mut self, input: &LaunchInput) -> LaunchInput {
+        let elapsed_us = self.last_us.map_or(0, |last_us| input.time_us.saturating_sub(last_us));
+        self.last_us = Some(input.time_us);
+        if elapsed_us > LEAP_US {
+            let leap_us = elapsed_us - TICK_US;
+            self.leapt_us = self.leapt_us.saturating_add(leap_us);
+            if let LaunchState::Suspected { since_us } = &mut self.state {
+                *since_us = since_us.saturating_add(leap_us);
+            }
+        }
+        let last_message_us = input.last_message_us.map(|message_us| match self.message_us {
+            Some((last_us, without_us)) if last_us == message_us => without_us,
+            last => {
+                let without_us = message_us.saturating_sub(self.leapt_us);
+                // One from before a leap that is seen after it.
+                let without_us = match last {
+                    Some((last_us, least_us)) if last_us < message_us => {
+                        without_us.max(least_us.saturating_add(1))
+                    }
+                    _ => without_us,
+                };
+                self.message_us = Some((message_us, without_us));
+                without_us
+            }
+        });
+        LaunchInput { time_us: input.time_us.saturating_sub(self.leapt_us), last_message_us, ..*input }
     }
 
     #[inline(never)]

@@ -44,7 +44,7 @@ mod velocity_match;
 use crate::guard::Guard;
 use crate::input::ImuSample;
 use crate::time::seconds_between;
-use bridge::{BridgeCost, MENDED_M2PS2, UNKNOWN_ALTITUDE_M2, UNKNOWN_CLIMB_M2PS2};
+use bridge::{BridgeCost, MENDED_M2, MENDED_M2PS2, UNKNOWN_ALTITUDE_M2, UNKNOWN_CLIMB_M2PS2};
 use leap::is_leap;
 use levelling::Levelling;
 use memory::Memory;
@@ -331,12 +331,42 @@ impl VerticalChannel {
             self.lacking_mps2.add(lacking);
         } else {
             self.lack(lacking);
-            if self.tie.climb_m2ps2() <= MENDED_M2PS2 {
-                self.is_mending = false;
-                self.bridged_m2ps2 = 0.0;
-            }
+            self.end_mending();
         }
         Ok(())
+    }
+
+    /// Takes the climb rate of the fix that [`Self::reference`] was just given, m/s, while a gap of free flight is mended: it says at once what
+    /// altitudes say after seconds. In captive flight it is not asked, as the altitudes are enough, and it would be one more to believe.
+    ///
+    /// # Errors
+    /// [`StrapdownError::Launched`], [`StrapdownError::NotFinite`], [`StrapdownError::OutOfOrder`]; nothing has changed then.
+    /// [`StrapdownError::Outlier`].
+    pub fn climb_rate_fix(&mut self, time_us: u64, climb_rate_mps: f32) -> Result<(), StrapdownError> {
+        if !self.is_mending() {
+            return Err(StrapdownError::Launched);
+        }
+        if !climb_rate_mps.is_finite() {
+            return Err(StrapdownError::NotFinite);
+        }
+        // Of another fix than the one that the tie was carried on to.
+        if time_us != self.tie_time_us {
+            return Err(StrapdownError::OutOfOrder);
+        }
+        let moved = self.tie.fix_climb(climb_rate_mps - self.climb_rate.value());
+        let Some([moved_m, climb_rate, lacking]) = moved else { return Err(StrapdownError::Outlier) };
+        self.altitude.add(moved_m);
+        self.climb_rate.add(climb_rate);
+        self.lack(lacking);
+        self.end_mending();
+        Ok(())
+    }
+
+    fn end_mending(&mut self) {
+        if self.tie.climb_m2ps2() <= MENDED_M2PS2 && self.tie.altitude_m2() <= MENDED_M2 {
+            self.is_mending = false;
+            self.bridged_m2ps2 = 0.0;
+        }
     }
 
     /// Adds to the accelerometer's bias of free flight what it lacks upward, m/s^2.

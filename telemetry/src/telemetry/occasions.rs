@@ -27,7 +27,8 @@ impl Telemetry<'_> {
         if report.pause_us > 0 {
             self.note(at_us, Event::Standby { cause: report.cause, pause_us: report.pause_us });
         }
-        self.note(at_us, Event::Restarted(report.cause));
+        let number = u8::try_from(report.restarts).unwrap_or(u8::MAX);
+        self.note(at_us, Event::Restarted { number, cause: report.cause });
         for (copy, refusal) in (0..).zip(report.refused) {
             if let Some(refusal) = refusal.filter(|refusal| *refusal != Refusal::Empty) {
                 self.note(at_us, Event::Refused { copy, refusal });

@@ -42,6 +42,36 @@ fn a_gap_of_a_second_is_mended_within_ten() {
     }
 }
 
+/// A receiver that measures its climb rate mends the gap with a few fixes, and is believed no further than what the gap may have cost.
+#[test]
+fn a_measured_climb_rate_mends_a_gap_within_a_second() {
+    for off_mps in [-2.5, 0.0, 2.5] {
+        let mut rig = after_gap(off_mps);
+        let mut fixes = 0;
+        while rig.channel.is_mending() {
+            (0..20).for_each(|_| rig.step(&rest()));
+            rig.channel.reference(rig.time_us(), 1_000.0).unwrap();
+            // Once mended there is nothing to ask.
+            let is_taken = rig.channel.is_mending() && rig.channel.climb_rate_fix(rig.time_us(), 0.0).is_ok();
+            fixes += u32::from(is_taken);
+        }
+        assert!((1..10).contains(&fixes), "{off_mps}: {fixes}");
+        let climb_mps = rig.channel.climb_rate.value();
+        assert!(climb_mps.abs() < 3.0 * 0.5, "{off_mps}: {climb_mps}");
+        assert_eq!(rig.channel.climb_rate_fix(rig.time_us(), 0.0), Err(StrapdownError::Launched));
+    }
+    let mut rig = after_gap(0.0);
+    rig.step(&rest());
+    let before = rig.channel.clone();
+    assert_eq!(rig.channel.climb_rate_fix(rig.time_us(), 0.0), Err(StrapdownError::OutOfOrder));
+    assert_eq!(rig.channel.climb_rate_fix(rig.time_us(), f32::NAN), Err(StrapdownError::NotFinite));
+    assert_eq!(rig.channel.climb_rate.value(), before.climb_rate.value());
+    rig.channel.reference(rig.time_us(), 1_000.0).unwrap();
+    let climb_mps = rig.channel.climb_rate.value();
+    assert_eq!(rig.channel.climb_rate_fix(rig.time_us(), 40.0), Err(StrapdownError::Outlier));
+    assert_eq!(rig.channel.climb_rate.value(), climb_mps);
+}
+
 #[test]
 fn without_fixes_it_says_what_it_has_until_that_is_nothing() {
     let mut rig = after_gap(0.0);
