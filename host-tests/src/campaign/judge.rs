@@ -430,15 +430,18 @@ impl Judge<'_> {
         if promised < delay || !is_promised(latest) || (Self::is_degraded(self.faulty) && flagged.is_some()) {
             return;
         }
-        // A push of the inertial unit while the channel mends a gap is taken out with the gap: what reads right needs no flag.
-        let is_right = self
-            .faulty
-            .ticks
-            .get(latest)
-            .copied()
-            .flatten()
-            .is_some_and(|seen| seen.true_error_m[i].abs() < RIGHTLY * self.bound_m(sensor));
-        if is_right {
+        // What is within its bound needs no flag: a push of the inertial unit while the channel mends a gap is taken out with the gap, and a
+        // channel that was mended has another drift of its own than the clean one. From its bound on it is owed one as soon.
+        let is_beyond = |tick: &usize| {
+            let seen = self.faulty.ticks.get(*tick).copied().flatten();
+            seen.is_some_and(|seen| seen.true_error_m[i].abs() >= self.bound_m(sensor))
+        };
+        let Some(beyond) = (latest..self.faulty.ticks.len()).find(is_beyond) else { return };
+        let latest = if beyond == latest { latest } else { beyond + allowed };
+        if latest >= self.faulty.ticks.len()
+            || flagged.is_some_and(|tick| tick <= latest)
+            || !is_promised(latest)
+        {
             return;
         }
         let later = flagged.map_or_else(

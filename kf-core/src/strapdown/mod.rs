@@ -44,7 +44,10 @@ mod velocity_match;
 use crate::guard::Guard;
 use crate::input::ImuSample;
 use crate::time::seconds_between;
-use bridge::{BridgeCost, MENDED_M2, MENDED_M2PS2, UNKNOWN_ALTITUDE_M2, UNKNOWN_CLIMB_M2PS2};
+use bridge::{
+    BridgeCost, CLIMB_FIX_S, MENDED_BY_CLIMB_M2PS2, MENDED_M2, MENDED_M2PS2, UNKNOWN_ALTITUDE_M2,
+    UNKNOWN_CLIMB_M2PS2,
+};
 use leap::is_leap;
 use levelling::Levelling;
 use memory::Memory;
@@ -197,7 +200,9 @@ pub struct VerticalChannel {
     bridged_m2ps2: f32,
     /// In free flight: fixes are taken.
     is_mending: bool,
-    /// Variance of the altitude when that began, m^2: free flight's own drift.
+    /// When it was mended by a climb rate last, microseconds.
+    climb_fix_us: Option<u64>,
+    /// Variance of the altitude when mending began, m^2: free flight's own drift.
     drifted_m2: f32,
     /// How much longer the next gap may be than the clock has it, seconds.
     unknown_s: f32,
@@ -236,6 +241,7 @@ impl VerticalChannel {
             tie_time_us: 0,
             bridged_m2ps2: 0.0,
             is_mending: false,
+            climb_fix_us: None,
             drifted_m2: 0.0,
             unknown_s: 0.0,
             is_resumed: false,
@@ -331,7 +337,12 @@ impl VerticalChannel {
             self.lacking_mps2.add(lacking);
         } else {
             self.lack(lacking);
-            self.end_mending();
+            // Who measures climb rates has not had the last word.
+            let has_climb =
+                self.climb_fix_us.is_some_and(|fix_us| seconds_between(fix_us, time_us) < CLIMB_FIX_S);
+            if !has_climb {
+                self.end_mending(MENDED_M2PS2);
+            }
         }
         Ok(())
     }
@@ -358,13 +369,15 @@ impl VerticalChannel {
         self.altitude.add(moved_m);
         self.climb_rate.add(climb_rate);
         self.lack(lacking);
-        self.end_mending();
+        self.climb_fix_us = Some(time_us);
+        self.end_mending(MENDED_BY_CLIMB_M2PS2);
         Ok(())
     }
 
-    fn end_mending(&mut self) {
-        if self.tie.climb_m2ps2() <= MENDED_M2PS2 && self.tie.altitude_m2() <= MENDED_M2 {
+    fn end_mending(&mut self, climb_m2ps2: f32) {
+        if self.tie.climb_m2ps2() <= climb_m2ps2 && self.tie.altitude_m2() <= MENDED_M2 {
             self.is_mending = false;
+            self.climb_fix_us = None;
             self.bridged_m2ps2 = 0.0;
         }
     }

@@ -42,22 +42,21 @@ fn a_gap_of_a_second_is_mended_within_ten() {
     }
 }
 
-/// A receiver that measures its climb rate mends the gap with a few fixes, and is believed no further than what the gap may have cost.
+/// A receiver that measures its climb rate is believed no further than what the gap may have cost.
 #[test]
-fn a_measured_climb_rate_mends_a_gap_within_a_second() {
+fn a_gap_that_a_measured_climb_rate_mends_leaves_less_of_it() {
     for off_mps in [-2.5, 0.0, 2.5] {
         let mut rig = after_gap(off_mps);
         let mut fixes = 0;
         while rig.channel.is_mending() {
             (0..20).for_each(|_| rig.step(&rest()));
             rig.channel.reference(rig.time_us(), 1_000.0).unwrap();
-            // Once mended there is nothing to ask.
-            let is_taken = rig.channel.is_mending() && rig.channel.climb_rate_fix(rig.time_us(), 0.0).is_ok();
-            fixes += u32::from(is_taken);
+            rig.channel.climb_rate_fix(rig.time_us(), 0.0).unwrap();
+            fixes += 1;
         }
-        assert!((1..10).contains(&fixes), "{off_mps}: {fixes}");
+        assert!((10..60).contains(&fixes), "{off_mps}: {fixes}");
         let climb_mps = rig.channel.climb_rate.value();
-        assert!(climb_mps.abs() < 3.0 * 0.5, "{off_mps}: {climb_mps}");
+        assert!(climb_mps.abs() < 3.0 * 0.14, "{off_mps}: {climb_mps}");
         assert_eq!(rig.channel.climb_rate_fix(rig.time_us(), 0.0), Err(StrapdownError::Launched));
     }
     let mut rig = after_gap(0.0);
