@@ -16,11 +16,8 @@ fn main() {
             break;
         }
         let now = (ticks - flown).min(1_000_000);
-        let (missions, launches) = hostile::fly(seed.wrapping_mul(1_000_003).wrapping_add(part), now);
+        let came = hostile::fly(seed.wrapping_mul(1_000_003).wrapping_add(part), now);
         flown += now;
-        println!(
-            "{flown} ticks after {:.0} s; of the last {now}: {missions} missions, {launches} launches",
-            begun.elapsed().as_secs_f64()
-        );
+        println!("{flown} ticks after {:.0} s; of the last {now}: {came:?}", begun.elapsed().as_secs_f64());
     }
 }

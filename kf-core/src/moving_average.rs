@@ -195,15 +195,19 @@ impl MovingAverage {
 
     #[cold]
     fn catch_up(&mut self, time_us: u64) {
-        let emptied_us = self.bins.open_ends_us.saturating_add(self.bin_us.saturating_mul(PARTS - 1));
-        if time_us >= emptied_us {
+        let late_us = time_us.saturating_sub(self.bins.open_ends_us);
+        if late_us >= self.bin_us.saturating_mul(PARTS - 1) {
             // The first sample, or the first after nothing for longer than the window: every bin is empty by now, and what
             // rounding left in the total goes with them.
             self.restart();
             self.bins.open_ends_us = time_us.wrapping_add(self.bin_us);
             return;
         }
-        while time_us >= self.bins.open_ends_us {
+        // At most 31 times, whatever the clock reads: the bins' ends wrap with it.
+        for _ in 1..PARTS {
+            if time_us < self.bins.open_ends_us {
+                return;
+            }
             self.close_bin();
         }
     }
@@ -257,6 +261,15 @@ mod tests {
             last = average.add(k * 5_000, x);
         }
         assert_eq!(last, 0.25);
+    }
+
+    /// Ends of bins wrap at the end of 64 bits of microseconds: what is said then is of no use, but it is said.
+    #[test]
+    fn a_clock_at_its_end_is_survived() {
+        let mut average = MovingAverage::new(3_200_000);
+        for before_end_us in [5_000_000, 3_000_000, 2_900_000, 90_000, 50_000, 10, 5, 1, 0] {
+            assert_eq!(average.add(u64::MAX - before_end_us, 7.0), 7.0);
+        }
     }
 
     proptest! {

@@ -11,8 +11,9 @@ use kf_core::latch::LatchRecord;
 
 #[test]
 fn any_input_for_the_whole_mission_publishes_numbers_only() {
-    let (missions, launches) = fly(1, 400_000);
-    assert!(missions > 80 && launches > 50, "{missions} {launches}");
+    let came = fly(1, 1_600_000);
+    assert!(came.missions > 160 && came.latched > 80, "{came:?}");
+    assert!(came.decided > 20 && came.integrated > 1_000, "{came:?}");
 }
 
 /// A minute under the pylon, with the readings of one sensor changed.

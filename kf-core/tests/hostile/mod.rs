@@ -8,9 +8,12 @@ use kf_core::config::{
 use kf_core::effect::{EffectId, EffectTerm};
 use kf_core::input::{BaroReading, GpsFix, ImuSample, LaunchDoubt, Signals, TickInput};
 use kf_core::latch::LatchRecord;
+use kf_core::launch::{LaunchConfig, LaunchDetector, LaunchInput, LaunchState};
 use kf_core::mission::Mission;
+use kf_core::navigation::InertialAltitude;
 use kf_core::output::TickOutput;
 use kf_core::snapshot::MAX_SNAPSHOT_BYTES;
+use kf_core::strapdown;
 
 /// A mission of the dense shape with four effects as states.
 pub type Flown = Mission<0, 8, 4>;
@@ -225,15 +228,87 @@ pub fn check(output: &TickOutput, latch: Option<&LatchRecord>) {
     }
 }
 
-/// Flies missions on hostile input, for so many ticks in all; says how many missions and launches that were.
-pub fn fly(seed: u64, ticks: u64) -> (u64, u64) {
+/// What decides and integrates before the mission does, on the same bits: launch, and the altitude of the inertial unit.
+struct Before {
+    launch: LaunchDetector,
+    inertial: InertialAltitude,
+    last_message_us: Option<u64>,
+    is_open: bool,
+}
+
+impl Before {
+    fn new() -> Self {
+        Self {
+            launch: LaunchDetector::new(LaunchConfig::DEFAULT).unwrap(),
+            inertial: InertialAltitude::new(strapdown::Config::MEMS),
+            last_message_us: None,
+            is_open: false,
+        }
+    }
+
+    /// A launch is final, and what is integrated is a number, whatever comes.
+    fn tick(&mut self, input: &mut TickInput, is_off: bool, rarity: u64, random: &mut Random) {
+        let before = self.launch.state();
+        if !is_off && random.one_in(20) {
+            self.last_message_us = Some(input.time_us);
+        }
+        if random.one_in(100 * rarity) {
+            self.last_message_us = random.one_in(4).then(|| random.bits());
+        }
+        if random.one_in(200 * rarity) {
+            self.is_open = !self.is_open;
+        }
+        let climb_mps = input.gps.and_then(|fix| fix.velocity_down_mps).map(|down_mps| -down_mps);
+        let state = self.launch.tick(&LaunchInput {
+            time_us: input.time_us,
+            is_open: (!random.one_in(10 * rarity)).then_some(self.is_open || is_off),
+            force_mps2: input.imu.map(|imu| imu.accel_mps2),
+            last_message_us: self.last_message_us,
+            climb_mps,
+            ground_speed_squared_m2ps2: climb_mps.map(|mps| mps * mps),
+        });
+        assert!(!before.is_launched() || state == before, "{before:?} {state:?}");
+        input.launch = state.is_launched();
+        input.launch_doubt = state.doubt();
+        input.imu_slave_altitude_m = None;
+        self.inertial.tick(input);
+        assert!(input.imu_slave_altitude_m.is_none_or(f32::is_finite), "{input:?}");
+        if let (true, Some(kept)) = (random.one_in(500), self.inertial.kept()) {
+            let unknown_s = (random.bits() % 1_000) as f32 * 1e-3;
+            self.inertial = InertialAltitude::resumed(strapdown::Config::MEMS, &kept, unknown_s).unwrap();
+        }
+    }
+
+    fn is_launched(&self) -> bool {
+        matches!(self.launch.state(), LaunchState::Launched(_))
+    }
+}
+
+/// What a hostile run came to.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Came {
+    /// Missions that were begun.
+    pub missions: u64,
+    /// Calibrations that were latched.
+    pub latched: u64,
+    /// Launches that were decided on the same bits.
+    pub decided: u64,
+    /// Altitudes that were integrated from them.
+    pub integrated: u64,
+}
+
+/// Flies missions on hostile input, for so many ticks in all. In every other one launch and the altitude of the UAV's inertial unit are made of the
+/// same bits.
+pub fn fly(seed: u64, ticks: u64) -> Came {
     let config = config();
     let mut random = Random(seed);
-    let (mut flown, mut missions, mut launches) = (0, 0, 0);
+    let (mut flown, mut came) = (0, Came::default());
     while flown < ticks {
-        missions += 1;
-        let rarity = [1, 3, 30, 300][(random.bits() % 4) as usize];
-        let length = 200 + random.bits() % 6_000;
+        came.missions += 1;
+        let mut before = random.one_in(2).then(Before::new);
+        let rarity = [1, 3, 30, 300, 3_000][(random.bits() % 5) as usize];
+        // Half a minute until the inertial altitude is aligned.
+        let length = 200 + random.bits() % if before.is_some() { 20_000 } else { 6_000 };
         let launch = random.bits() % (length + length / 4);
         let mut mission = Flown::new(&config).unwrap();
         // A mission begins at any time; from there its clock is to be believed, mostly.
@@ -257,16 +332,21 @@ pub fn fly(seed: u64, ticks: u64) -> (u64, u64) {
                 1 => LaunchDoubt::Unconfirmed,
                 _ => LaunchDoubt::None,
             };
+            if let Some(before) = &mut before {
+                before.tick(&mut input, k > launch, rarity, &mut random);
+                came.integrated += u64::from(input.imu_slave_altitude_m.is_some());
+            }
             let output = mission.tick(&input);
-            launches += u64::from(output.latched_now);
+            came.latched += u64::from(output.latched_now);
             check(&output, mission.latch().filter(|_| output.latched_now));
             flown += 1;
             if random.one_in(500) {
                 mission = restarted(mission, &config);
             }
         }
+        came.decided += u64::from(before.is_some_and(|before| before.is_launched()));
     }
-    (missions, launches)
+    came
 }
 
 /// What a reset makes of a mission: through its snapshot's bytes, where there is one.
