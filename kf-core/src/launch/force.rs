@@ -14,6 +14,10 @@ const MEAN_S: f32 = 2.0;
 const SPREAD_S: f32 = 10.0;
 /// Captive samples without which there is no mean to depart from, seconds.
 const LEAST_CAPTIVE_S: f32 = 5.0;
+/// What is further off the captive mean than half a g is learnt only once it has lasted for so long, seconds: a turn lasts, wild samples
+/// of a unit do not, and would hide a departure for as long as the spread remembers them.
+const UNLIKELY_MPS2: f32 = 4.9;
+const REGIME_S: f32 = 1.0;
 /// Samples further apart than this, seconds, are not smoothed together, and a fall between them is not known.
 const LONGEST_GAP_S: f32 = 0.1;
 /// Keeps Heron's step from dividing by nothing, m/s^2.
@@ -40,6 +44,8 @@ pub(super) struct Force {
     captive_mean: f32,
     captive_variance: f32,
     captive_s: f32,
+    /// For how long it has been unlikely, seconds.
+    unlikely_s: f32,
     side: Side,
     departed_us: Option<u64>,
     falling_us: Option<u64>,
@@ -82,8 +88,13 @@ impl Force {
         self.follow_departure(now_us, config);
         // Nobody is carried in free fall: a unit that reads one must not widen what a departure is held against.
         if let (true, Some(gap_s), None) = (is_captive, gap_s, self.falling_us) {
-            self.captive_s = (self.captive_s + gap_s).min(SPREAD_S);
             let apart = self.magnitude - self.captive_mean;
+            let is_unlikely = apart.abs() > UNLIKELY_MPS2 && self.captive_s >= LEAST_CAPTIVE_S;
+            self.unlikely_s = if is_unlikely { self.unlikely_s + gap_s } else { 0.0 };
+            if is_unlikely && self.unlikely_s < REGIME_S {
+                return Some(force);
+            }
+            self.captive_s = (self.captive_s + gap_s).min(SPREAD_S);
             let gain = gap_s / self.captive_s.min(MEAN_S);
             self.captive_mean += gain * apart;
             let square = (1.0 - gain) * apart * apart;

@@ -718,3 +718,19 @@ fn a_leap_of_the_clock_hides_no_launch_and_is_none() {
         }
     }
 }
+
+/// Half a second of wild samples, seconds before the release, must not hide a step of 0.3 g that a wing's lift takes back within a second.
+#[test]
+fn wild_samples_before_a_release_hide_no_departure() {
+    for wild_load in [0.0, 10.7] {
+        let mut rig = Rig::captive();
+        rig.run(0.5, Now { load: (wild_load > 0.0).then_some(wild_load), ..CAPTIVE });
+        rig.run(2.5, CAPTIVE);
+        let mut launch = None;
+        for tick in 0..800 {
+            let load = 0.6 + 0.4 * (tick as f32 / 160.0).min(1.0);
+            launch = launch.or(rig.run(0.005, Now { load: Some(load), ..RELEASED }));
+        }
+        assert!(launch.is_some(), "{wild_load}: {:?} {:?}", rig.state(), rig.detector.wire());
+    }
+}
