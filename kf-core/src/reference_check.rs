@@ -13,8 +13,9 @@
 //!   fix that was refused may be right and what was carried on wrong. An error counts only if the sensor is beyond its bound by both.
 //!   A second sensor cannot settle that: the inertial one is tied to the same receiver.
 //!
-//! The limits: nobody tells two sensors that fail alike from a reference that drifts; they are `unmonitored`, not flagged;
-//! where the receiver gives no climb rate, a single sensor is blamed for the reference.
+//! The limits: where the receiver gives no climb rate, or was lost, nobody tells two sensors that fail alike from a reference that drifts; they
+//! are `unmonitored`, not flagged, and a single sensor is blamed for the reference. Where it gives one, altitude and climb rate that lie
+//! alike are believed, and both sensors are blamed.
 
 use serde::{Deserialize, Serialize};
 

@@ -430,19 +430,23 @@ impl Judge<'_> {
         if promised < delay || !is_promised(latest) || (Self::is_degraded(self.faulty) && flagged.is_some()) {
             return;
         }
-        // What is within its bound needs no flag: a push of the inertial unit while the channel mends a gap is taken out with the gap, and a
-        // channel that was mended has another drift of its own than the clean one. From its bound on it is owed one as soon.
-        let is_beyond = |tick: &usize| {
-            let seen = self.faulty.ticks.get(*tick).copied().flatten();
-            seen.is_some_and(|seen| seen.true_error_m[i].abs() >= self.bound_m(sensor))
+        // What reads right needs no flag until it leaves its bound. An altitude that the flight computer integrates has another drift of its own
+        // after a gap than the clean one, and a push while a gap is mended is taken out with it: it is right as far as its bound.
+        let is_integrated = sensor == Sensor::ImuSlave && !has_unit;
+        let rightly_m = if is_integrated { 1.0 } else { RIGHTLY } * self.bound_m(sensor);
+        let error_m = |tick: usize| {
+            let seen = self.faulty.ticks.get(tick).copied().flatten();
+            seen.map_or(0.0, |seen| seen.true_error_m[i].abs())
         };
-        let Some(beyond) = (latest..self.faulty.ticks.len()).find(is_beyond) else { return };
-        let latest = if beyond == latest { latest } else { beyond + allowed };
-        if latest >= self.faulty.ticks.len()
-            || flagged.is_some_and(|tick| tick <= latest)
-            || !is_promised(latest)
-        {
-            return;
+        if error_m(latest) < rightly_m {
+            let end = self.faulty.ticks.len();
+            let Some(beyond) = (latest..end).find(|tick| error_m(*tick) >= self.bound_m(sensor)) else {
+                return;
+            };
+            let latest = beyond + allowed;
+            if latest >= end || flagged.is_some_and(|tick| tick <= latest) || !is_promised(latest) {
+                return;
+            }
         }
         let later = flagged.map_or_else(
             || "never flagged".to_owned(),

@@ -90,6 +90,7 @@
 
 mod character;
 mod climb;
+mod clock;
 mod force;
 mod link;
 #[cfg(test)]
@@ -102,6 +103,7 @@ use crate::input::LaunchDoubt;
 use crate::time::{microseconds, seconds_between};
 use character::Character;
 use climb::Climb;
+use clock::Clock;
 use force::Force;
 use link::Link;
 use wire::{Reading, Wire};
@@ -316,11 +318,7 @@ pub struct LaunchDetector {
     had_mission: bool,
     /// The start was an interruption.
     was_interrupted: bool,
-    last_us: Option<u64>,
-    /// What the clock has leapt by; see [`Self::without_leaps`].
-    leapt_us: u64,
-    /// The last message's time by the clock, and without leaps.
-    message_us: Option<(u64, u64)>,
+    clock: Clock,
     wire: Wire,
     force: Force,
     character: Character,
@@ -340,11 +338,6 @@ const EARLY_US: u64 = 10_000_000;
 /// Who moves over ground as fast as this, squared, is not being made ready: (10 m/s)^2, faster than anybody taxies with a loose
 /// cable, slower than anything flies.
 const UNDER_WAY_M2PS2: f32 = 100.0;
-
-/// A tick comes every 5 ms; one that is later than this by the clock is a clock that has leapt, for after an outage there is another detector.
-const LEAP_US: u64 = 100_000;
-/// What has passed then.
-const TICK_US: u64 = 5_000;
 
 /// What a tick comes to, before it is dated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -383,9 +376,7 @@ impl LaunchDetector {
             first_us: None,
             had_mission: false,
             was_interrupted: false,
-            last_us: None,
-            leapt_us: 0,
-            message_us: None,
+            clock: Clock::default(),
             wire: Wire::default(),
             force: Force::default(),
             character: Character::default(),
@@ -431,11 +422,14 @@ impl LaunchDetector {
 
     /// Takes everything that is new at one tick.
     pub fn tick(&mut self, input: &LaunchInput) -> LaunchState {
-        if self.last_us.is_some_and(|last_us| input.time_us <= last_us) {
+        if self.clock.is_out_of_order(input.time_us) {
             count(&mut self.counts.out_of_order);
             return self.state;
         }
-        let input = &self.without_leaps(input);
+        let (input, leap_us) = &self.clock.without_leaps(input);
+        if let LaunchState::Suspected { since_us } = &mut self.state {
+            *since_us = since_us.saturating_add(*leap_us);
+        }
         let now_us = input.time_us;
         let first_us = *self.first_us.get_or_insert(now_us);
         // No speed of an aircraft overflows when squared; NaN is not fast.
@@ -468,7 +462,7 @@ impl LaunchDetector {
             Reading::Closed => self.judge_without(now_us, false),
             Reading::Nothing => self.judge_without(now_us, true),
         };
-        let clock_us = now_us.saturating_add(self.leapt_us);
+        let clock_us = self.clock.told_us(now_us);
         let since_us = match self.state {
             LaunchState::Suspected { since_us } => since_us,
             LaunchState::Captive | LaunchState::Launched(_) => clock_us,
@@ -481,37 +475,6 @@ impl LaunchDetector {
             }
         };
         self.state
-    }
-
-    /// The input by a clock that has not leapt. A leap of the clock between the opening of the wire and a message that came within the
-    /// cable's slack would make of that one that came too late for a launch, and of everything else a long silence.
-    #[inline]
-    fn without_leaps(&mut self, input: &LaunchInput) -> LaunchInput {
-        let elapsed_us = self.last_us.map_or(0, |last_us| input.time_us.saturating_sub(last_us));
-        self.last_us = Some(input.time_us);
-        if elapsed_us > LEAP_US {
-            let leap_us = elapsed_us - TICK_US;
-            self.leapt_us = self.leapt_us.saturating_add(leap_us);
-            if let LaunchState::Suspected { since_us } = &mut self.state {
-                *since_us = since_us.saturating_add(leap_us);
-            }
-        }
-        let last_message_us = input.last_message_us.map(|message_us| match self.message_us {
-            Some((last_us, without_us)) if last_us == message_us => without_us,
-            last => {
-                let without_us = message_us.saturating_sub(self.leapt_us);
-                // One from before a leap that is seen after it.
-                let without_us = match last {
-                    Some((last_us, least_us)) if last_us < message_us => {
-                        without_us.max(least_us.saturating_add(1))
-                    }
-                    _ => without_us,
-                };
-                self.message_us = Some((message_us, without_us));
-                without_us
-            }
-        });
-        LaunchInput { time_us: input.time_us.saturating_sub(self.leapt_us), last_message_us, ..*input }
     }
 
     #[inline(never)]

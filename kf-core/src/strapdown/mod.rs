@@ -341,7 +341,7 @@ impl VerticalChannel {
             let has_climb =
                 self.climb_fix_us.is_some_and(|fix_us| seconds_between(fix_us, time_us) < CLIMB_FIX_S);
             if !has_climb {
-                self.end_mending(MENDED_M2PS2);
+                self.end_mending(MENDED_M2PS2, f32::MAX);
             }
         }
         Ok(())
@@ -370,12 +370,13 @@ impl VerticalChannel {
         self.climb_rate.add(climb_rate);
         self.lack(lacking);
         self.climb_fix_us = Some(time_us);
-        self.end_mending(MENDED_BY_CLIMB_M2PS2);
+        self.end_mending(MENDED_BY_CLIMB_M2PS2, MENDED_M2);
         Ok(())
     }
 
-    fn end_mending(&mut self, climb_m2ps2: f32) {
-        if self.tie.climb_m2ps2() <= climb_m2ps2 && self.tie.altitude_m2() <= MENDED_M2 {
+    /// Where climb rate and altitude are known to these variances.
+    fn end_mending(&mut self, climb_m2ps2: f32, altitude_m2: f32) {
+        if self.tie.climb_m2ps2() <= climb_m2ps2 && self.tie.altitude_m2() <= altitude_m2 {
             self.is_mending = false;
             self.climb_fix_us = None;
             self.bridged_m2ps2 = 0.0;

@@ -231,6 +231,32 @@ fn a_sensor_that_fails_is_flagged_as_soon_with_the_check_as_without() {
     }
 }
 
+/// Two sensors that fail alike: a receiver whose climb rate agrees with its altitude is not that far off by itself. One that has been lost in between,
+/// or measures no climb rate, may be.
+#[test]
+fn two_sensors_that_fail_alike_are_flagged_where_the_receiver_stands_by_its_altitude() {
+    let fails = |time_s: f32, input: &mut TickInput| {
+        let error_m = 4.0 * (time_s - 4.0).max(0.0);
+        add_to_baro(input, error_m);
+        input.imu_slave_altitude_m = input.imu_slave_altitude_m.map(|altitude_m| altitude_m + error_m);
+    };
+    let is_untrustworthy = |seen: &Seen| seen.flags_s.map(|flags_s| flags_s[1].is_some());
+    let (seen, _) = flown(&config(true), fails);
+    assert_eq!(is_untrustworthy(&seen), [true; 2], "{:?}", seen.flags_s);
+    let (seen, _) = flown(&config(true), |time_s, input| {
+        fails(time_s, input);
+        input.gps = input.gps.filter(|_| !(0.5..3.5).contains(&time_s));
+    });
+    assert_eq!(is_untrustworthy(&seen), [false; 2], "lost: {:?}", seen.flags_s);
+    let (seen, _) = flown(&config(true), |time_s, input| {
+        fails(time_s, input);
+        if let Some(fix) = &mut input.gps {
+            fix.velocity_down_mps = None;
+        }
+    });
+    assert_eq!(is_untrustworthy(&seen), [false; 2], "no climb rate: {:?}", seen.flags_s);
+}
+
 #[test]
 fn an_untrustworthy_sensor_is_no_witness() {
     let (seen, _) = flown(&config(true), |time_s, input| {
