@@ -325,6 +325,8 @@ pub struct LaunchDetector {
     climb: Climb,
     link: Link,
     sign: Option<Sign>,
+    /// The opening about which the force has departed.
+    departed_edge_us: Option<u64>,
     /// The last message before a silence that was no launch.
     refuted_silence_us: Option<u64>,
     /// Begin of a fall that the climb rate has not shown.
@@ -383,6 +385,7 @@ impl LaunchDetector {
             climb: Climb::default(),
             link: Link::default(),
             sign: None,
+            departed_edge_us: None,
             refuted_silence_us: None,
             refuted_fall_us: None,
             counts: LaunchCounts::default(),
@@ -492,6 +495,11 @@ impl LaunchDetector {
 
     #[inline(never)]
     fn judge_open(&mut self, now_us: u64, edge_us: u64, is_settled: bool, is_early: bool) -> Verdict {
+        // Whatever the force does later does not undo it.
+        let window_us = microseconds(self.config.window_s);
+        if self.force.departed_us().is_some_and(|departed_us| departed_us.abs_diff(edge_us) <= window_us) {
+            self.departed_edge_us = Some(edge_us);
+        }
         if !is_settled {
             return Verdict::Suspected;
         }
@@ -509,9 +517,7 @@ impl LaunchDetector {
         if was_alive && !is_silent && !is_over {
             return Verdict::Suspected;
         }
-        let window_us = microseconds(self.config.window_s);
-        let departs =
-            self.force.departed_us().is_some_and(|departed_us| departed_us.abs_diff(edge_us) <= window_us);
+        let departs = self.departed_edge_us == Some(edge_us);
         if self.has_changed(edge_us) {
             return Verdict::Launched(match (departs, was_alive) {
                 (true, _) => Confirmation::Force,

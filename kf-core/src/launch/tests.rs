@@ -702,3 +702,19 @@ fn wild_samples_before_a_release_hide_no_departure() {
         assert!(launch.is_some(), "{wild_load}: {:?} {:?}", rig.state(), rig.detector.wire());
     }
 }
+
+/// A flipped bit, or a unit that reads free fall, seconds after a release whose step a wing has taken back, must not undo the departure.
+#[test]
+fn wild_samples_after_a_release_undo_no_departure() {
+    for (wild_load, wild_ticks) in [(8.0, 1), (0.0, 600), (-4.0, 3)] {
+        let mut rig = Rig::captive();
+        let mut launch = None;
+        for tick in 0..800 {
+            let is_wild = (260..260 + wild_ticks).contains(&tick);
+            let load = if is_wild { wild_load } else { 0.4 + 0.6 * (tick as f32 / 40.0).min(1.0) };
+            launch = launch.or(rig.run(0.005, Now { load: Some(load), fixes: Fixes::Level, ..RELEASED }));
+        }
+        let Some(launch) = launch else { panic!("{wild_load}: {:?} {:?}", rig.state(), rig.detector.wire()) };
+        assert!(launch.confirmed_us - launch.first_edge_us <= 3_100_000, "{wild_load}: {launch:?}");
+    }
+}
