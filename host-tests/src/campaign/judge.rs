@@ -486,7 +486,11 @@ impl Judge<'_> {
         // What a restart under the pylon costs is a calibration, and that is told.
         // At the first edge as well, until the task below that tick has kept a copy.
         let begins_anew = |start: Start| matches!(start, Start::Captive | Start::Cold);
-        let restarts_captive = from <= self.clean.first_edge.unwrap_or(end) + 1
+        // So is a release that the clean flight itself does not see in time: until it does, the vehicle is captive as far as it knows.
+        let edge = self.clean.first_edge.unwrap_or(end);
+        let seen = self.clean.launched.unwrap_or(end);
+        let known = if seen > edge + UNDECIDED_TICKS + DECISION_TICKS { seen } else { edge };
+        let restarts_captive = from <= known + 1
             && self
                 .faulty
                 .restarts

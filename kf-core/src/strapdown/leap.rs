@@ -17,7 +17,8 @@ const CAPTIVE_FORCE_STEP_MPS2: f32 = 15.0;
 /// Likewise: 100 rad/s^2, ten times what a light carrier rolls with, and above what its engine shakes a gyro by. Smaller leaps that last
 /// are the velocity match's to find.
 const CAPTIVE_RATE_STEP_RADPS: f32 = 0.5;
-const LONGEST_BRIDGED: u8 = 200;
+/// So many samples in a row are right, and the one that was taken before them is not.
+pub(super) const LONGEST_BRIDGED: u8 = 200;
 
 /// Whether any part is larger than a limit.
 fn is_beyond([x, y, z]: Vector, limit: f32) -> bool {

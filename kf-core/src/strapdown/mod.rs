@@ -48,7 +48,7 @@ use bridge::{
     BridgeCost, CLIMB_FIX_S, MENDED_BY_CLIMB_M2PS2, MENDED_M2, MENDED_M2PS2, UNKNOWN_ALTITUDE_M2,
     UNKNOWN_CLIMB_M2PS2,
 };
-use leap::is_leap;
+use leap::{LONGEST_BRIDGED, is_leap};
 use levelling::Levelling;
 use memory::Memory;
 use sum::Sum;
@@ -127,9 +127,9 @@ pub enum StrapdownError {
     Implausible,
     /// Time has not increased.
     OutOfOrder,
-    /// A change since the last sample that no aircraft makes: for at most a second.
+    /// A change since the last sample that no aircraft makes, for at most a second; or a turn of more than a radian between the two.
     Spike,
-    /// More than the longest gap, or a turn of more than a radian, lies between two samples: captive, the alignment starts anew; in free
+    /// More than the longest gap lies between two samples: captive, the alignment starts anew; in free
     /// flight the channel has lost its altitude for good.
     Gap,
     /// In free flight there is no reference, unless a gap is being mended.
@@ -556,12 +556,15 @@ impl VerticalChannel {
             return Err(StrapdownError::Spike);
         }
         let bias = self.levelling.gyro_bias_radps();
-        let (before, after) = (difference(last.rate, bias), difference(gyro_radps, bias));
+        // A rate that a second of samples has contradicted is none to bridge with.
+        let last_rate = if self.spikes < LONGEST_BRIDGED { last.rate } else { gyro_radps };
+        let (before, after) = (difference(last_rate, bias), difference(gyro_radps, bias));
         // The body turns by this angle, so down turns against it.
         let coning = cross(before, after);
         let angle = scaled(sum(scaled(sum(before, after), 0.5), scaled(coning, step_s / 12.0)), -step_s);
         if dot(angle, angle) > LONGEST_ANGLE_RAD * LONGEST_ANGLE_RAD {
-            return Err(StrapdownError::Gap);
+            // The next may turn less: one that is wild must not end what a gap would not.
+            return Err(StrapdownError::Spike);
         }
         down.rotate(angle);
         if is_captive && self.matching.as_ref().is_some_and(|matching| matching.is_void(time_us)) {

@@ -171,3 +171,26 @@ fn a_unit_that_repeats_itself_is_mended_like_a_gap() {
     rig.step(&noise(1));
     assert!(rig.channel.is_mending() && rig.channel.altitude_m().is_some());
 }
+
+/// A unit that is shaken leaves a wild rate as the last one that was taken. Neither the next wild one nor the calm ones that contradict it
+/// for a second may end the channel, or turn its level by what the wild one says of the time between.
+#[test]
+fn a_wild_rate_before_a_gap_neither_ends_the_channel_nor_turns_it() {
+    let turning = |rate: f64| sample([0.0, 0.0, -G], [0.0, rate, 0.0]);
+    let mut rig = Rig::captive(30);
+    rig.channel.launch();
+    for rate in [1.8, 3.6, 5.4] {
+        rig.step(&turning(rate));
+    }
+    rig.tick += 40;
+    assert_eq!(rig.channel.inertial(rig.time_us(), &turning(6.0)), Err(StrapdownError::Spike));
+    let outcomes = (0..240).map(|_| {
+        rig.tick += 1;
+        rig.channel.inertial(rig.time_us(), &rest())
+    });
+    let refused = outcomes.take_while(|outcome| *outcome == Err(StrapdownError::Spike)).count();
+    assert!((100..210).contains(&refused), "{refused}");
+    // Its neighbours were taken for 15 ms, and 0.04 rad.
+    let down = rig.channel.down_body().unwrap();
+    assert!(rig.channel.is_mending() && down[2] > 0.05_f32.cos(), "{down:?}");
+}
