@@ -293,7 +293,15 @@ mod app {
                     };
                     let is_told = told_in.enqueue(told).is_ok();
                     meter.lap(Part::Telemetry);
-                    keep_mark(marks, marks_memory, computer.mission.0, &step, CostClock::time());
+                    let wire_is_broken = computer.onboard.as_ref().is_some_and(Onboard::wire_is_broken);
+                    keep_mark(
+                        marks,
+                        marks_memory,
+                        computer.mission.0,
+                        &step,
+                        CostClock::time(),
+                        wire_is_broken,
+                    );
                     meter.lap(Part::Mark);
                     strike::strike(now_us);
                     Ok((meter, step, sensor_faults, is_told))

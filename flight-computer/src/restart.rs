@@ -4,8 +4,8 @@ use kf_core::guard::Guard;
 use kf_core::navigation::KeptInertial;
 use kf_core::snapshot::SnapshotError;
 use survival::{
-    Cause, Found, History, PAYLOAD_BYTES, Refusal, ResetSource, RestartReport, SlotOrder, Start, WordMemory,
-    clear_marks, clear_slots, history, keep_history, newest_mark, read_slot, take_crash,
+    Cause, Flight, Found, History, PAYLOAD_BYTES, Refusal, ResetSource, RestartReport, SlotOrder, Start,
+    WordMemory, clear_marks, clear_slots, history, keep_history, newest_mark, read_slot, take_crash,
 };
 
 use crate::estimation::Retainable;
@@ -161,6 +161,9 @@ impl Onboard {
         match report.start {
             Start::Resumed | Start::Lost => self.in_free_flight(inertial, unknown_s),
             Start::Suspected => self.suspecting(inertial, unknown_s),
+            Start::Captive if report.mark.is_some_and(|mark| mark.flight == Flight::CaptiveUnwired) => {
+                self.with_broken_wire()
+            }
             Start::Captive => self.after_interruption(),
             Start::Cold => self.after_traces(),
             Start::Standby => self,

@@ -12,7 +12,7 @@ use crate::onboard::Onboard;
 /// decided, or a flag has been raised.
 const EVERY_US: u64 = 100_000;
 
-/// Keeps the mark of a tick, at its end; `count` is the board's free-running timer.
+/// Keeps the mark of a tick, at its end; `count` is the board's free-running timer, `wire_is_broken` what the launch detector has found.
 #[inline]
 pub fn keep_mark(
     writer: &mut MarkWriter,
@@ -20,15 +20,16 @@ pub fn keep_mark(
     mission: &impl Retainable,
     step: &Step,
     count: u32,
+    wire_is_broken: bool,
 ) {
     if !step.output.out_of_order {
-        writer.keep(memory, &tick_mark(step.input.time_us, count, &mission.mark()));
+        writer.keep(memory, &tick_mark(step.input.time_us, count, &mission.mark(), wire_is_broken));
     }
 }
 
 /// A mission's mark as it is kept.
 #[inline]
-const fn tick_mark(time_us: u64, count: u32, mark: &MissionMark) -> TickMark {
+const fn tick_mark(time_us: u64, count: u32, mark: &MissionMark, wire_is_broken: bool) -> TickMark {
     TickMark {
         time_us,
         count,
@@ -36,6 +37,7 @@ const fn tick_mark(time_us: u64, count: u32, mark: &MissionMark) -> TickMark {
         failed_checks: mark.failed_checks,
         suspicions: mark.suspicions,
         flight: match mark.stage {
+            Stage::Captive if wire_is_broken => Flight::CaptiveUnwired,
             Stage::Captive => Flight::Captive,
             Stage::Suspected => Flight::Suspected,
             Stage::Launched => Flight::Free,
@@ -48,7 +50,7 @@ const fn tick_mark(time_us: u64, count: u32, mark: &MissionMark) -> TickMark {
 pub const fn mission_mark(mark: &TickMark) -> MissionMark {
     MissionMark {
         stage: match mark.flight {
-            Flight::Captive => Stage::Captive,
+            Flight::Captive | Flight::CaptiveUnwired => Stage::Captive,
             Flight::Suspected => Stage::Suspected,
             Flight::Free => Stage::Launched,
         },

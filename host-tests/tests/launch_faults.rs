@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use chip_models::flown::{Chip, ChipFault, Fault, ModelledSuite};
-use flight_computer::{FlightComputer, Onboard};
+use flight_computer::{FlightComputer, Interruptible, Onboard, ResetFacts};
 use kf_core::input::{BaroReading, GpsFix, ImuSample, LaunchDoubt, TickInput};
 use kf_core::launch::{LaunchConfig, WireCondition};
 use kf_core::output::{Phase, TickOutput};
@@ -11,6 +11,7 @@ use kf_core::quality::{Check, FailedChecks};
 use kf_core::strapdown;
 use model::Model;
 use pylon::replay::{AnyMission, mission};
+use survival::{ResetSource, RetainedImage, Start};
 
 const TICK_US: u64 = 5_000;
 const FIRST_US: u64 = 1_000_000;
@@ -223,4 +224,43 @@ fn a_line_that_floats_after_a_launch_is_not_read() {
     let floating = fly(&flight, &[(RELEASE_S + 2.0, Chip::Umbilical, Fault::Garbage { seed: 1 })]);
     assert_eq!(sound.last, floating.last);
     assert_eq!(sound.launched_s, floating.launched_s);
+}
+
+/// A cable that tore under the pylon, and a minute later a dip of the supply: what opened before it says nothing of a release in it. A wire
+/// that opens in the dip does.
+#[test]
+fn a_dip_of_the_supply_makes_no_launch_of_a_wire_that_was_known_to_be_broken() {
+    let flight = flight(false, 1.0);
+    let dip = (40.0 * 200.0) as usize;
+    for (tears_s, is_launch) in [(FAULT_S, false), (40.2, true)] {
+        let mut memory = RetainedImage::default();
+        let mut sensors = ModelledSuite::new(&());
+        let (mut next, mut now_us, mut launched) = (0, FIRST_US, false);
+        for (end, source) in [(dip, None), (flight.len(), Some(true))] {
+            let model = Model { settling_s: 2.0, ..Model::default() };
+            let onboard = Onboard::new(LaunchConfig::DEFAULT, strapdown::Config::MEMS).unwrap();
+            let facts = ResetFacts::host(ResetSource::Supply, source.or(Some(false)));
+            memory.restore_supply();
+            sensors.restart();
+            let mission = mission(&model).unwrap();
+            let mut run =
+                Interruptible::start(sensors, mission, Some(onboard), &mut memory, 7, facts).unwrap();
+            if let Some(report) = run.report() {
+                assert_eq!(report.start, Start::Captive, "{report:?}");
+                now_us = now_us.max(report.resumed_us);
+            }
+            for (k, input) in flight.iter().enumerate().take(end).skip(next) {
+                if (k as f32 * 0.005 - tears_s).abs() < 0.001 {
+                    run.computer.sensors.inject(ChipFault { chip: Chip::Umbilical, fault: Fault::Torn });
+                }
+                now_us += TICK_US;
+                run.computer.sensors.load(&TickInput { time_us: now_us, ..*input });
+                launched |= run.tick(&mut memory, now_us).input.launch;
+            }
+            // The supply is away for 0.2 s.
+            next = end + 40;
+            sensors = run.computer.sensors;
+        }
+        assert_eq!(launched, is_launch, "torn at {tears_s} s");
+    }
 }

@@ -29,8 +29,9 @@ const IMPLAUSIBLE_SIGMAS: f32 = 3.0;
 /// What is known of a level that was given up (1 sigma), metres: nothing, within [`crate::plausible::altitude`]. With less, the
 /// altitude would have to bear a part of the step.
 const UNKNOWN_LEVEL_M: f32 = 1e5;
-/// No aircraft's vertical speed changes faster, m/s^2: three g.
-const FASTEST_CHANGE_MPS2: f32 = 30.0;
+/// The vertical speed of nobody who carries a vehicle changes faster, m/s^2: a load factor of 0 or 2. More would let a climb rate that is
+/// wrong for half a second carry the altitude away.
+const FASTEST_CHANGE_MPS2: f32 = 10.0;
 
 /// An innovation in metres, and its normalised square with the innovation's sign.
 #[derive(Clone, Copy, Debug, PartialEq)]

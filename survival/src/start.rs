@@ -99,7 +99,7 @@ impl Found {
             _ if stands_by_for_ever => Start::Standby,
             Some(Flight::Free) => Start::Resumed,
             Some(Flight::Suspected) => Start::Suspected,
-            Some(Flight::Captive) | None => Start::Captive,
+            Some(Flight::Captive | Flight::CaptiveUnwired) | None => Start::Captive,
         }
     }
 }

@@ -14,6 +14,8 @@ pub enum Flight {
     Free = 1,
     /// It may have left: that was not decided yet.
     Suspected = 2,
+    /// The UAV was under the pylon, and its break-wire was known to be broken.
+    CaptiveUnwired = 3,
 }
 
 impl Flight {
@@ -21,6 +23,7 @@ impl Flight {
         match bits & 3 {
             1 => Self::Free,
             2 => Self::Suspected,
+            3 => Self::CaptiveUnwired,
             _ => Self::Captive,
         }
     }
@@ -117,7 +120,8 @@ mod tests {
     use proptest::prelude::*;
 
     fn mark(time_us: u64) -> TickMark {
-        let flight = [Flight::Captive, Flight::Suspected, Flight::Free][(time_us >> 30) as usize % 3];
+        let flight = [Flight::Captive, Flight::Suspected, Flight::Free, Flight::CaptiveUnwired]
+            [(time_us >> 30) as usize % 4];
         TickMark {
             time_us,
             count: time_us as u32,

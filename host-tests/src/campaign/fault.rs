@@ -1,6 +1,6 @@
 //! What can go wrong in a run: where, when and what.
 
-use chip_models::flown::ChipFault;
+use chip_models::flown::{ChipFault, Fault};
 
 use super::flight::TICKS_PER_S;
 
@@ -148,5 +148,13 @@ impl Drawn {
     #[must_use]
     pub const fn is_transient(&self) -> bool {
         self.to - self.from <= TRANSIENT_TICKS
+    }
+
+    /// Whether all that it does is to add something, the same while it lasts.
+    #[must_use]
+    pub fn is_offset(&self) -> bool {
+        let is_one = |fault: &Fault| matches!(fault, Fault::Lies { .. } | Fault::Offset { .. });
+        let begins = self.events.first().is_some_and(|(_, event)| is_one(&event.fault));
+        begins && self.events.iter().all(|(_, event)| is_one(&event.fault) || event.fault == Fault::None)
     }
 }

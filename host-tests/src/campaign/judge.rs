@@ -7,7 +7,7 @@ use kf_core::output::Trust;
 use kf_core::sensor::Sensor;
 use survival::Start;
 
-use super::fault::{Drawn, Place};
+use super::fault::{Drawn, Phase, Place};
 use super::flight::TICKS_PER_S;
 use super::run::{Case, Flown};
 use super::watch::{REFERENCE, Restarted, TELLING_TICKS, Watched};
@@ -305,6 +305,17 @@ impl Judge<'_> {
             if clean.readings < 2 || faulty.readings < 2 {
                 continue;
             }
+            // An offset that is there from before the calibration begins until it is latched is the sensor's bias.
+            let latched = self.faulty.launched.unwrap_or(self.faulty.ticks.len());
+            let is_its_bias = |fault: &Drawn| {
+                fault.is_offset()
+                    && fault.phase == Phase::Settling
+                    && fault.to >= latched
+                    && is_own(fault, sensor, false)
+            };
+            if self.case.faults.iter().any(is_its_bias) {
+                continue;
+            }
             let sigma_m = faulty.bias_variance_m2.max(0.0).sqrt();
             let off_m = faulty.bias_m - clean.bias_m;
             // NaN is wrong as well.
@@ -481,7 +492,15 @@ impl Judge<'_> {
         if self.has(Invariant::Launch) {
             return;
         }
-        let end = self.faulty.ticks.len().min(self.clean.ticks.len());
+        let mut end = self.faulty.ticks.len().min(self.clean.ticks.len());
+        // A sensor that fails is gated where the launch is not seen, as `seen` allows, and calibration goes on: by its own failure.
+        if self
+            .faulty
+            .launched
+            .is_none_or(|launched| self.case.failure.is_some_and(|failure| launched > failure.tick))
+        {
+            end = end.min(self.case.failure.map_or(end, |failure| failure.tick));
+        }
         let parted = if self.case.plan.separates { self.case.plan.separation() } else { end };
         // What a restart under the pylon costs is a calibration, and that is told.
         // At the first edge as well, until the task below that tick has kept a copy.

@@ -318,6 +318,8 @@ pub struct LaunchDetector {
     had_mission: bool,
     /// The start was an interruption.
     was_interrupted: bool,
+    /// The force has departed about this opening of the wire: whatever it does later does not undo that.
+    has_departed: bool,
     clock: Clock,
     wire: Wire,
     force: Force,
@@ -325,8 +327,6 @@ pub struct LaunchDetector {
     climb: Climb,
     link: Link,
     sign: Option<Sign>,
-    /// The opening about which the force has departed.
-    departed_edge_us: Option<u64>,
     /// The last message before a silence that was no launch.
     refuted_silence_us: Option<u64>,
     /// Begin of a fall that the climb rate has not shown.
@@ -385,7 +385,7 @@ impl LaunchDetector {
             climb: Climb::default(),
             link: Link::default(),
             sign: None,
-            departed_edge_us: None,
+            has_departed: false,
             refuted_silence_us: None,
             refuted_fall_us: None,
             counts: LaunchCounts::default(),
@@ -403,6 +403,13 @@ impl LaunchDetector {
     #[must_use]
     pub const fn after_traces(self) -> Self {
         Self { had_mission: true, ..self }
+    }
+
+    /// After a restart of one that had found the wire broken. It is whole again as any broken wire is.
+    #[must_use]
+    pub fn with_broken_wire(mut self) -> Self {
+        self.wire.call_broken();
+        self
     }
 
     /// As it was after the last tick.
@@ -495,14 +502,12 @@ impl LaunchDetector {
 
     #[inline(never)]
     fn judge_open(&mut self, now_us: u64, edge_us: u64, is_settled: bool, is_early: bool) -> Verdict {
-        // Whatever the force does later does not undo it.
-        let window_us = microseconds(self.config.window_s);
-        if self.force.departed_us().is_some_and(|departed_us| departed_us.abs_diff(edge_us) <= window_us) {
-            self.departed_edge_us = Some(edge_us);
-        }
         if !is_settled {
             return Verdict::Suspected;
         }
+        let window_us = microseconds(self.config.window_s);
+        self.has_departed |=
+            self.force.departed_us().is_some_and(|departed_us| departed_us.abs_diff(edge_us) <= window_us);
         let was_alive = self.link.is_alive_at(edge_us, &self.config);
         let is_silent = was_alive && self.link.is_silent(now_us, &self.config);
         if is_silent && !Guard::ListenUntilDecided.stands() {
@@ -517,7 +522,7 @@ impl LaunchDetector {
         if was_alive && !is_silent && !is_over {
             return Verdict::Suspected;
         }
-        let departs = self.departed_edge_us == Some(edge_us);
+        let departs = self.has_departed;
         if self.has_changed(edge_us) {
             return Verdict::Launched(match (departs, was_alive) {
                 (true, _) => Confirmation::Force,
@@ -550,6 +555,7 @@ impl LaunchDetector {
     /// `says_nothing`: the wire is broken or can not be read; otherwise it reads closed.
     #[inline(never)]
     fn judge_without(&mut self, now_us: u64, says_nothing: bool) -> Verdict {
+        self.has_departed = false;
         if let Some(sign) = self.sign {
             self.sign = self.followed(sign, now_us, says_nothing);
             if self.sign.is_none() {

@@ -81,6 +81,22 @@ fn one_fix_that_is_wrong_moves_nothing_wherever_it_comes() {
     }
 }
 
+/// A climb rate that is wrong for a second is nobody's who carries a vehicle: none of its five fixes carries the altitude away.
+#[test]
+fn a_climb_rate_that_leaps_for_a_second_is_refused_as_long() {
+    let clean = flown(|_, _| {});
+    for error_mps in [15.0, -15.0, 60.0] {
+        let mission = flown(|k, input| {
+            let fix = input.gps.as_mut().filter(|_| (LAUNCH - 400..LAUNCH - 200).contains(&k));
+            if let Some(down_mps) = fix.and_then(|fix| fix.velocity_down_mps.as_mut()) {
+                *down_mps += error_mps;
+            }
+        });
+        assert_as_clean(&mission, &clean, &format!("{error_mps} m/s"));
+        assert_eq!(mission.counters().gps.gated, 5, "{error_mps}");
+    }
+}
+
 #[test]
 fn fifty_outliers_leave_the_bound_and_are_said() {
     let clean = flown(|_, _| {});
