@@ -645,7 +645,12 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
                 SigmaSource::Covariance => bias_variance_m2,
                 SigmaSource::Datasheet => square(config.sensors[sensor.index()].sigma_m),
             };
-            let calibrated = summary.is_some();
+            // A residual spread ten times as far as the model has it is not of that sensor: its bound would call anything trusted.
+            let modelled_m2 = config
+                .sensors
+                .get(sensor.index())
+                .map_or(0.0, |sensor| square(sensor.sigma_m) + square(config.reference.sigma_m));
+            let calibrated = summary.is_some() && residual_variance_m2 <= gate::LARGEST_SPREAD * modelled_m2;
             *latch = SensorLatch {
                 bias_m: self.estimator.bias_m(sensor),
                 bias_variance_m2,

@@ -27,7 +27,7 @@ const LONGEST_STEP_S: f32 = 5.0;
 /// model's word stands.
 const TOLERATED_SPREAD: f32 = 2.0;
 /// The model can be wrong by no more: a source with ten times its noise is not the one that the model is of.
-const LARGEST_SPREAD: f32 = 100.0;
+pub(super) const LARGEST_SPREAD: f32 = 100.0;
 /// Fewer outliers in a row overturn nothing: two may be a glitch and its echo in a driver's average.
 const FEWEST_TO_OVERTURN: u32 = 3;
 /// Outliers on one side for this long are a step, microseconds. A transient lasts a second; the gate's width reaches the

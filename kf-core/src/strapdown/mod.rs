@@ -319,7 +319,10 @@ impl VerticalChannel {
             let (since_us, count) = self.outlying.unwrap_or((time_us, 0));
             let count = (count + 1).min(2 * OUTLIERS);
             self.outlying = Some((since_us, count));
-            if count >= OUTLIERS && seconds_between(since_us, time_us) > LONGEST_OUTLIER_S {
+            // A single fix is no more than those that contradict it.
+            let has_lasted =
+                seconds_between(since_us, time_us) > LONGEST_OUTLIER_S || self.anchor.elapsed_s() <= 0.0;
+            if count >= OUTLIERS && has_lasted {
                 // It is the reference that has moved, or the channel: either way what there was is no tie.
                 self.anchor = Memory::default();
                 self.begin_tie(time_us, altitude_m);

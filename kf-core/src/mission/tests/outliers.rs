@@ -97,6 +97,30 @@ fn a_climb_rate_that_leaps_for_a_second_is_refused_as_long() {
     }
 }
 
+/// What a receiver that was off by 150 m for a third of the calibration leaves is no bound to be trusted within.
+#[test]
+fn a_residual_that_is_spread_beyond_its_model_watches_nothing() {
+    let mut config = config(true);
+    config.reference.correlation_time_s = 60.0;
+    for (error_m, is_watched) in [(0.0, true), (150.0, false)] {
+        let mut trust = Vec::new();
+        let far = |k: u64, input: &mut TickInput| {
+            if (2_000..4_000).contains(&k) {
+                add_to_fix(input, error_m);
+            }
+        };
+        let mission = fly::<0, 4, 0>(&config, far, |k, output| {
+            if k > LAUNCH + 400 {
+                trust.push(output.sensors[2].trust);
+            }
+        });
+        let expected = if is_watched { Trust::Trusted } else { Trust::Unmonitored };
+        let latch = mission.latch().unwrap();
+        assert!(trust.iter().all(|trust| *trust == expected), "{error_m}: {:?}", latch.sensors[2]);
+        assert_eq!(latch.failed_checks == 0, is_watched, "{error_m}");
+    }
+}
+
 #[test]
 fn fifty_outliers_leave_the_bound_and_are_said() {
     let clean = flown(|_, _| {});

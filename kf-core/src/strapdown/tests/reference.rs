@@ -42,6 +42,15 @@ fn an_outage_at_the_start_leaves_nothing() {
     }
 }
 
+/// What the tie begins with is one fix, and no more than the next ones.
+#[test]
+fn a_first_fix_that_is_wrong_is_outweighed_by_the_next_five() {
+    let rig =
+        rested(40, |tick| tick.is_multiple_of(40).then_some(if tick == 40 { 3_000.0 } else { 1_000.0 }));
+    assert!(rig.channel.anchor.elapsed_s() > 38.0, "{}", rig.channel.anchor.elapsed_s());
+    assert!(rig.channel.is_aligned() && errors(&rig)[0].abs() < 0.1, "{:?}", errors(&rig));
+}
+
 /// The one that the gains by 1/step^2 blew up: a metre off, 5 ms after another.
 #[test]
 fn one_more_fix_at_once_says_nothing_of_the_climb() {
