@@ -49,7 +49,8 @@
 //!
 //! In the first ten seconds there is nothing that a change could be told from, and nothing calibrated that a launch would latch: a wire
 //! that opens there without a change is broken, for else a cable torn at power-on would be a launch. A start after an interruption is
-//! excepted ([`LaunchDetector::after_interruption`]): the vehicle may have been released while it lasted. So is one that finds the traces of a
+//! excepted ([`LaunchDetector::after_interruption`]): the vehicle may have been released while it lasted; unless the wire was broken before it
+//! ([`LaunchDetector::with_broken_wire`]). So is one that finds the traces of a
 //! mission ([`LaunchDetector::after_traces`]) and moves over ground at 10 m/s: nobody has switched it on, its supply has dipped, and the release may be
 //! a second away.
 //!
