@@ -46,7 +46,7 @@ pub fn flight(name: &str) -> anyhow::Result<Option<Flight>> {
 /// A flight that can't be replayed.
 pub fn diagnosis(flight: &Flight) -> anyhow::Result<Diagnosis> {
     let model = Model::default();
-    let replay = Replay::new(flight, &model, None).or_else(|_| Replay::uncalibrated(flight, &model))?;
+    let replay = Replay::to_diagnose(flight, &model, None)?;
     Ok(diagnose(&[NamedReplay { file: "log".to_owned(), replay }], &[], &mut || ()))
 }
 

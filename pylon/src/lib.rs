@@ -1,5 +1,6 @@
 //! The workbench of Pylon: it compares what the estimator in [`kf_core`] says with measured flights.
 
+pub mod airborne;
 pub mod compare;
 pub mod diagnose;
 pub mod downlink;
@@ -10,6 +11,7 @@ pub mod fly;
 pub mod import;
 pub mod learn;
 pub mod output_file;
+pub mod overview;
 pub mod plots;
 pub mod replay;
 pub mod report;

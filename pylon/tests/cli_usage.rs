@@ -18,7 +18,8 @@ fn bad_usage_is_one_line_and_status_2() {
     assert!(refused(&["compare"]).contains("<FLIGHT>"));
     assert!(refused(&["compare", "x.csv", "--no-such"]).contains("--no-such"));
     assert!(
-        refused(&["export", "x.csv", "--format", "xls", "-o", "y"]).contains("[possible values: csv, mcap]")
+        refused(&["export", "x.csv", "--format", "xls", "-o", "y"])
+            .contains("[possible values: csv, mcap, parquet, plain-csv]")
     );
     assert!(refused(&["compare", "x.csv", "--step=-3"]).contains("expected a positive number"));
     assert!(

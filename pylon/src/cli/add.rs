@@ -64,7 +64,7 @@ pub struct Arguments {
     /// Write this file instead of the model's own
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Calibrate on this part of the flights (seconds by their own time) and say launch at its end
+    /// Calibrate on this part of the flights (seconds of the flight's own clock, as `pylon open` shows it: an imported log's begins with its first record) and say launch at its end
     #[arg(long, value_name = "START..END")]
     calibrate: Option<CalibrationWindow>,
     /// Refuse all flights if one to learn from cannot be used, instead of skipping and naming it
@@ -111,6 +111,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     given.write_notes();
     held_files.write_notes();
     batch.write_skipped();
+    let window = arguments.calibrate;
+    for (files, flights) in [(&batch.files, &batch.flights), (&held_files.files, &held_out)] {
+        load::write_unused(&load::replays_calibrated_or_not(files, flights, &before, window)?);
+    }
     let request = Request {
         text: &text,
         wish: Wish {

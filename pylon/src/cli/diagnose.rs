@@ -37,7 +37,7 @@ pub struct Arguments {
     /// Judge the errors on this flight instead of on held-out manoeuvres (may be repeated)
     #[arg(long, value_name = "FLIGHT")]
     hold_out: Vec<PathBuf>,
-    /// Calibrate on this part of the flights (seconds by their own time) and say launch at its end
+    /// Calibrate on this part of the flights (seconds of the flight's own clock, as `pylon open` shows it: an imported log's begins with its first record) and say launch at its end
     #[arg(long, value_name = "START..END")]
     calibrate: Option<CalibrationWindow>,
     /// Refuse all flights if one of them cannot be used, instead of skipping and naming it
@@ -64,8 +64,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             .collect()
     };
     let warnings = [warnings(&batch.files, &batch.flights), warnings(&held_files.files, &held)].concat();
-    let learned = load::replays_calibrated_or_not(&batch.files, &batch.flights, &model, arguments.calibrate)?;
-    let held = load::replays_calibrated_or_not(&held_files.files, &held, &model, arguments.calibrate)?;
+    let learned = load::replays_to_diagnose(&batch.files, &batch.flights, &model, arguments.calibrate)?;
+    let held = load::replays_to_diagnose(&held_files.files, &held, &model, arguments.calibrate)?;
     let mut counter = Counter::new("diagnosing", "fits");
     let mut diagnosis = diagnose(&learned, &held, &mut || counter.step());
     drop(counter);

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use pylon::export::mcap;
+use pylon::export::{mcap, parquet, plain_csv};
 use pylon::flight;
 use pylon::output_file::write_atomically;
 
@@ -17,6 +17,10 @@ const EXAMPLES: &str = "\
 Examples:
   pylon export flight.csv --format mcap -o flight.mcap
       for Foxglove Studio: one topic a device, JSON messages
+  pylon export flight.csv --format parquet -o flight.parquet
+      for pandas, polars and DuckDB: one row group, with the columns' units in the file's metadata
+  pylon export flight.csv --format plain-csv -o plain.csv
+      for PlotJuggler and spreadsheets: the names in the first line, time_s first, nothing else
   pylon export logger.igc --format csv -o flight.csv
       any log that `import` reads, as a flight's CSV";
 
@@ -41,6 +45,10 @@ enum Format {
     Csv,
     /// MCAP, for Foxglove Studio and ROS tools
     Mcap,
+    /// Apache Parquet, for pandas, polars and DuckDB
+    Parquet,
+    /// CSV without header lines, for PlotJuggler and spreadsheets
+    PlainCsv,
 }
 
 /// Runs the command.
@@ -55,6 +63,22 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Format::Csv => {
             while_busy("writing", || flight::write(&arguments.output, &flight))?;
             format!("{file}: {} rows\n", flight.rows())
+        }
+        Format::PlainCsv => {
+            while_busy("writing", || {
+                write_atomically(&arguments.output, |out| plain_csv::write(out, &flight))
+            })?;
+            format!("{file}: {} rows\n", flight.rows())
+        }
+        Format::Parquet => {
+            let mut columns = 0;
+            while_busy("writing", || {
+                write_atomically(&arguments.output, |out| {
+                    columns = parquet::write(out, &flight)?;
+                    Ok(())
+                })
+            })?;
+            format!("{file}: {} rows of {columns} columns\n", flight.rows())
         }
         Format::Mcap => {
             let mut summary = mcap::McapSummary::default();

@@ -28,7 +28,7 @@ pub struct Arguments {
     /// The model: a TOML file, `default` or `paper`
     #[arg(long, value_name = "MODEL")]
     model: String,
-    /// Calibrate on this part of the flights (seconds by their own time) and say launch at its end
+    /// Calibrate on this part of the flights (seconds of the flight's own clock, as `pylon open` shows it: an imported log's begins with its first record) and say launch at its end
     #[arg(long, value_name = "START..END")]
     calibrate: Option<CalibrationWindow>,
     /// Refuse all flights if one of them cannot be used, instead of skipping and naming it
@@ -55,6 +55,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     ladder.model.clone_from(&arguments.model);
     given.write_notes();
     batch.write_skipped();
+    load::write_unused(&load::replays(&batch.files, &batch.flights, &model, arguments.calibrate)?);
     if arguments.json {
         let mut json = serde_json::to_string_pretty(&ladder)?;
         json.push('\n');

@@ -8,7 +8,7 @@ use model::Model;
 use pylon::diagnose::NamedReplay;
 use pylon::flight::{Flight, Note};
 use pylon::import;
-use pylon::replay::{CalibrationWindow, Replay, ReplayError};
+use pylon::replay::{CalibrationWindow, Replay, ReplayError, Usage};
 
 use super::failure::Failure;
 use super::progress::while_busy;
@@ -117,8 +117,17 @@ pub fn replays<'a>(
     replays_by(files, flights, |flight| Replay::new(flight, model, window))
 }
 
-/// As [`replays`], but a flight that has nothing to calibrate on is taken as it is: a diagnosis estimates the
-/// biases beside everything else.
+/// As [`replays`], for a diagnosis: it estimates the biases beside everything else.
+pub fn replays_to_diagnose<'a>(
+    files: &[PathBuf],
+    flights: &'a [Read],
+    model: &Model,
+    window: Option<CalibrationWindow>,
+) -> Result<Vec<NamedReplay<'a>>, Failure> {
+    replays_by(files, flights, |flight| Replay::to_diagnose(flight, model, window))
+}
+
+/// As [`replays`], but a flight that has nothing to calibrate on is taken as it is.
 pub fn replays_calibrated_or_not<'a>(
     files: &[PathBuf],
     flights: &'a [Read],
@@ -139,6 +148,16 @@ fn replays_by<'a>(
         Ok(NamedReplay { file: file.display().to_string(), replay })
     });
     named.collect()
+}
+
+/// Says on standard error what of each flight is not used, and why.
+pub fn write_unused<'a>(named: impl IntoIterator<Item = &'a NamedReplay<'a>>) {
+    for NamedReplay { file, replay } in named {
+        for line in Usage::of(replay).lines() {
+            // Nothing is left to be told to when standard error is closed.
+            let _ = writeln!(std::io::stderr(), "note: {file}: {line}");
+        }
+    }
 }
 
 /// Those flights, each under its file's name.

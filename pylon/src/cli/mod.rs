@@ -15,6 +15,7 @@ mod ladder;
 mod load;
 mod model_lock;
 mod one_flight;
+mod open;
 mod overwriting;
 mod places;
 mod progress;
@@ -40,6 +41,7 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     Simulate(simulate::Arguments),
+    Open(open::Arguments),
     Import(import::Arguments),
     Export(export::Arguments),
     Compare(compare::Arguments),
@@ -56,6 +58,7 @@ pub fn main() -> ExitCode {
     let outcome = match Arguments::try_parse() {
         Ok(arguments) => match arguments.command {
             Command::Simulate(arguments) => simulate::run(&arguments),
+            Command::Open(arguments) => open::run(&arguments),
             Command::Import(arguments) => import::run(&arguments),
             Command::Export(arguments) => export::run(&arguments),
             Command::Compare(arguments) => compare::run(&arguments),

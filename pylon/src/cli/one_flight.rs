@@ -14,7 +14,7 @@ pub struct OneFlight {
     /// The model: a TOML file, `default` or `paper`
     #[arg(long, value_name = "MODEL", default_value = "default")]
     pub model: String,
-    /// Calibrate on this part of the flight (seconds by its own time) and say launch at its end
+    /// Calibrate on this part of the flight (seconds of the flight's own clock, as `pylon open` shows it: an imported log's begins with its first record) and say launch at its end
     #[arg(long, value_name = "START..END")]
     pub calibrate: Option<CalibrationWindow>,
     /// Print JSON

@@ -38,7 +38,7 @@ pub struct Arguments {
     /// The model: a TOML file, `default` or `paper`
     #[arg(long, value_name = "MODEL", default_value = "default")]
     model: String,
-    /// Calibrate on this part of every flight (seconds by its own time) and say launch at its end
+    /// Calibrate on this part of every flight (seconds of the flight's own clock, as `pylon open` shows it: an imported log's begins with its first record) and say launch at its end
     #[arg(long, value_name = "START..END")]
     calibrate: Option<CalibrationWindow>,
     /// Judge what may be missing on this flight instead of on held-out manoeuvres (may be repeated)
@@ -66,13 +66,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     })?;
     let held = load::flights(&held_files.files)?;
     let learned_from = load::replays(&batch.files, &batch.flights, &model, arguments.calibrate)?;
-    let held_out = load::replays(&held_files.files, &held, &model, arguments.calibrate)?;
     let mut flights = Vec::with_capacity(batch.files.len());
     for (index, (named, (_, notes))) in learned_from.iter().zip(&batch.flights).enumerate() {
         flights.push(flight(index, named, notes, &arguments.model)?);
     }
     let mut counter = Counter::new("diagnosing", "fits");
-    let mut diagnosis = diagnose(&learned_from, &held_out, &mut || counter.step());
+    // A diagnosis needs nothing quiet to calibrate on.
+    let [to_diagnose, to_judge] = [(&batch.files, &batch.flights), (&held_files.files, &held)];
+    let window = arguments.calibrate;
+    let to_diagnose = load::replays_to_diagnose(to_diagnose.0, to_diagnose.1, &model, window)?;
+    let to_judge = load::replays_to_diagnose(to_judge.0, to_judge.1, &model, window)?;
+    let mut diagnosis = diagnose(&to_diagnose, &to_judge, &mut || counter.step());
     drop(counter);
     diagnosis.model.clone_from(&arguments.model);
     let mut all: Vec<NamedFlight<'_>> = load::named(&batch.files, &batch.flights);

@@ -8,6 +8,7 @@ use super::phase_statistics::PhaseSummary;
 use super::remedies::Remedy;
 use super::rules::SensorRules;
 use super::timeline::Failures;
+use crate::replay::Usage;
 
 /// How well a model agrees with a flight. Serialised, a value that does not exist is null, and so is
 /// one that is not finite.
@@ -55,6 +56,9 @@ pub struct FlightFacts {
     pub rows: u64,
     /// From the first row to the last, seconds.
     pub duration_s: f64,
+    /// Which part of it is analysed.
+    #[serde(flatten)]
+    pub usage: Usage,
 }
 
 /// One sensor.

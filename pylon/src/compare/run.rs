@@ -11,7 +11,7 @@ use super::rules::RuleWishes;
 use super::traces::Traces;
 use super::warnings::{effect_warnings, input_warnings};
 use crate::flight::Channel;
-use crate::replay::{CalibrationSource, Replay, ReplayError, mission};
+use crate::replay::{CalibrationSource, Replay, ReplayError, Usage, mission};
 
 /// Progress is reported once in this many rows.
 const ROWS_PER_REPORT: u64 = 1 << 14;
@@ -90,6 +90,7 @@ fn facts(replay: &Replay<'_>) -> FlightFacts {
         source: flight.header.source.clone(),
         rows: flight.rows() as u64,
         duration_s: if last > first { last - first } else { 0.0 },
+        usage: Usage::of(replay),
     }
 }
 
@@ -133,7 +134,7 @@ fn has_launch(replay: &Replay<'_>) -> bool {
             let launch = replay.flight().channel(Channel::Launch);
             launch.is_some_and(|column| column.samples().any(|(_, value)| value != 0.0))
         }
-        CalibrationSource::Given(_) | CalibrationSource::Quiet(_) => true,
+        CalibrationSource::Given(_) | CalibrationSource::Quiet(_) | CalibrationSource::Calmest(_) => true,
         CalibrationSource::Uncalibrated(_) => false,
     }
 }

@@ -60,7 +60,7 @@ pub(super) struct Builder {
 
 impl Builder {
     pub(super) fn new(replay: &Replay<'_>, candidates: &[Candidate], path: ReferencePath) -> Self {
-        let times = &replay.flight().time_s;
+        let times = replay.times_s();
         let first_s = times.iter().copied().fold(f64::INFINITY, f64::min);
         let last_s = times.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let block_s = SHORTEST_BLOCK_S.max(path.interval_s()).max((last_s - first_s) / MOST_BLOCKS);

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use crate::replay::Usage;
+
 /// What is known about a misfit. Ordered by how much it asks of the user.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -127,6 +129,9 @@ pub struct DiagnosedFlight {
     pub file: String,
     /// Where captive flight ends and free flight begins, and why.
     pub calibration: String,
+    /// Which part of the log was worked on.
+    #[serde(flatten)]
+    pub usage: Usage,
     /// Blocks of residuals that were worked on.
     pub blocks: usize,
     /// Their length, s.

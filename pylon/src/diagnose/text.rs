@@ -31,6 +31,9 @@ pub fn text(diagnosis: &Diagnosis, colour: bool) -> String {
             flight.blocks,
             flight.block_s
         );
+        for line in flight.usage.in_the_air().into_iter().chain(flight.usage.lines()) {
+            put!(out, "  {line}");
+        }
         for (from_s, to_s) in &flight.glitches_s {
             put!(out, "  the reference jumped away from {from_s:.1} s to {to_s:.1} s; left out");
         }
@@ -47,10 +50,11 @@ pub fn text(diagnosis: &Diagnosis, colour: bool) -> String {
     }
     put!(out, "model: {}", diagnosis.model);
     put!(out, "\n{}", headline(diagnosis));
+    let has_launch = diagnosis.flights.iter().any(|flight| flight.usage.has_launch);
     for (name, sensor) in &diagnosis.sensors {
         // The reference is only worth a paragraph where something is wrong with it.
         if *name != "gps" || sensor.verdict >= Verdict::Identified {
-            write_sensor(&mut out, name, sensor, colour);
+            write_sensor(&mut out, name, sensor, has_launch, colour);
         }
     }
     let noise = &diagnosis.noise;
@@ -106,7 +110,7 @@ pub(crate) fn say(verdict: Verdict) -> &'static str {
     }
 }
 
-fn write_sensor(out: &mut String, name: &str, sensor: &SensorDiagnosis, colour: bool) {
+fn write_sensor(out: &mut String, name: &str, sensor: &SensorDiagnosis, has_launch: bool, colour: bool) {
     put!(out, "\n{name}: {}", say(sensor.verdict));
     if !sensor.missing.is_empty() {
         put!(out, "  missing, the strongest first: {}", sensor.missing.join(", "));
@@ -115,7 +119,15 @@ fn write_sensor(out: &mut String, name: &str, sensor: &SensorDiagnosis, colour: 
         put!(out, "  one of: {}", set.join(", "));
     }
     if let Some(factor) = sensor.free_flight_factor.filter(|factor| *factor > 1.5) {
-        put!(out, "  its own wander is {factor:.1} times larger in free flight than in captive flight");
+        put!(
+            out,
+            "  its own wander is {factor:.1} times larger in {}",
+            if has_launch {
+                "free flight than in captive flight"
+            } else {
+                "the flight than while it was calibrated"
+            }
+        );
     }
     for follows in &sensor.follows {
         put!(

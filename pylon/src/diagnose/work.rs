@@ -13,7 +13,7 @@ use super::roughness::is_rough;
 use super::search::Search;
 use super::series::Series;
 use super::wind::wind;
-use crate::replay::Replay;
+use crate::replay::{Replay, Usage};
 
 /// A flight ready to be replayed, and what the user calls it.
 pub struct NamedReplay<'a> {
@@ -105,6 +105,7 @@ fn facts(named: &NamedReplay<'_>, epochs: &Epochs) -> DiagnosedFlight {
     DiagnosedFlight {
         file: named.file.clone(),
         calibration: named.replay.source().to_string(),
+        usage: Usage::of(&named.replay),
         blocks: epochs.series.len(),
         block_s: epochs.series.block_s,
         glitches_s: epochs.glitches_s.clone(),

@@ -143,6 +143,9 @@ fn parse_names(text: &[u8], lines_before: u64) -> Result<(Vec<String>, u64, &[u8
         .map(|name| str::from_utf8(name).map(|name| name.trim().to_owned()))
         .collect::<Result<Vec<_>, _>>()
         .map_err(not_text)?;
+    if let Some(place) = names.iter().position(|name| name.contains(['\n', '\r', '\0'])) {
+        return Err(Problem::LineEndInName { row, index: place + 1 });
+    }
     if let [only] = names.as_slice() {
         for (separator, found) in [(';', "semicolons"), ('\t', "tabs"), (' ', "spaces")] {
             if only.contains(separator) {

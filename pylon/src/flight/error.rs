@@ -86,6 +86,16 @@ pub enum Problem {
         /// The separator in words.
         found: &'static str,
     },
+    /// A column's name that could not be written again.
+    #[error(
+        "row {row}: the name of column {index} has a line end or a zero byte in it, expected a plain name"
+    )]
+    LineEndInName {
+        /// Row of the names, counted from 1.
+        row: u64,
+        /// Which column, counted from 1.
+        index: usize,
+    },
     /// A column without a name.
     #[error("row {row}: column {index} has no name, expected one (is there a comma too many?)")]
     Unnamed {

@@ -101,6 +101,12 @@ pub enum ImportError {
         /// The column.
         name: String,
     },
+    /// Several files in one.
+    #[error("a {kind}: unpack it, and give the log that is in it")]
+    Packed {
+        /// What kind of archive.
+        kind: &'static str,
+    },
     /// Text of two bytes a letter.
     #[error("text in UTF-16, expected UTF-8: save it as UTF-8 (iconv -f UTF-16 -t UTF-8) and import that")]
     Utf16,

@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use mcap::parse_record;
-use mcap::records::Record;
+use mcap::records::{Record, op};
 use serde_json::Value;
 
 use super::{ImportError, Importer};
@@ -66,6 +66,10 @@ fn records(mut bytes: &[u8], damage: &mut Vec<String>, take: &mut dyn FnMut(Reco
             return;
         };
         bytes = rest;
+        // Pylon writes none, and the crate panics on one that is shorter than its own head.
+        if kind == op::ATTACHMENT {
+            continue;
+        }
         match parse_record(kind, body) {
             Ok(Record::DataEnd(_)) => return,
             Ok(record) => take(record),

@@ -5,6 +5,7 @@
 
 mod airspeed;
 pub mod altus;
+pub mod barometer;
 pub mod clock_offset;
 mod damage;
 pub mod dataflash;
@@ -111,6 +112,7 @@ fn turn_and_check(flight: &mut Flight, notes: &mut Vec<Note>, turned: &[String])
         }
     }
     notes.extend(signs::notes(flight));
+    notes.extend(barometer::note(flight));
     Ok(())
 }
 
@@ -121,8 +123,19 @@ fn as_logged(log: &[u8]) -> Result<(Flight, Vec<Note>), ImportError> {
     match IMPORTERS.iter().find(|importer| importer.recognises(log)) {
         Some(importer) => importer.import(log),
         None if is_utf16(log) => Err(ImportError::Utf16),
-        None => Err(ImportError::UnknownFormat),
+        None => Err(archive(log).map_or(ImportError::UnknownFormat, |kind| ImportError::Packed { kind })),
     }
+}
+
+/// What kind of archive this is, by its first bytes.
+fn archive(log: &[u8]) -> Option<&'static str> {
+    const KINDS: [(&[u8], &str); 4] = [
+        (b"PK\x03\x04", "ZIP archive"),
+        (b"\x1f\x8b", "gzip archive"),
+        (b"7z\xbc\xaf\x27\x1c", "7-Zip archive"),
+        (b"BZh", "bzip2 archive"),
+    ];
+    KINDS.iter().find(|(magic, _)| log.starts_with(magic)).map(|(_, kind)| *kind)
 }
 
 /// Text of two bytes a letter, as some programs of Windows save it: by its mark, or by zeros in every other place.
@@ -148,6 +161,9 @@ pub fn open(path: &Path) -> Result<(Flight, Vec<Note>), ReadError> {
     let bytes = read(path)?;
     let is_csv = is_flight(&bytes);
     let is_log = !is_csv && IMPORTERS.iter().any(|importer| importer.recognises(&bytes));
+    if let Some(kind) = archive(&bytes).filter(|_| !is_csv && !is_log) {
+        return Err(ReadError::new(path, ImportError::Packed { kind }.into()));
+    }
     let result = match is_log {
         true => import(&bytes).map_err(Problem::from),
         false if !is_csv && !has_flights_names(&bytes) && mapping::Layout::find(&bytes).is_some() => {
@@ -156,6 +172,19 @@ pub fn open(path: &Path) -> Result<(Flight, Vec<Note>), ReadError> {
         false => flight::parse(&bytes),
     };
     result.map_err(|problem| ReadError::new(path, problem))
+}
+
+/// What kind of file one is that [`open`] reads, in the words of who has it.
+///
+/// # Errors
+/// [`Problem::Io`].
+pub fn format_name(path: &Path) -> Result<&'static str, ReadError> {
+    let bytes = read(path)?;
+    let importer = IMPORTERS.iter().find(|importer| importer.recognises(&bytes));
+    Ok(match importer {
+        Some(importer) if !is_flight(&bytes) => importer.name(),
+        _ => "Pylon's own CSV",
+    })
 }
 
 /// Whether a file is one that [`open`] knows how to read: a flight's CSV or a log, by what is in it.

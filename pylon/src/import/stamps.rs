@@ -170,7 +170,8 @@ fn starts(stamps_us: &[u64]) -> Vec<usize> {
     let mut starts = if stamps_us.is_empty() { Vec::new() } else { vec![0] };
     for (index, pair) in stamps_us.windows(2).enumerate() {
         let [before, after] = pair else { continue };
-        if after + RESTART_US >= *before {
+        // A flipped bit may have moved a stamp to the end of the clock.
+        if after.saturating_add(RESTART_US) >= *before {
             continue;
         }
         let at = index + 1;
@@ -178,8 +179,8 @@ fn starts(stamps_us: &[u64]) -> Vec<usize> {
         let earlier = stamps_us.get(at.saturating_sub(WITNESSES).max(run)..at).unwrap_or_default();
         let later = stamps_us.get(at..(at + WITNESSES).min(stamps_us.len())).unwrap_or_default();
         let near = |center: u64| move |stamp: &&u64| stamp.abs_diff(center) <= TOGETHER_US;
-        let of_before = |stamp: &&u64| **stamp > after + RESTART_US && near(*before)(stamp);
-        let of_after = |stamp: &&u64| **stamp + RESTART_US < *before && near(*after)(stamp);
+        let of_before = |stamp: &&u64| **stamp > after.saturating_add(RESTART_US) && near(*before)(stamp);
+        let of_after = |stamp: &&u64| stamp.saturating_add(RESTART_US) < *before && near(*after)(stamp);
         let most = |found: usize, all: usize| all >= 4 && found * 4 >= all * 3;
         if most(earlier.iter().filter(of_before).count(), earlier.len())
             && most(later.iter().filter(of_after).count(), later.len())

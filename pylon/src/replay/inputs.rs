@@ -31,6 +31,8 @@ pub struct TickInputs<'a> {
     columns: Columns<'a>,
     window: Option<CalibrationWindow>,
     row: usize,
+    /// The first row that there is no tick of any more.
+    end: usize,
     skipped: usize,
     launch: bool,
     launch_doubt: LaunchDoubt,
@@ -120,7 +122,7 @@ fn microseconds(time_s: f64) -> u64 {
 }
 
 impl<'a> TickInputs<'a> {
-    pub(super) fn new(flight: &'a Flight, window: Option<CalibrationWindow>) -> Self {
+    pub(super) fn new(flight: &'a Flight, window: Option<CalibrationWindow>, end: usize) -> Self {
         use Channel::{
             AccelXMps2, AccelYMps2, AccelZMps2, AoaRad, BaroAltM, BaroPa, BaroTempC, GpsAltM, GpsSats,
             GpsTimeS, GpsVaccM, GpsVdMps, GpsVeMps, GpsVnMps, GyroXRadps, GyroYRadps, GyroZRadps,
@@ -157,6 +159,7 @@ impl<'a> TickInputs<'a> {
             columns,
             window,
             row: skipped,
+            end,
             skipped,
             launch: false,
             launch_doubt: LaunchDoubt::None,
@@ -272,6 +275,9 @@ impl Iterator for TickInputs<'_> {
     #[inline]
     fn next(&mut self) -> Option<TickInput> {
         let row = self.row;
+        if row >= self.end {
+            return None;
+        }
         let time_s = *self.columns.time_s.get(row)?;
         self.row += 1;
         match self.window {

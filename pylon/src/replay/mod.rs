@@ -2,12 +2,15 @@
 //!
 //! Where the captive flight ends is decided here: by the flight's `launch` column, or, for flights that
 //! have none, by a window given by the user or found in the flight ([`quiet`]). With a window, rows before
-//! it are skipped, launch is said at its end, and nothing is ignored as settling.
+//! it are skipped, launch is said at its end, and nothing is ignored as settling. Of a flight without a `launch` column what
+//! follows its landing is left out as well, and of several flights in one log all but one ([`Extent`]).
 
 mod error;
+mod extent;
 mod inputs;
 mod mission;
 pub mod quiet;
+mod usage;
 mod window;
 
 use std::fmt;
@@ -23,9 +26,11 @@ use model::Model;
 use crate::flight::{Channel, Flight};
 
 pub use error::ReplayError;
+pub use extent::{Extent, Unused};
 pub use inputs::{InputCounters, TickInputs};
 pub use mission::{AnyMission, mission};
-pub use quiet::QuietStretch;
+pub use quiet::{Calmest, QuietStretch};
+pub use usage::{Usage, clock};
 pub use window::{CalibrationWindow, WindowError};
 
 /// What decided when the captive flight ends.
@@ -35,8 +40,10 @@ pub enum CalibrationSource {
     LaunchColumn,
     /// A window that the user gave.
     Given(CalibrationWindow),
-    /// The flight's first quiet stretch.
+    /// The ground before the take-off, or the flight's first quiet stretch.
     Quiet(QuietStretch),
+    /// Where the flight is least unquiet, as it is nowhere quiet.
+    Calmest(Calmest),
     /// Nothing: the whole flight is free flight, from its first row on.
     Uncalibrated(CalibrationWindow),
 }
@@ -49,6 +56,7 @@ impl CalibrationSource {
             Self::LaunchColumn => None,
             Self::Given(window) | Self::Uncalibrated(window) => Some(*window),
             Self::Quiet(stretch) => Some(stretch.window),
+            Self::Calmest(calmest) => Some(calmest.window),
         }
     }
 }
@@ -57,12 +65,21 @@ impl fmt::Display for CalibrationSource {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::LaunchColumn => write!(formatter, "captive flight until the launch column says 1"),
-            Self::Given(window) => write!(formatter, "calibrated on {window}, as given"),
+            Self::Given(window) => {
+                write!(formatter, "calibrated on {window} of the flight's own clock, as given")
+            }
             Self::Quiet(stretch) => write!(formatter, "calibrated on {stretch}"),
+            Self::Calmest(Calmest {
+                window: CalibrationWindow { start_s, end_s }, altitude_range_m, ..
+            }) => write!(
+                formatter,
+                "calibrated on the calmest stretch, as none is quiet, {start_s:.1}..{end_s:.1} s (altitude over \
+                 {altitude_range_m:.0} m); --calibrate START..END chooses another"
+            ),
             Self::Uncalibrated(_) => {
                 write!(
                     formatter,
-                    "no launch column and no quiet stretch: not calibrated, all of it taken as one"
+                    "not calibrated: the biases are estimated beside everything else, on all of the flight"
                 )
             }
         }
@@ -75,6 +92,7 @@ pub struct Replay<'a> {
     flight: &'a Flight,
     model: Model,
     source: CalibrationSource,
+    extent: Extent,
 }
 
 /// What a replay left behind.
@@ -82,6 +100,8 @@ pub struct Replay<'a> {
 pub struct ReplaySummary {
     /// Rows before the calibration window, which the estimator never saw.
     pub skipped_rows: usize,
+    /// Rows after the landing, which it never saw either.
+    pub rows_after: usize,
     /// What could not be made into a tick's input.
     pub inputs: InputCounters,
     /// What the estimator counted: ignored ticks, samples that are not finite, held fixes, and so on.
@@ -117,34 +137,34 @@ impl ReplaySummary {
 }
 
 impl<'a> Replay<'a> {
-    /// Decides where the flight calibrates: on `window` if given, else up to launch by the `launch`
-    /// column, else on the first quiet stretch.
+    /// Decides where the flight calibrates: on `window` if given, else up to launch by the `launch` column, else on the ground
+    /// before the take-off, the first quiet stretch of the flight or, where there is none, the calmest.
     ///
     /// # Errors
-    /// A flight without reference or second altitude, a window outside the flight, or no launch
-    /// column and no quiet stretch.
+    /// A flight without reference or second altitude, a window outside the flight or after its landing, or no launch
+    /// column and nothing to calibrate on.
     pub fn new(
         flight: &'a Flight,
         model: &Model,
         window: Option<CalibrationWindow>,
     ) -> Result<Self, ReplayError> {
         flight.require_altitudes()?;
-        let has_launch =
-            flight.channel(Channel::Launch).is_some_and(|launch| launch.samples().next().is_some());
+        let has_launch = has_launch(flight);
+        if let Some(window) = window {
+            window.check(flight)?;
+        }
+        let extent = if has_launch { Extent::all(flight) } else { Extent::of(flight, window)? };
         let source = match window {
-            Some(window) => {
-                window.check(flight)?;
-                CalibrationSource::Given(window)
-            }
+            Some(window) => CalibrationSource::Given(window),
             None if has_launch => CalibrationSource::LaunchColumn,
-            None => CalibrationSource::Quiet(quiet::find(flight, &model.quality)?),
+            None => quiet_or_calmest(flight, model, &extent)?,
         };
         let mut model = model.clone();
         if source.window().is_some() {
             model.settling_s = 0.0;
         }
         model.latitude_deg = latitude_deg(flight)?.unwrap_or(model.latitude_deg);
-        Ok(Self { flight, model, source })
+        Ok(Self { flight, model, source, extent })
     }
 
     /// A flight without captive flight: launch is at its first row. What needs no calibration, such as a
@@ -154,15 +174,16 @@ impl<'a> Replay<'a> {
     /// A flight without reference or second altitude, or a header's latitude that is none.
     pub fn uncalibrated(flight: &'a Flight, model: &Model) -> Result<Self, ReplayError> {
         flight.require_altitudes()?;
-        let first_s = flight.time_s.first().copied().unwrap_or(0.0);
+        let extent = if has_launch(flight) { Extent::all(flight) } else { Extent::of(flight, None)? };
+        let first_s = extent.used_s.0;
         let window = CalibrationWindow { start_s: first_s, end_s: first_s };
         let mut model = model.clone();
         model.latitude_deg = latitude_deg(flight)?.unwrap_or(model.latitude_deg);
         model.settling_s = 0.0;
-        Ok(Self { flight, model, source: CalibrationSource::Uncalibrated(window) })
+        Ok(Self { flight, model, source: CalibrationSource::Uncalibrated(window), extent })
     }
 
-    /// As [`Self::new`], but a flight that has nothing to calibrate on is taken as it is, by
+    /// As [`Self::new`], but a flight that has nothing quiet to calibrate on is taken as it is, by
     /// [`Self::uncalibrated`].
     ///
     /// # Errors
@@ -173,8 +194,32 @@ impl<'a> Replay<'a> {
         window: Option<CalibrationWindow>,
     ) -> Result<Self, ReplayError> {
         match Self::new(flight, model, window) {
-            Err(ReplayError::NoQuietStretch { .. }) => Self::uncalibrated(flight, model),
+            Err(ReplayError::NoQuietStretch { .. })
+            | Ok(Self { source: CalibrationSource::Calmest(_), .. }) => Self::uncalibrated(flight, model),
             other => other,
+        }
+    }
+
+    /// As [`Self::calibrated_or_not`], for a diagnosis, which estimates the biases beside everything else: all of a flight is
+    /// worked on, from before its take-off to its landing, but for what lies before a window that was given or the last
+    /// minutes on the ground.
+    ///
+    /// # Errors
+    /// As [`Self::calibrated_or_not`].
+    pub fn to_diagnose(
+        flight: &'a Flight,
+        model: &Model,
+        window: Option<CalibrationWindow>,
+    ) -> Result<Self, ReplayError> {
+        let replay = Self::calibrated_or_not(flight, model, window)?;
+        match replay.source {
+            // A stretch in the air would cost what was flown before it.
+            CalibrationSource::Quiet(stretch)
+                if !stretch.is_on_ground && replay.extent.outing().is_some() =>
+            {
+                Self::uncalibrated(flight, model)
+            }
+            _ => Ok(replay),
         }
     }
 
@@ -197,6 +242,33 @@ impl<'a> Replay<'a> {
         &self.model
     }
 
+    /// Which part of the log is analysed.
+    #[must_use]
+    pub const fn extent(&self) -> &Extent {
+        &self.extent
+    }
+
+    /// What of the log is not analysed, and why.
+    #[must_use]
+    pub fn unused(&self) -> Vec<Unused> {
+        self.extent.unused(self.source.window().map_or(f64::NEG_INFINITY, |window| window.start_s))
+    }
+
+    /// Times of the rows that are analysed, and of those skipped before the calibration window: all but what follows the landing.
+    #[must_use]
+    pub fn times_s(&self) -> &'a [f64] {
+        self.flight.time_s.get(..self.end_row()).unwrap_or_default()
+    }
+
+    /// The first row that is not analysed any more.
+    fn end_row(&self) -> usize {
+        let rows = self.flight.rows();
+        if self.extent.used_s.1 >= self.extent.log_s.1 {
+            return rows;
+        }
+        self.flight.time_s.iter().position(|time_s| *time_s > self.extent.used_s.1).unwrap_or(rows)
+    }
+
     /// What decided when the captive flight ends.
     #[must_use]
     pub const fn source(&self) -> &CalibrationSource {
@@ -213,7 +285,7 @@ impl<'a> Replay<'a> {
     /// The ticks as the sensors' own, one a row from the calibration window on.
     #[must_use]
     pub fn inputs(&self) -> TickInputs<'a> {
-        TickInputs::new(self.flight, self.source.window())
+        TickInputs::new(self.flight, self.source.window(), self.end_row())
     }
 
     /// Runs the flight through a new mission and shows every tick to `on_tick`; memory does not grow
@@ -233,6 +305,7 @@ impl<'a> Replay<'a> {
         }
         Ok(ReplaySummary {
             skipped_rows: inputs.skipped_rows(),
+            rows_after: self.flight.rows() - self.end_row(),
             inputs: *inputs.counters(),
             counters: *mission.counters(),
             inertial_altitude: inputs
@@ -240,6 +313,31 @@ impl<'a> Replay<'a> {
                 .map(|made| (*made.counts(), made.channel().counts())),
             latch: mission.latch().cloned(),
         })
+    }
+}
+
+/// Whether the flight says itself when it was launched.
+fn has_launch(flight: &Flight) -> bool {
+    flight.channel(Channel::Launch).is_some_and(|launch| launch.samples().next().is_some())
+}
+
+/// Where a flight without a launch column can be calibrated.
+fn quiet_or_calmest(
+    flight: &Flight,
+    model: &Model,
+    extent: &Extent,
+) -> Result<CalibrationSource, ReplayError> {
+    let take_off = extent.outing().and_then(|outing| outing.take_off_s);
+    let on_ground = take_off
+        .and_then(|take_off_s| quiet::find_on_ground(flight, &model.quality, (extent.used_s.0, take_off_s)));
+    if let Some(stretch) = on_ground {
+        return Ok(CalibrationSource::Quiet(stretch));
+    }
+    match quiet::find(flight, &model.quality, extent.used_s) {
+        Err(ReplayError::NoQuietStretch { calmest: Some(calmest), .. }) => {
+            Ok(CalibrationSource::Calmest(calmest))
+        }
+        other => other.map(CalibrationSource::Quiet),
     }
 }
 

@@ -1,5 +1,5 @@
-//! Finding where a flight that does not say when it was launched can be calibrated: its first stretch of
-//! level flight at constant speed, or on the ground.
+//! Finding where a flight that does not say when it was launched can be calibrated: on the ground before its take-off, or in
+//! its first stretch of level flight at constant speed; never after its landing, which the caller's bounds see to.
 //!
 //! The flight is cut into blocks of a sixth of the shortest calibration (longer where fixes are rare). A
 //! stretch is quiet while the blocks' median altitudes stay within half of the model's `quality.trimmed_altitude_m`, their median
@@ -35,14 +35,17 @@ pub struct QuietStretch {
     pub altitude_range_m: f32,
     /// Median speed in it, m/s, if the flight has a speed.
     pub speed_mps: Option<f32>,
+    /// Whether it is on the ground before the take-off.
+    pub is_on_ground: bool,
 }
 
 impl fmt::Display for QuietStretch {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let CalibrationWindow { start_s, end_s } = self.window;
+        let place = if self.is_on_ground { "ground before the take-off" } else { "first quiet stretch" };
         write!(
             formatter,
-            "the first quiet stretch, {start_s:.1}..{end_s:.1} s (altitude within {:.1} m",
+            "the {place}, {start_s:.1}..{end_s:.1} s (altitude within {:.1} m",
             self.altitude_range_m
         )?;
         match self.speed_mps {
@@ -72,32 +75,38 @@ struct Block {
     speed_mps: Option<f32>,
 }
 
-/// The first quiet stretch of the flight.
+/// The first quiet stretch between two times of the flight, seconds.
 ///
 /// # Errors
 /// [`ReplayError::NoQuietStretch`] with the calmest stretch there is.
-pub fn find(flight: &Flight, quality: &QualityConfig) -> Result<QuietStretch, ReplayError> {
-    let wanted_s = quality.minimum_duration_s.max(SHORTEST_S);
-    let length_s = (f64::from(wanted_s) / BLOCKS as f64).max(FIXES_A_BLOCK * fix_interval_s(flight));
-    let origin_s = flight.time_s.first().copied().unwrap_or(0.0);
-    let last_s = flight.time_s.iter().copied().fold(origin_s, f64::max);
+pub fn find(
+    flight: &Flight,
+    quality: &QualityConfig,
+    (origin_s, last_s): (f64, f64),
+) -> Result<QuietStretch, ReplayError> {
+    let length_s = block_s(flight, quality);
     // Half of a short flight is left to be watched.
     let longest_s = (0.5 * (last_s - origin_s)).min(LONGEST_S);
     let longest = ((longest_s / length_s) as usize).max(BLOCKS);
-    let blocks = blocks(flight, origin_s, length_s);
+    let blocks = blocks(flight, (origin_s, last_s), length_s);
     let window = |first: &Block, blocks: usize| {
         let start_s = origin_s + first.index as f64 * length_s;
         CalibrationWindow { start_s, end_s: start_s + blocks as f64 * length_s }
     };
 
     let mut calmest: Option<Calmest> = None;
+    // Something should be left to be watched: a stretch in the second half counts only where there is none in the first.
+    let is_late = |window: CalibrationWindow| window.end_s > 0.5 * (origin_s + last_s);
+    let is_calmer = |calmest: Calmest, window: CalibrationWindow, range_m: f32| {
+        (is_late(window), range_m) < (is_late(calmest.window), calmest.altitude_range_m)
+    };
     for start in 0..blocks.len() {
         let Some(candidates) = blocks.get(start..) else { break };
         let Some(first) = candidates.first() else { break };
         if let Some(shortest) = candidates.get(..BLOCKS).filter(|shortest| is_gapless(shortest)) {
             let range_m = range(shortest.iter().map(|block| block.altitude_m));
             let found = window(first, BLOCKS);
-            if found.end_s <= last_s && calmest.is_none_or(|calmest| range_m < calmest.altitude_range_m) {
+            if found.end_s <= last_s && calmest.is_none_or(|calmest| is_calmer(calmest, found, range_m)) {
                 let speed_range_mps = range(shortest.iter().filter_map(|block| block.speed_mps));
                 calmest = Some(Calmest { window: found, altitude_range_m: range_m, speed_range_mps });
             }
@@ -120,9 +129,50 @@ pub fn find(flight: &Flight, quality: &QualityConfig) -> Result<QuietStretch, Re
             window: found,
             altitude_range_m: range(stretch.iter().map(|block| block.altitude_m)),
             speed_mps: median(&mut speeds),
+            is_on_ground: false,
         });
     }
     Err(ReplayError::NoQuietStretch { wanted_s: BLOCKS as f64 * length_s, calmest })
+}
+
+/// The last quiet stretch on the ground between two times, seconds, of which the second is the take-off: a receiver's altitude
+/// has settled by then, and the air has not changed yet. `None` where the vehicle stood for less than is needed.
+#[must_use]
+pub fn find_on_ground(
+    flight: &Flight,
+    quality: &QualityConfig,
+    (from_s, take_off_s): (f64, f64),
+) -> Option<QuietStretch> {
+    let length_s = block_s(flight, quality);
+    // The blocks end at the take-off.
+    let count = ((take_off_s - from_s) / length_s).floor();
+    let origin_s = take_off_s - count * length_s;
+    let mut blocks = blocks(flight, (origin_s, take_off_s), length_s);
+    // A row at the very take-off begins one more.
+    blocks.retain(|block| (block.index as f64) < count);
+    blocks.reverse();
+    let longest = (LONGEST_S / length_s) as usize;
+    // The last blocks may hold a taxi.
+    (0..blocks.len()).find_map(|skipped| {
+        let candidates = blocks.get(skipped..)?;
+        let count = quiet_blocks(candidates, quality).min(longest.max(BLOCKS));
+        let stretch = candidates.get(..count).filter(|stretch| stretch.len() >= BLOCKS)?;
+        let (last, first) = (stretch.first()?, stretch.last()?);
+        let time_s = |index: u64| origin_s + index as f64 * length_s;
+        let mut speeds: Vec<f32> = stretch.iter().filter_map(|block| block.speed_mps).collect();
+        Some(QuietStretch {
+            window: CalibrationWindow { start_s: time_s(first.index), end_s: time_s(last.index + 1) },
+            altitude_range_m: range(stretch.iter().map(|block| block.altitude_m)),
+            speed_mps: median(&mut speeds),
+            is_on_ground: true,
+        })
+    })
+}
+
+/// Length of a block, seconds.
+fn block_s(flight: &Flight, quality: &QualityConfig) -> f64 {
+    let wanted_s = quality.minimum_duration_s.max(SHORTEST_S);
+    (f64::from(wanted_s) / BLOCKS as f64).max(FIXES_A_BLOCK * fix_interval_s(flight))
 }
 
 /// Median time between fixes, seconds.
@@ -150,7 +200,7 @@ fn quiet_blocks(blocks: &[Block], quality: &QualityConfig) -> usize {
     blocks
         .iter()
         .take_while(|block| {
-            let follows = last.is_none_or(|last| block.index == last.index + 1);
+            let follows = last.is_none_or(|last| block.index.abs_diff(last.index) == 1);
             last = Some(block);
             altitude.take(block.altitude_m);
             if let Some(value) = block.speed_mps {
@@ -190,9 +240,9 @@ fn median(values: &mut [f32]) -> Option<f32> {
     Some(*values.select_nth_unstable_by(middle, f32::total_cmp).1)
 }
 
-/// The blocks that can be judged, in time order. Rows that run backward in time are left out, as the
+/// The blocks between two times that can be judged, in time order. Rows that run backward in time are left out, as the
 /// estimator does.
-fn blocks(flight: &Flight, origin_s: f64, length_s: f64) -> Vec<Block> {
+fn blocks(flight: &Flight, (origin_s, last_s): (f64, f64), length_s: f64) -> Vec<Block> {
     use Channel::{
         AccelZMps2, BaroAltM, BaroPa, GpsAltM, GpsVdMps, GpsVeMps, GpsVnMps, ImuMasterAltM, ImuSlaveAltM,
         TasMps,
@@ -215,6 +265,9 @@ fn blocks(flight: &Flight, origin_s: f64, length_s: f64) -> Vec<Block> {
             continue;
         }
         latest_s = time_s;
+        if time_s < origin_s || time_s > last_s {
+            continue;
+        }
         let index = ((time_s - origin_s) / length_s) as u64;
         if index != pending.index {
             blocks.extend(pending.finish());
@@ -273,7 +326,9 @@ mod tests {
     }
 
     fn find_default(flight: &Flight) -> Result<QuietStretch, ReplayError> {
-        find(flight, &model::Model::default().quality)
+        let last_s = flight.time_s.last().copied().unwrap_or(0.0);
+        let first_s = flight.time_s.first().copied().unwrap_or(0.0);
+        find(flight, &model::Model::default().quality, (first_s, last_s))
     }
 
     /// Climbs at 3 m/s, flies level for `level` seconds, then dives at 10 m/s.

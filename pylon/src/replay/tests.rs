@@ -13,7 +13,7 @@ fn read(text: &str) -> Flight {
 
 fn inputs(text: &str) -> Vec<TickInput> {
     let flight = read(text);
-    TickInputs::new(&flight, None).collect()
+    TickInputs::new(&flight, None, flight.rows()).collect()
 }
 
 /// Captive at 2000 m for `captive` seconds, then `free` seconds: gps 5 Hz, the rest 50 Hz; the slave reads
@@ -106,7 +106,7 @@ fn what_no_tick_can_carry_is_counted() {
          2,5,,-1,,1,2,3,1,1,1,1,1,1\n\
          3,5,,nan,,,,,,,,,,\n",
     );
-    let mut inputs = TickInputs::new(&flight, None);
+    let mut inputs = TickInputs::new(&flight, None, flight.rows());
     let ticks: Vec<_> = inputs.by_ref().collect();
     assert_eq!(
         *inputs.counters(),
@@ -162,7 +162,7 @@ fn a_given_window_skips_starts_and_launches() {
     let window: CalibrationWindow = "5..50".parse().unwrap();
     let replay = Replay::new(&flight, &Model::default(), Some(window)).unwrap();
     assert_eq!(replay.model().settling_s, 0.0);
-    assert_eq!(replay.source().to_string(), "calibrated on 5..50 s, as given");
+    assert_eq!(replay.source().to_string(), "calibrated on 5..50 s of the flight's own clock, as given");
     let mut ticks = Vec::new();
     let summary = replay
         .run(&mut |input, output| ticks.push((input.time_us, output.phase, output.latched_now)))

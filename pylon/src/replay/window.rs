@@ -26,6 +26,17 @@ pub enum WindowError {
     /// It ends before it starts.
     #[error("calibration window {0} ends before it starts, expected START below END")]
     Empty(CalibrationWindow),
+    /// It reaches beyond the landing.
+    #[error(
+        "calibration window {window} of the flight's own clock reaches beyond the landing at {landing_s:.0} s: nothing is \
+         calibrated after a landing ('pylon open' shows when the flight took off and landed)"
+    )]
+    AfterLanding {
+        /// The window.
+        window: CalibrationWindow,
+        /// When it landed, seconds.
+        landing_s: f64,
+    },
     /// The flight has no row in it, or none after it.
     #[error(
         "calibration window {window} does not lie within the flight, which goes from {first_s} s to {last_s} s"

@@ -121,7 +121,7 @@ fn dependences(
     recording: &Recording,
     comparison: &Comparison,
 ) -> Vec<SensorDependences> {
-    let times = || replay.flight().time_s.iter().copied();
+    let times = || replay.times_s().iter().copied();
     let end_s = times().fold(0.0, f64::max);
     let start_s = comparison.launch_s.unwrap_or_else(|| times().fold(end_s, f64::min));
     let blocks = Blocks::between(start_s, end_s);

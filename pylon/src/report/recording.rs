@@ -57,7 +57,7 @@ impl Recording {
 
     fn empty(replay: &Replay<'_>, comparison: &Comparison) -> Self {
         let micros = |seconds: f64| (seconds * 1e6).round() as u64;
-        let times = || replay.flight().time_s.iter().copied();
+        let times = || replay.times_s().iter().copied();
         let first_s = replay.source().window().map_or_else(
             || times().fold(f64::INFINITY, f64::min) + f64::from(replay.model().settling_s),
             |window| window.start_s,
@@ -66,7 +66,7 @@ impl Recording {
         let start_us = micros(first_s.max(0.0)).min(end_us);
         let launch_us = comparison.launch_s.map(micros);
         let launched_us = launch_us.unwrap_or(end_us).max(start_us);
-        let rows = replay.flight().rows() as u64;
+        let rows = replay.times_s().len() as u64;
         let readings = |sensor: Sensor, count: fn(&SensorComparison) -> u64| {
             comparison.sensors.get(sensor.name()).map_or(0, count)
         };

@@ -14,7 +14,13 @@ pub(super) fn write(out: &mut String, comparison: &Comparison, colour: bool) {
     if failures.worst.is_empty() {
         return;
     }
-    put!(out, "\nWhere the model fails: the worst stretches of free flight, seconds after launch");
+    let words = comparison.words();
+    put!(
+        out,
+        "\nWhere the model fails: the worst stretches of {}, seconds after {}",
+        words.after,
+        words.event
+    );
     let mut last = "";
     for stretch in &failures.worst {
         let name = if stretch.sensor == last { "" } else { stretch.sensor };

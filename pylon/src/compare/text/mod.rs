@@ -14,6 +14,7 @@ use kf_core::sensor::Sensor;
 use self::number::{grouped, metres, plain, seconds, signed_m};
 use self::table::{Mood, Sheet};
 use super::comparison::{Comparison, CrossCheckFacts, SensorComparison};
+use super::words::Words;
 
 /// Writing a line to a string, which can not fail.
 macro_rules! put {
@@ -44,9 +45,11 @@ fn in_order<'a, T>(by_name: &'a BTreeMap<&'static str, T>) -> Vec<(&'static str,
 
 fn heading(out: &mut String, comparison: &Comparison) {
     let flight = &comparison.flight;
-    let launch = comparison
-        .launch_s
-        .map_or_else(|| "no launch".to_owned(), |launch_s| format!("launch at {launch_s:.3} s"));
+    let launch = match comparison.launch_s {
+        None => "no launch".to_owned(),
+        Some(launch_s) if flight.usage.has_launch => format!("launch at {launch_s:.3} s"),
+        Some(launch_s) => format!("calibrated until {launch_s:.0} s"),
+    };
     put!(
         out,
         "{}: {} in {} rows, {launch}",
@@ -61,7 +64,14 @@ fn heading(out: &mut String, comparison: &Comparison) {
             put!(out, "  {key:<9}{value}");
         }
     }
+    if let Some(in_the_air) = flight.usage.in_the_air() {
+        put!(out, "  flight   {in_the_air}");
+    }
+    for line in flight.usage.lines() {
+        put!(out, "  {line}");
+    }
     put!(out, "");
+    let words = comparison.words();
     let calibration = &comparison.calibration;
     match calibration.quality {
         None => put!(out, "Calibration: none was latched ({}).", calibration.source),
@@ -75,7 +85,11 @@ fn heading(out: &mut String, comparison: &Comparison) {
     }
     for effect in &comparison.effects {
         let unit = if effect.unit == "1" { String::new() } else { format!(" {}", effect.unit) };
-        let how = if effect.estimated { "estimated in captive flight" } else { "as the model says" };
+        let how = if effect.estimated {
+            format!("estimated in {}", words.before)
+        } else {
+            "as the model says".to_owned()
+        };
         put!(
             out,
             "Effect {}: {} ± {}{unit}, {how}.",
@@ -96,11 +110,11 @@ fn heading(out: &mut String, comparison: &Comparison) {
     if comparison.launch_s.is_some() {
         for (name, sensor) in in_order(&comparison.sensors) {
             if sensor.flies_free {
-                put!(out, "{name}: {}", verdict(sensor));
+                put!(out, "{name}: {}", verdict(sensor, words));
             }
         }
         if let Some(check) = &comparison.cross_check {
-            put!(out, "{}", without_reference(check));
+            put!(out, "{}", without_reference(check, words));
         }
     }
 }
@@ -129,35 +143,35 @@ pub(crate) fn meaning(check: &str) -> &'static str {
 }
 
 /// What the sensors said of each other.
-fn without_reference(check: &CrossCheckFacts) -> String {
+fn without_reference(check: &CrossCheckFacts, Words { event, .. }: Words) -> String {
     let most = signed_m(Some(check.largest_difference_m));
     let said = match (check.disagree_after_s, check.doubtful_after_s) {
         (Some(after_s), _) => format!(
-            "disagree from {} after launch on: one of them is wrong, and nothing says which",
+            "disagree from {} after {event} on: one of them is wrong, and nothing says which",
             seconds(Some(after_s))
         ),
-        (None, Some(after_s)) => format!("are doubtful from {} after launch on", seconds(Some(after_s))),
+        (None, Some(after_s)) => format!("are doubtful from {} after {event} on", seconds(Some(after_s))),
         (None, None) => "agree".to_owned(),
     };
     format!("Without the reference baro and imu_slave {said} (at most {most} apart).")
 }
 
-fn verdict(sensor: &SensorComparison) -> String {
+fn verdict(sensor: &SensorComparison, Words { after, event, .. }: Words) -> String {
     if sensor.free_flight.readings == 0 {
-        return format!("{}; no reading in free flight had a reference.", sensor.trust);
+        return format!("{}; no reading in {after} had a reference.", sensor.trust);
     }
     let rms = metres(sensor.free_flight_rms_m);
     match (sensor.doubtful_after_s, sensor.untrustworthy_after_s) {
         (Some(doubtful), Some(untrustworthy)) => format!(
-            "doubtful {} after launch, untrustworthy {} later; rms error in free flight {rms}.",
+            "doubtful {} after {event}, untrustworthy {} later; rms error in {after} {rms}.",
             seconds(Some(doubtful)),
             seconds(Some(untrustworthy - doubtful)),
         ),
         (Some(doubtful), None) => format!(
-            "doubtful {} after launch, never untrustworthy; rms error in free flight {rms}.",
+            "doubtful {} after {event}, never untrustworthy; rms error in {after} {rms}.",
             seconds(Some(doubtful)),
         ),
-        _ => format!("never doubtful, {} at the end; rms error in free flight {rms}.", sensor.trust),
+        _ => format!("never doubtful, {} at the end; rms error in {after} {rms}.", sensor.trust),
     }
 }
 
@@ -167,7 +181,11 @@ fn never(after_s: Option<f64>) -> String {
 
 fn remedies(out: &mut String, comparison: &Comparison, colour: bool) {
     let Some(first) = comparison.remedies.first() else { return };
-    put!(out, "\nA second correction in free flight (section 4 of the paper), each flown over this flight");
+    put!(
+        out,
+        "\nA second correction in {} (section 4 of the paper), each flown over this flight",
+        comparison.words().after
+    );
     let names: Vec<&str> = first.sensors.iter().map(|figures| figures.sensor).collect();
     let mut sheet = Sheet::new("mean and rms error; untrustworthy after", &names);
     for remedy in &comparison.remedies {

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use super::super::words::Words;
 use super::number::{NONE, metres, per_hour, percent, plain, seconds};
 use super::table::{Mood, Sheet};
 use super::{in_order, never, put};
@@ -20,7 +21,8 @@ pub(super) fn write(out: &mut String, comparison: &Comparison, colour: bool) {
     let names: Vec<&str> = by_name.iter().map(|(name, _)| *name).collect();
     let columns: Vec<&SensorRules> = by_name.iter().map(|(_, rules)| *rules).collect();
     let monitor = &comparison.monitor;
-    put!(out, "\nThe monitor's rule, judged by each sensor's own captive residual");
+    let Words { before, residual, .. } = comparison.words();
+    put!(out, "\nThe monitor's rule, judged by each sensor's own {residual}");
     let mut sheet = Sheet::new("to detect", &names);
     let row = |sheet: &mut Sheet, label: &str, cell: &dyn Fn(&SensorRules) -> String| {
         sheet.row(label, columns.iter().map(|rules| (cell(rules), Mood::Neutral)));
@@ -35,15 +37,15 @@ pub(super) fn write(out: &mut String, comparison: &Comparison, colour: bool) {
     let wished = columns.first().map(|rules| rules.wished_false_alarms_per_hour);
     sheet.section(&format!("recommended for {}", per_hour(wished)));
     row(&mut sheet, "rule", &|rules| {
-        rules.recommended.as_ref().map_or_else(
-            || "captive flight too short".to_owned(),
-            |advice| rule(advice.multiplier, advice.window_s),
-        )
+        rules
+            .recommended
+            .as_ref()
+            .map_or_else(|| format!("{before} too short"), |advice| rule(advice.multiplier, advice.window_s))
     });
     quality_rows(&mut sheet, &columns, |rules| rules.recommended.as_ref().map(|advice| &advice.quality));
     put!(out, "{}", sheet.render(colour));
     for (name, rules) in by_name {
-        notes(out, name, rules);
+        notes(out, name, rules, before);
     }
 }
 
@@ -85,10 +87,10 @@ fn delay(delay: Option<&Delay>) -> String {
     )
 }
 
-fn notes(out: &mut String, name: &str, rules: &SensorRules) {
+fn notes(out: &mut String, name: &str, rules: &SensorRules, before: &str) {
     put!(
         out,
-        "{name}: the captive flight shows correlations up to {}; slower wander is not in these figures.",
+        "{name}: the {before} shows correlations up to {}; slower wander is not in these figures.",
         seconds(Some(rules.residual.longest_lag_s))
     );
     if let Some(advice) = rules.recommended.as_ref().filter(|advice| !advice.detects_step) {

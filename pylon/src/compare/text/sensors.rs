@@ -19,10 +19,10 @@ pub(super) fn write(out: &mut String, comparison: &Comparison, colour: bool) {
     }
     let names: Vec<&str> = sensors.iter().map(|(name, _)| *name).collect();
     let columns: Vec<&SensorComparison> = sensors.iter().map(|(_, sensor)| *sensor).collect();
-    let mut sheet = Sheet::new("captive flight", &names);
+    let mut sheet = Sheet::new(comparison.words().before, &names);
     captive(&mut sheet, &columns);
     if comparison.launch_s.is_some() {
-        sheet.section("free flight");
+        sheet.section(comparison.words().after);
         free_flight(&mut sheet, &columns);
     }
     put!(out, "\n{}", sheet.render(colour));

@@ -16,10 +16,14 @@ pub(super) fn summary(report: &FlightReport, is_one_of_many: bool) -> Markup {
             @if is_one_of_many { h2 { (file_name(&facts.file)) } }
             p.meta {
                 (seconds(Some(facts.duration_s))) " in " (grouped(facts.rows)) " rows"
-                @if let Some(launch_s) = comparison.launch_s { ", launched at " (seconds(Some(launch_s))) }
+                @if let Some(launch_s) = comparison.launch_s {
+                    @if facts.usage.has_launch { ", launched at " } @else { ", calibrated until " } (seconds(Some(launch_s)))
+                }
+                @if let Some(in_the_air) = facts.usage.in_the_air() { ", " (in_the_air) }
                 @if !facts.vehicle.is_empty() { " · " (facts.vehicle) }
                 @if !facts.source.is_empty() { " · source: " (facts.source) }
             }
+            @for line in facts.usage.lines() { p.unused { (line) } }
             p { (words::calibration(comparison)) }
             div.cards {
                 @for (sensor, found) in free_sensors(comparison) {

@@ -1,0 +1,48 @@
+//! `pylon open`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use pylon::import;
+use pylon::overview::{Overview, text};
+use pylon::replay::CalibrationWindow;
+
+use super::failure::Failure;
+use super::{load, terminal};
+
+const EXAMPLES: &str = "\
+Examples:
+  pylon open log_12_2024-05-01.ulg
+      what is in a log: take-off, landing, sensors, what of it is analysed, and what to do next
+  pylon open 00000042.BIN --json | jq '[.take_off_s, .landing_s]'
+      for other programs";
+
+/// Say what is in a log: take-off, landing, sensors, and what of it is used
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// The log: any that `pylon import` reads, or a flight's CSV
+    #[arg(value_name = "LOG")]
+    log: PathBuf,
+    /// Choose the flight of a log with several, by the calibration's window (seconds of the flight's own clock)
+    #[arg(long, value_name = "START..END")]
+    calibrate: Option<CalibrationWindow>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let (flight, notes) = load::flight(&arguments.log)?;
+    let format = import::format_name(&arguments.log)?;
+    let file = arguments.log.display().to_string();
+    let overview = Overview::new(&file, format, &flight, &notes, arguments.calibrate);
+    if arguments.json {
+        let mut json = serde_json::to_string_pretty(&overview)?;
+        json.push('\n');
+        terminal::put(&json)
+    } else {
+        terminal::put(&text(&overview))
+    }
+}

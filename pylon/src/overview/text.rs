@@ -1,0 +1,155 @@
+//! An overview as text.
+
+use std::fmt::Write as _;
+
+use super::{Aloft, Overview, SensorState};
+use crate::replay::clock;
+
+/// Writing a line to a string, which can not fail.
+macro_rules! put {
+    ($out:expr, $($arguments:tt)*) => {{
+        let _ = writeln!($out, $($arguments)*);
+    }};
+}
+
+/// The overview in plain words.
+#[must_use]
+pub fn text(overview: &Overview) -> String {
+    let mut out = String::new();
+    let Overview { file, format, vehicle, .. } = overview;
+    let of = if vehicle.is_empty() { String::new() } else { format!(", {vehicle}") };
+    put!(out, "{file}: {format}{of}");
+    put!(
+        out,
+        "  the log    {} in {} rows, from {:.0} s to {:.0} s of its own clock",
+        duration(overview.duration_s),
+        overview.rows,
+        overview.first_s,
+        overview.first_s + overview.duration_s
+    );
+    flights(&mut out, overview);
+    match (&overview.calibration, &overview.refused) {
+        (Some(calibration), _) => {
+            put!(out, "  calibrated {}", calibration.strip_prefix("calibrated ").unwrap_or(calibration))
+        }
+        (None, Some(refused)) => put!(out, "  not usable {refused}"),
+        (None, None) => {}
+    }
+    if overview.refused.is_none() {
+        put!(out, "  used       {:.1} % of the log", 100.0 * overview.usage.used_share);
+        for part in &overview.usage.unused {
+            put!(out, "             {}", part.text());
+        }
+    }
+    put!(out, "\nSensors");
+    for sensor in &overview.sensors {
+        let rate = sensor.rate_hz.map_or_else(String::new, |rate| format!(" at {}", hertz(rate)));
+        let said = match sensor.state {
+            SensorState::Present => {
+                format!("{} samples{rate} ({})", sensor.samples, sensor.columns.join(", "))
+            }
+            SensorState::Stuck => format!("stuck: {} samples, all the same", sensor.samples),
+            SensorState::Copied => "no barometer: a copy of the receiver's altitude".to_owned(),
+            SensorState::Absent => "none".to_owned(),
+        };
+        put!(out, "  {:<23}{said}", sensor.sensor);
+    }
+    if !overview.notes.is_empty() {
+        put!(out, "\nRemarks");
+        for note in &overview.notes {
+            put!(out, "  {note}");
+        }
+    }
+    if !overview.next.is_empty() {
+        put!(out, "\nNext");
+        for command in &overview.next {
+            put!(out, "  {command}");
+        }
+    }
+    out
+}
+
+fn flights(out: &mut String, overview: &Overview) {
+    if let Some(launch_s) = overview.launch_s {
+        put!(out, "  launch     at {}, as the log itself says", clock(launch_s));
+        return;
+    }
+    if overview.usage.has_launch {
+        put!(out, "  launch     none: its launch column never says 1");
+        return;
+    }
+    let several = overview.outings.len() > 1;
+    for (place, outing) in overview.outings.iter().enumerate() {
+        let number = if several { format!("{} ", place + 1) } else { String::new() };
+        let is_used = several && overview.usage.flight == Some(place + 1);
+        let used = if is_used { "; this one is used" } else { "" };
+        put!(out, "  flight {number:<4}{}{used}", ends(outing));
+    }
+    if overview.outings.is_empty() {
+        put!(out, "  flight     no take-off and no landing in this log: all of it is taken as one");
+    }
+    if let Some(seconds) = overview.ground_before_s {
+        put!(out, "  ground     {} before the take-off", duration(seconds));
+    }
+    if let Some(seconds) = overview.after_landing_s {
+        put!(out, "             {} after the landing, which are not analysed", duration(seconds));
+    }
+}
+
+fn ends(outing: &Aloft) -> String {
+    let take_off = outing.take_off_s.map_or_else(
+        || "in the air when the log begins (or just about to take off)".to_owned(),
+        |at_s| format!("take-off at {}", clock(at_s)),
+    );
+    let landing = outing.landing_s.map_or_else(
+        || "in the air when it ends (or just landed)".to_owned(),
+        |at_s| format!("landing at {}", clock(at_s)),
+    );
+    format!("{take_off}, {landing}, {} in the air", duration(outing.duration_s))
+}
+
+fn duration(seconds: f64) -> String {
+    match seconds {
+        short if short < 120.0 => format!("{short:.0} s"),
+        middle if middle < 7_200.0 => format!("{:.1} min", middle / 60.0),
+        long => format!("{:.1} h", long / 3_600.0),
+    }
+}
+
+fn hertz(rate: f64) -> String {
+    if rate < 0.95 { format!("one every {:.0} s", 1.0 / rate) } else { format!("{rate:.0} Hz") }
+}
+
+/// Commands to go on with, to be pasted into a shell.
+pub(super) fn next(file: &str, is_usable: bool) -> Vec<String> {
+    let file = quoted(file);
+    if !is_usable {
+        return vec![format!("pylon import {file} -o flight.csv")];
+    }
+    vec![
+        format!("pylon compare {file}"),
+        format!("pylon diagnose {file}"),
+        format!("pylon report {file} -o report.html"),
+        format!("pylon import {file} -o flight.csv"),
+    ]
+}
+
+/// A file's name as a shell takes it.
+fn quoted(file: &str) -> String {
+    let is_plain = |letter: char| letter.is_alphanumeric() || "/._-+,:@%".contains(letter);
+    let file = if file.starts_with('-') { format!("./{file}") } else { file.to_owned() };
+    if file.chars().all(is_plain) { file } else { format!("'{}'", file.replace('\'', r"'\''")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_quoted_for_a_shell() {
+        assert_eq!(quoted("logs/a-1.igc"), "logs/a-1.igc");
+        assert_eq!(quoted("my log.igc"), "'my log.igc'");
+        assert_eq!(quoted("it's.igc"), r"'it'\''s.igc'");
+        assert_eq!(quoted("-o.igc"), "./-o.igc");
+    }
+}
