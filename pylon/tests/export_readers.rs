@@ -29,7 +29,9 @@ fn python() -> PathBuf {
             assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         };
         run(Path::new("python3"), &["-m", "venv", folder.to_str().unwrap()]);
-        run(&python, &[&["-m", "pip", "install", "-q"][..], &PACKAGES].concat());
+        let requirements = here.join("tests/export_readers/requirements.txt");
+        let quietly = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement"];
+        run(&python, &[&quietly[..], &[requirements.to_str().unwrap()]].concat());
         assert!(has_all());
     }
     python
