@@ -105,6 +105,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let replay = Replay::new(&flight, &model, arguments.what.calibrate)
         .map_err(|error| Failure::input(format!("{}: {error}", arguments.what.flight.display())))?;
     let file = arguments.what.flight.display();
+    load::write_unused_of(&file, &replay);
     let link = arguments.debug_link();
     let progress = Arc::clone(&link.progress);
     let options = FlyOptions {

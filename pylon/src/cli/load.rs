@@ -1,6 +1,7 @@
 //! Flights and models, by what the user wrote.
 
 use std::collections::BTreeSet;
+use std::fmt::Display;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -153,10 +154,15 @@ fn replays_by<'a>(
 /// Says on standard error what of each flight is not used, and why.
 pub fn write_unused<'a>(named: impl IntoIterator<Item = &'a NamedReplay<'a>>) {
     for NamedReplay { file, replay } in named {
-        for line in Usage::of(replay).lines() {
-            // Nothing is left to be told to when standard error is closed.
-            let _ = writeln!(std::io::stderr(), "note: {file}: {line}");
-        }
+        write_unused_of(file, replay);
+    }
+}
+
+/// As [`write_unused`], of one flight.
+pub fn write_unused_of(file: &impl Display, replay: &Replay<'_>) {
+    for line in Usage::of(replay).lines() {
+        // Nothing is left to be told to when standard error is closed.
+        let _ = writeln!(std::io::stderr(), "note: {file}: {line}");
     }
 }
 
