@@ -282,26 +282,15 @@ mod app {
                     let mut meter = TickMeter::start();
                     let step = computer.tick_measured(now_us, &mut |part| meter.lap(part));
                     let sensor_faults = computer.sensors.faults().count;
+                    let wire = computer.onboard.as_ref().map(|onboard| onboard.launch().wire());
                     let told = Told {
                         step: step.clone(),
                         counters: *computer.mission.0.counters(),
-                        computer: ComputerStatus {
-                            wire: computer.onboard.as_ref().map(|onboard| onboard.launch().wire()),
-                            sensor_faults,
-                            ..computer_status
-                        },
+                        computer: ComputerStatus { wire, sensor_faults, ..computer_status },
                     };
                     let is_told = told_in.enqueue(told).is_ok();
                     meter.lap(Part::Telemetry);
-                    let wire_is_broken = computer.onboard.as_ref().is_some_and(Onboard::wire_is_broken);
-                    keep_mark(
-                        marks,
-                        marks_memory,
-                        computer.mission.0,
-                        &step,
-                        CostClock::time(),
-                        wire_is_broken,
-                    );
+                    keep_mark(marks, marks_memory, computer.mission.0, &step, CostClock::time(), wire);
                     meter.lap(Part::Mark);
                     strike::strike(now_us);
                     Ok((meter, step, sensor_faults, is_told))

@@ -92,8 +92,8 @@ impl<Suite: Sensors, Mission: Retainable> Interruptible<Suite, Mission> {
     /// mission.
     pub fn tick_only(&mut self, memory: &mut impl WordMemory, now_us: u64) -> Step {
         let step = self.computer.tick(now_us);
-        let wire_is_broken = self.computer.onboard.as_ref().is_some_and(Onboard::wire_is_broken);
-        keep_mark(&mut self.marks, memory, &self.computer.mission, &step, now_us as u32, wire_is_broken);
+        let wire = self.computer.onboard.as_ref().map(|onboard| onboard.launch().wire());
+        keep_mark(&mut self.marks, memory, &self.computer.mission, &step, now_us as u32, wire);
         step
     }
 

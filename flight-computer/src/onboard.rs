@@ -3,7 +3,7 @@
 
 use kf_core::estimator::ConfigError;
 use kf_core::input::{LaunchDoubt, TickInput};
-use kf_core::launch::{LaunchConfig, LaunchDetector, LaunchInput, WireCondition};
+use kf_core::launch::{LaunchConfig, LaunchDetector, LaunchInput};
 use kf_core::navigation::{InertialAltitude, KeptInertial};
 use kf_core::strapdown;
 
@@ -60,12 +60,6 @@ impl Onboard {
     #[must_use]
     pub fn with_broken_wire(self) -> Self {
         Self { launch: self.launch.with_broken_wire(), ..self }
-    }
-
-    /// Whether the umbilical's wire has been found broken, or loose.
-    #[must_use]
-    pub fn wire_is_broken(&self) -> bool {
-        self.launch.wire() == WireCondition::Broken
     }
 
     /// After a cold start that has found the traces of a mission.

@@ -1,5 +1,6 @@
 //! What is kept of a mission while it flies, for a restart to go on from.
 
+use kf_core::launch::WireCondition;
 use kf_core::navigation::KeptInertial;
 use kf_core::snapshot::{MissionMark, MissionSnapshot, RaisedFlags, SnapshotError, Stage};
 use survival::{Flight, MarkWriter, PAYLOAD_BYTES, SlotOrder, TickMark, WordMemory};
@@ -12,7 +13,7 @@ use crate::onboard::Onboard;
 /// decided, or a flag has been raised.
 const EVERY_US: u64 = 100_000;
 
-/// Keeps the mark of a tick, at its end; `count` is the board's free-running timer, `wire_is_broken` what the launch detector has found.
+/// Keeps the mark of a tick, at its end; `count` is the board's free-running timer, `wire` what the launch detector takes it for.
 #[inline]
 pub fn keep_mark(
     writer: &mut MarkWriter,
@@ -20,8 +21,9 @@ pub fn keep_mark(
     mission: &impl Retainable,
     step: &Step,
     count: u32,
-    wire_is_broken: bool,
+    wire: Option<WireCondition>,
 ) {
+    let wire_is_broken = wire == Some(WireCondition::Broken);
     if !step.output.out_of_order {
         writer.keep(memory, &tick_mark(step.input.time_us, count, &mission.mark(), wire_is_broken));
     }

@@ -19,7 +19,7 @@ pub(crate) mod text;
 mod timeline;
 mod traces;
 mod warnings;
-mod words;
+pub(crate) mod words;
 
 pub use comparator::{Comparator, MissionEnd};
 pub use comparison::{

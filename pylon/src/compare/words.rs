@@ -13,6 +13,12 @@ pub(crate) struct Words {
     pub(crate) residual: &'static str,
     /// What times are counted from.
     pub(crate) event: &'static str,
+    /// The axis of such times.
+    pub(crate) time_after: &'static str,
+    /// When a sensor had a bias.
+    pub(crate) meanwhile: &'static str,
+    /// When sensors were compared with the reference.
+    pub(crate) beforehand: &'static str,
 }
 
 impl Comparison {
@@ -24,6 +30,9 @@ impl Comparison {
                 after: "free flight",
                 residual: "captive residual",
                 event: "launch",
+                time_after: "time after launch, s",
+                meanwhile: "Under the pylon",
+                beforehand: "Before launch",
             }
         } else {
             Words {
@@ -31,6 +40,9 @@ impl Comparison {
                 after: "the flight after it",
                 residual: "residual of the calibration",
                 event: "the calibration",
+                time_after: "time after the calibration, s",
+                meanwhile: "While it was calibrated",
+                beforehand: "For the calibration",
             }
         }
     }

@@ -11,7 +11,6 @@ use crate::compare::{Comparison, SensorComparison};
 const PRIOR_SHARE: f64 = 0.04;
 
 const TIME: &str = "time, s";
-const TIME_AFTER_LAUNCH: &str = "time after launch, s";
 
 /// A diagram's place in the page, and the diagram.
 pub(super) type Drawn = Vec<Chart>;
@@ -78,7 +77,7 @@ pub(super) fn free_flight(flight: &str, recording: &Recording, comparison: &Comp
             let mut chart = Chart::new(
                 format!("{flight}-fig4-{}", sensor.name()),
                 format!("{flight}-free"),
-                TIME_AFTER_LAUNCH,
+                comparison.words().time_after,
                 format!("error of {}, m", sensor.name()),
                 table.times_s(launch_us),
             )
@@ -99,14 +98,18 @@ pub(super) fn measured(
     comparison: &Comparison,
 ) -> Vec<(&'static str, Drawn)> {
     let origin_us = recording.launch_us.unwrap_or(0);
-    let x_name = if recording.launch_us.is_some() { TIME_AFTER_LAUNCH } else { TIME };
+    let x_name = if recording.launch_us.is_some() { comparison.words().time_after } else { TIME };
     let group = format!("{flight}-whole");
     let chart = |kind: &str, sensor: Sensor, y_name: String, table: &Table| {
         let id = format!("{flight}-{kind}-{}", sensor.name());
         let mut chart = Chart::new(id, group.clone(), x_name, y_name, table.times_s(origin_us));
         chart.shades = failing(comparison, sensor);
         if recording.launch_us.is_some() {
-            chart.moments.push(Moment { name: "launch".to_owned(), role: Role::Event, x: 0.0 });
+            chart.moments.push(Moment {
+                name: comparison.words().event.to_owned(),
+                role: Role::Event,
+                x: 0.0,
+            });
         }
         chart
     };

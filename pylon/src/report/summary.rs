@@ -1,6 +1,7 @@
 //! What there is to say about a flight, for somebody who never saw Pylon.
 
 use crate::compare::text::number::{metres, seconds, signed_m};
+use crate::compare::words::Words;
 use crate::compare::{Comparison, SensorComparison, Stretch};
 
 /// How a sensor came out, in one word and its explanation.
@@ -29,13 +30,14 @@ pub(super) fn outcome(trust: &str) -> Outcome {
 pub(super) fn calibration(comparison: &Comparison) -> String {
     let facts = &comparison.calibration;
     let length = seconds(facts.duration_s);
+    let Words { beforehand, .. } = comparison.words();
     match facts.quality {
         None => format!("Nothing was calibrated: {}.", facts.source),
         Some("good") => format!(
-            "Before launch the sensors were compared with gps for {length}; every check of that calibration passed."
+            "{beforehand} the sensors were compared with gps for {length}; every check of that calibration passed."
         ),
         Some(_) => format!(
-            "Before launch the sensors were compared with gps for {length}, but that calibration is poor: {} of its \
+            "{beforehand} the sensors were compared with gps for {length}, but that calibration is poor: {} of its \
              checks failed. What follows is to be read with care.",
             facts.failed_checks.len()
         ),
@@ -45,46 +47,45 @@ pub(super) fn calibration(comparison: &Comparison) -> String {
 /// What a sensor did, in sentences.
 pub(super) fn sensor(name: &str, found: &SensorComparison, comparison: &Comparison) -> Vec<String> {
     let mut said = Vec::new();
+    let words = comparison.words();
+    let Words { after, event, meanwhile, .. } = words;
     if let Some(bias_m) = found.bias_m {
         let side = if bias_m < 0.0 { "low" } else { "high" };
         let sure =
             found.bias_sigma_m.map_or_else(String::new, |sigma| format!(" (± {})", metres(Some(sigma))));
-        said.push(format!("Under the pylon {name} read {} too {side}{sure}.", metres(Some(bias_m.abs()))));
+        said.push(format!("{meanwhile} {name} read {} too {side}{sure}.", metres(Some(bias_m.abs()))));
     }
     if comparison.launch_s.is_none() {
         return said;
     }
     let Some(rms_m) = found.free_flight_rms_m else {
-        said.push("No reading in free flight had a reference to be compared with.".to_owned());
+        said.push(format!("No reading in {after} had a reference to be compared with."));
         return said;
     };
     let bound = found
         .bound_m
         .map_or_else(String::new, |bound| format!("; the monitor's bound is {}", metres(Some(bound))));
-    said.push(format!(
-        "With that taken off, its error in free flight was {} rms{bound}.",
-        metres(Some(rms_m))
-    ));
+    said.push(format!("With that taken off, its error in {after} was {} rms{bound}.", metres(Some(rms_m))));
     said.push(match (found.doubtful_after_s, found.untrustworthy_after_s) {
         (Some(doubtful), Some(untrustworthy)) => format!(
-            "It became doubtful {} after launch and untrustworthy {} later.",
+            "It became doubtful {} after {event} and untrustworthy {} later.",
             seconds(Some(doubtful)),
             seconds(Some(untrustworthy - doubtful))
         ),
         (Some(doubtful), None) => {
-            format!("It became doubtful {} after launch, and never untrustworthy.", seconds(Some(doubtful)))
+            format!("It became doubtful {} after {event}, and never untrustworthy.", seconds(Some(doubtful)))
         }
         _ => "It was never doubtful.".to_owned(),
     });
     if let Some(worst) = comparison.failures.worst.iter().find(|stretch| stretch.sensor == name) {
-        said.push(worst_stretch(worst));
+        said.push(worst_stretch(worst, words));
     }
     said
 }
 
-fn worst_stretch(stretch: &Stretch) -> String {
+fn worst_stretch(stretch: &Stretch, Words { event, .. }: Words) -> String {
     format!(
-        "It was worst {}, {:.0} to {:.0} s after launch: {} on average.",
+        "It was worst {}, {:.0} to {:.0} s after {event}: {} on average.",
         stretch.doing.phrase(),
         stretch.from_s,
         stretch.to_s,

@@ -6,6 +6,7 @@ use maud::{Markup, html};
 use crate::compare::SensorComparison;
 use crate::compare::text::meaning;
 use crate::compare::text::number::{grouped, metres, plain, seconds, signed_m, with_sigma_m};
+use crate::compare::words::Words;
 use crate::report::FlightReport;
 
 pub(super) fn section(report: &FlightReport) -> Markup {
@@ -30,35 +31,44 @@ pub(super) fn section(report: &FlightReport) -> Markup {
                     @for check in &calibration.failed_checks { li { b { (check) } ": " (meaning(check)) } }
                 }
             }
-            @if !sensors.is_empty() { (table(&sensors, comparison.launch_s.is_some())) }
+            @if !sensors.is_empty() { (table(&sensors, comparison.launch_s.is_some(), comparison.words())) }
             (effects(report))
         }
     }
 }
 
-fn table(sensors: &[(&str, &SensorComparison)], is_launched: bool) -> Markup {
+fn table(
+    sensors: &[(&str, &SensorComparison)],
+    is_launched: bool,
+    Words { before, event, .. }: Words,
+) -> Markup {
+    let [rms_before, mean_after, rms_after] = [
+        format!("rms error in {before}"),
+        format!("mean error after {event}"),
+        format!("rms error after {event}"),
+    ];
+    let [readings, seconds_after] =
+        [format!("used, before and after {event}"), format!("seconds after {event}")];
     type Value = fn(&SensorComparison) -> String;
     let captive: [(&str, &str, Value); 5] = [
         ("bias", "what is taken off its readings, and how sure the filter is of it", |s| {
             with_sigma_m(s.bias_m, s.bias_sigma_m)
         }),
         ("spread of the residual", "one standard deviation of what is left", |s| metres(s.residual_sigma_m)),
-        ("rms error under the pylon", "by that bias", |s| metres(s.captive_rms_m)),
+        (&rms_before, "by that bias", |s| metres(s.captive_rms_m)),
         ("an error keeps its sign for", "readings that come faster do not count as many", |s| {
             seconds(s.captive.correlation_time_s)
         }),
-        ("readings", "used, before and after launch", |s| {
-            grouped(s.captive.readings + s.free_flight.readings)
-        }),
+        ("readings", &readings, |s| grouped(s.captive.readings + s.free_flight.readings)),
     ];
     let free: [(&str, &str, Value); 7] =
         [
             ("bound of the monitor", "an error beyond it raises a doubt", |s| metres(s.bound_m)),
-            ("mean error in free flight", "", |s| signed_m(s.free_flight.bias_m)),
-            ("rms error in free flight", "", |s| metres(s.free_flight_rms_m)),
+            (&mean_after, "", |s| signed_m(s.free_flight.bias_m)),
+            (&rms_after, "", |s| metres(s.free_flight_rms_m)),
             ("moving average at the end", "", |s| signed_m(s.moving_average_end_m)),
-            ("doubtful", "seconds after launch", |s| flag(s, s.doubtful_after_s)),
-            ("untrustworthy", "seconds after launch", |s| flag(s, s.untrustworthy_after_s)),
+            ("doubtful", &seconds_after, |s| flag(s, s.doubtful_after_s)),
+            ("untrustworthy", &seconds_after, |s| flag(s, s.untrustworthy_after_s)),
             ("trust at the end", "", |s| {
                 if s.flies_free { s.trust.to_owned() } else { "stays behind".to_owned() }
             }),

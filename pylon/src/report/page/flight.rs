@@ -4,6 +4,7 @@ use maud::{Markup, html};
 
 use super::{calibration, file_name, place, signals};
 use crate::compare::text::number::{grouped, metres, percent, seconds, signed_m};
+use crate::compare::words::Words;
 use crate::report::figures::free_sensors;
 use crate::report::{Chart, FlightReport, summary as words};
 
@@ -49,6 +50,7 @@ pub(super) fn summary(report: &FlightReport, is_one_of_many: bool) -> Markup {
 
 /// Everything about a flight.
 pub(super) fn section(report: &FlightReport) -> Markup {
+    let Words { before, event, .. } = report.comparison.words();
     html! {
         section id=(report.id) {
             h2 { "Flight " (file_name(&report.comparison.flight.file)) }
@@ -60,21 +62,21 @@ pub(super) fn section(report: &FlightReport) -> Markup {
             (failures(report))
             (calibration::section(report))
             (figure(
-                "Figure 2: what was estimated under the pylon",
+                &format!("Figure 2: what was estimated in {before}"),
                 "The reference's altitude and each sensor's bias while the filter learns them, with the filter's own \
                  standard deviation. A bias that has settled stays level and its band narrows.",
                 &report.calibration,
             ))
             (figure(
-                "Figure 3: what was left over under the pylon",
+                &format!("Figure 3: what was left over in {before}"),
                 "Residuals: readings minus what the filter expected. They should look like noise about zero. A slow wave means \
                  that something is correlated which the model says is not.",
                 &report.residuals,
             ))
             (figure(
-                "Figure 4: errors in free flight",
-                "Each sensor's error after launch, by the latched calibration. Doubtful: the error has passed the bound once. \
-                 Untrustworthy: after that, its moving average has too.",
+                &format!("Figure 4: errors after {event}"),
+                &format!("Each sensor's error after {event}, by its calibration. Doubtful: the error has passed the bound once. \
+                 Untrustworthy: after that, its moving average has too."),
                 &report.free_flight,
             ))
             (signals::section(report))
@@ -106,7 +108,7 @@ fn measured(report: &FlightReport) -> Markup {
                 p {
                     "What each sensor read, what the model says it should have read, and below the difference. "
                     @if report.comparison.launch_s.is_some() {
-                        "Shaded: the stretches of free flight with the largest errors."
+                        "Shaded: the stretches of " (report.comparison.words().after) " with the largest errors."
                     }
                 }
                 @for (sensor, charts) in &report.measured {
@@ -120,15 +122,16 @@ fn measured(report: &FlightReport) -> Markup {
 
 fn failures(report: &FlightReport) -> Markup {
     let failures = &report.comparison.failures;
+    let Words { after, event, .. } = report.comparison.words();
     html! {
         @if !failures.worst.is_empty() {
             section {
                 h3 { "Where the model fails" }
-                p { "The stretches of free flight with the largest errors, and what the aircraft was doing then." }
+                p { "The stretches of " (after) " with the largest errors, and what the aircraft was doing then." }
                 div.scroll {
                     table {
                         thead { tr {
-                            th scope="col" { "sensor" } th scope="col" { "after launch" } th scope="col" { "what it was doing" }
+                            th scope="col" { "sensor" } th scope="col" { "after " (event) } th scope="col" { "what it was doing" }
                             th.number scope="col" { "mean error" } th.number scope="col" { "rms error" }
                             th.number scope="col" { "share of all squared error" }
                         } }
