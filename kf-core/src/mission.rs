@@ -341,6 +341,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         }
         if !launch && input.launch_doubt != LaunchDoubt::Suspected {
             if self.is_held() {
+                self.resume_reference();
                 self.latch = None;
                 self.unchecked = None;
                 self.signals.resume_captive();

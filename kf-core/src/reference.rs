@@ -136,6 +136,13 @@ impl ReferenceTracker {
         }
     }
 
+    /// Moves the last fix's altitude, metres.
+    pub(crate) fn shift(&mut self, by_m: f32) {
+        if let Some((_, fix)) = &mut self.last {
+            fix.altitude_m += by_m;
+        }
+    }
+
     /// Whether the last fix is recent enough to measure against.
     #[must_use]
     #[inline]

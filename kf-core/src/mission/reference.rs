@@ -63,4 +63,12 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         };
         (!is_good).then_some(Rejection::Gated)
     }
+
+    /// A suspicion was none: captive flight goes on from what was carried on to a fix that was refused in it, and not from that fix.
+    pub(super) fn resume_reference(&mut self) {
+        let last_m = self.tracker.altitude_m(self.tracker.last_fix_us());
+        if let (Some(carried_m), Some(last_m)) = (self.free_flight.carried_m(), last_m) {
+            self.tracker.shift(carried_m - self.freed_m(last_m));
+        }
+    }
 }

@@ -221,3 +221,28 @@ fn a_launch_that_nothing_confirmed_is_latched_as_such() {
     );
     assert_eq!(failed(&mission), ["launch_confirmed"]);
 }
+
+/// A fix that is refused while a launch is suspected is not what captive flight goes on from when it was none: neither the residuals nor
+/// the bound are made of it.
+#[test]
+fn a_fix_that_was_refused_in_a_suspicion_is_no_reference_after_it() {
+    let bounds_m = |jump_m: f32| {
+        let mission = fly::<0, 4, 0>(
+            &config(true),
+            |k, input| {
+                // With a fix in it, every 40 ticks.
+                if (5_590..5_610).contains(&k) {
+                    input.launch_doubt = LaunchDoubt::Suspected;
+                }
+                if let Some(fix) = input.gps.as_mut().filter(|_| (5_520..5_840).contains(&k)) {
+                    fix.altitude_m += jump_m;
+                }
+            },
+            |_, _| {},
+        );
+        mission.latch().unwrap().sensors.map(|sensor| sensor.bound_m())
+    };
+    for (clean_m, found_m) in bounds_m(0.0).into_iter().zip(bounds_m(400.0)) {
+        assert!((found_m / clean_m - 1.0).abs() < 0.3, "{found_m} m, not {clean_m} m");
+    }
+}
