@@ -113,7 +113,8 @@ mod tests {
 
     #[test]
     fn a_sensor_is_told_in_sentences() {
-        let (found, comparison) = flown();
+        let (found, mut comparison) = flown();
+        comparison.flight.usage.has_launch = true;
         assert_eq!(
             sensor("baro", &found, &comparison),
             [
@@ -121,6 +122,17 @@ mod tests {
                 "With that taken off, its error in free flight was 70.00 m rms; the monitor's bound is 40.00 m.",
                 "It became doubtful 7.00 s after launch and untrustworthy 2.50 s later.",
             ]
+        );
+    }
+
+    #[test]
+    fn who_was_never_launched_is_not_told_about_launches() {
+        let (found, comparison) = flown();
+        let told = sensor("baro", &found, &comparison).join(" ");
+        assert!(told.starts_with("While it was calibrated baro read 121.5 m too low"), "{told}");
+        assert!(
+            !told.contains("launch") && !told.contains("pylon") && !told.contains("free flight"),
+            "{told}"
         );
     }
 
