@@ -93,12 +93,19 @@ fn header(report: &Report<'_>, title: &str) -> Markup {
 }
 
 fn opening(report: &Report<'_>) -> Markup {
+    // Who flies by itself is not told about pylons.
+    let is_launched = report.flights.iter().any(|flight| flight.comparison.flight.usage.has_launch);
     html! {
         section.lead {
             p {
-                "A UAV hangs under its mother ship's pylon until it is launched. While it hangs there, Pylon compares its altitude \
-                 sensors with gps and learns what is wrong with them. From launch on it takes that off, watches the \
-                 sensors, and says when one is not to be trusted any more. This page says how well the model "
+                @if is_launched {
+                    "A UAV hangs under its mother ship's pylon until it is launched. While it hangs there, Pylon compares its \
+                     altitude sensors with gps and learns what is wrong with them. From launch on it takes that off, "
+                } @else {
+                    "On one quiet stretch of a flight Pylon compares its altitude sensors with gps and learns what is wrong with \
+                     them. From then on it takes that off, "
+                }
+                "watches the sensors, and says when one is not to be trusted any more. This page says how well the model "
                 b { (report.model_name) }
                 " described "
                 @if report.flights.len() == 1 { "one flight" } @else { (report.flights.len()) " flights" }
