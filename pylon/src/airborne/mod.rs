@@ -1,6 +1,6 @@
 //! When a vehicle was in the air: take-offs and landings, from what the flight itself recorded.
 //!
-//! Heights, their changes and the speed over ground are looked at in blocks of a second or more ([`blocks`]). A block shows flight
+//! Heights, their changes and the speed over ground are looked at in blocks of a second or more (`blocks.rs`). A block shows flight
 //! when the vehicle moves fast while its height changes, or when its height changes faster than ground allows; it shows standing
 //! when it is slow and its height does not change. A landing is where flight ends in a stretch of standing, a take-off where it
 //! begins after one. Standing in the air (a hover) is told from standing on the ground by the ground: where the vehicle has been
