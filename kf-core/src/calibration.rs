@@ -635,6 +635,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         let duration_s = self.start_us.map_or(0.0, |start_us| seconds_between(start_us, time_us));
         let unseen_m2 = square(config.reference.sigma_m)
             * mean_variance_factor(duration_s, config.reference.correlation_time_s);
+        let mut is_spread_credible = true;
         let mut sensors = [SensorLatch::default(); SENSORS];
         for ((latch, sensor), residuals) in sensors.iter_mut().zip(Sensor::ALL).zip(&self.residuals) {
             let summary = residuals.summary();
@@ -645,12 +646,13 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
                 SigmaSource::Covariance => bias_variance_m2,
                 SigmaSource::Datasheet => square(config.sensors[sensor.index()].sigma_m),
             };
-            // A residual spread ten times as far as the model has it is not of that sensor: its bound would call anything trusted.
-            let modelled_m2 = config
-                .sensors
-                .get(sensor.index())
-                .map_or(0.0, |sensor| square(sensor.sigma_m) + square(config.reference.sigma_m));
-            let calibrated = summary.is_some() && residual_variance_m2 <= gate::LARGEST_SPREAD * modelled_m2;
+            // A residual spread ten times as far as the model has it is not of that sensor: a bound made of it would call anything trusted.
+            let modelled_m2 =
+                square(config.sensors[sensor.index()].sigma_m) + square(config.reference.sigma_m);
+            let is_its_own = residual_variance_m2 <= gate::LARGEST_SPREAD * modelled_m2;
+            is_spread_credible &= is_its_own;
+            let calibrated =
+                summary.is_some() && (is_its_own || config.monitor.sigma != SigmaSource::Residual);
             *latch = SensorLatch {
                 bias_m: self.estimator.bias_m(sensor),
                 bias_variance_m2,
@@ -667,7 +669,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         failed.note(Check::SensorsAlive, sensors_alive);
         let is_fresh = tracker.is_fresh(time_us) && !self.reference_was_lost;
         failed.note(Check::ReferenceFresh, is_fresh);
-        failed.note(Check::ReadingsConsistent, self.is_consistent(config, duration_s));
+        let is_consistent = is_spread_credible && self.is_consistent(config, duration_s);
+        failed.note(Check::ReadingsConsistent, is_consistent);
 
         let biases = Sensor::ALL.map(|sensor| self.estimator.bias_m(sensor));
         let coefficients = self.estimator.coefficients();

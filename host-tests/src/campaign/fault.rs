@@ -1,6 +1,6 @@
 //! What can go wrong in a run: where, when and what.
 
-use chip_models::flown::{ChipFault, Fault};
+use chip_models::flown::{ChipFault, Fault, Quantity};
 
 use super::flight::TICKS_PER_S;
 
@@ -150,10 +150,12 @@ impl Drawn {
         self.to - self.from <= TRANSIENT_TICKS
     }
 
-    /// Whether all that it does is to add something, the same while it lasts.
+    /// Whether all that it does is to add something to an altitude or a pressure, the same while it lasts.
     #[must_use]
-    pub fn is_offset(&self) -> bool {
-        let is_one = |fault: &Fault| matches!(fault, Fault::Lies { .. } | Fault::Offset { .. });
+    pub fn is_altitude_offset(&self) -> bool {
+        let is_one = |fault: &Fault| {
+            matches!(fault, Fault::Lies { .. } | Fault::Offset { quantity: Quantity::Pressure, .. })
+        };
         let begins = self.events.first().is_some_and(|(_, event)| is_one(&event.fault));
         begins && self.events.iter().all(|(_, event)| is_one(&event.fault) || event.fault == Fault::None)
     }

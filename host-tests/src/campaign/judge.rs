@@ -308,7 +308,7 @@ impl Judge<'_> {
             // An offset that is there from before the calibration begins until it is latched is the sensor's bias.
             let latched = self.faulty.launched.unwrap_or(self.faulty.ticks.len());
             let is_its_bias = |fault: &Drawn| {
-                fault.is_offset()
+                fault.is_altitude_offset()
                     && fault.phase == Phase::Settling
                     && fault.to >= latched
                     && is_own(fault, sensor, false)
@@ -494,12 +494,9 @@ impl Judge<'_> {
         }
         let mut end = self.faulty.ticks.len().min(self.clean.ticks.len());
         // A sensor that fails is gated where the launch is not seen, as `seen` allows, and calibration goes on: by its own failure.
-        if self
-            .faulty
-            .launched
-            .is_none_or(|launched| self.case.failure.is_some_and(|failure| launched > failure.tick))
-        {
-            end = end.min(self.case.failure.map_or(end, |failure| failure.tick));
+        let launched = self.faulty.launched.unwrap_or(usize::MAX);
+        if let Some(failure) = self.case.failure.filter(|failure| failure.tick < launched) {
+            end = end.min(failure.tick);
         }
         let parted = if self.case.plan.separates { self.case.plan.separation() } else { end };
         // What a restart under the pylon costs is a calibration, and that is told.

@@ -50,8 +50,7 @@
 //! In the first ten seconds there is nothing that a change could be told from, and nothing calibrated that a launch would latch: a wire
 //! that opens there without a change is broken, for else a cable torn at power-on would be a launch. A start after an interruption is
 //! excepted ([`LaunchDetector::after_interruption`]): the vehicle may have been released while it lasted; unless the wire was broken before it
-//! ([`LaunchDetector::with_broken_wire`]). So is one that finds the traces of a
-//! mission ([`LaunchDetector::after_traces`]) and moves over ground at 10 m/s: nobody has switched it on, its supply has dipped, and the release may be
+//! ([`LaunchDetector::with_broken_wire`]). So is one that finds the traces of a mission ([`LaunchDetector::after_traces`]) and moves over ground at 10 m/s: nobody has switched it on, its supply has dipped, and the release may be
 //! a second away.
 //!
 //! # One fault is no launch
@@ -523,9 +522,8 @@ impl LaunchDetector {
         if was_alive && !is_silent && !is_over {
             return Verdict::Suspected;
         }
-        let departs = self.has_departed;
         if self.has_changed(edge_us) {
-            return Verdict::Launched(match (departs, was_alive) {
+            return Verdict::Launched(match (self.has_departed, was_alive) {
                 (true, _) => Confirmation::Force,
                 (false, true) => Confirmation::Silence,
                 (false, false) => Confirmation::Unconfirmed,
@@ -534,7 +532,7 @@ impl LaunchDetector {
         if !is_over {
             return Verdict::Suspected;
         }
-        if !is_early && (departs || !self.would_have_changed(edge_us, now_us)) {
+        if !is_early && (self.has_departed || !self.would_have_changed(edge_us, now_us)) {
             return Verdict::Launched(Confirmation::Unconfirmed);
         }
         self.wire.call_broken();

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::airborne::Outing;
 use crate::flight::{Channel, Column, Flight, Note};
-use crate::replay::{CalibrationWindow, Replay, Usage};
+use crate::replay::{CalibrationWindow, Replay, Usage, has_launch};
 use model::Model;
 
 pub use sensors::{SensorState, SensorView};
@@ -94,8 +94,6 @@ impl Overview {
             ),
             Err(error) => (Usage::default(), None, None, Some(error.to_string()), None),
         };
-        let has_launch =
-            flight.channel(Channel::Launch).is_some_and(|launch| launch.samples().next().is_some());
         Self {
             file: file.to_owned(),
             format: format.to_owned(),
@@ -105,7 +103,7 @@ impl Overview {
             duration_s: last_s - first_s,
             launch_s: launch_s(flight),
             // A flight that says itself when it was launched is not searched for take-offs.
-            outings: if has_launch { Vec::new() } else { outings.iter().map(Aloft::from).collect() },
+            outings: if has_launch(flight) { Vec::new() } else { outings.iter().map(Aloft::from).collect() },
             ground_before_s: chosen.and_then(|outing| Some(outing.take_off_s? - outing.ground_from_s?)),
             after_landing_s: chosen.and_then(|outing| Some(last_s - outing.landing_s?)),
             calibration,

@@ -132,8 +132,7 @@ impl Extent {
             self.used_s.0,
             if earlier.is_empty() { "before this flight".to_owned() } else { earlier },
         );
-        let before = self.used_s.0.max(self.log_s.0);
-        let skipped = part(before, start_s, "before the calibration".to_owned());
+        let skipped = part(self.used_s.0, start_s, "before the calibration".to_owned());
         let later = flights(chosen + 1..self.outings.len().max(chosen + 1));
         let after = match later.as_str() {
             "" => "on the ground after the landing".to_owned(),

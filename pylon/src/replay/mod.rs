@@ -317,7 +317,7 @@ impl<'a> Replay<'a> {
 }
 
 /// Whether the flight says itself when it was launched.
-fn has_launch(flight: &Flight) -> bool {
+pub(crate) fn has_launch(flight: &Flight) -> bool {
     flight.channel(Channel::Launch).is_some_and(|launch| launch.samples().next().is_some())
 }
 

@@ -136,7 +136,8 @@ pub(crate) fn meaning(check: &str) -> &'static str {
         "sensors_alive" => "a sensor was stuck or silent",
         "launch_confirmed" => "nothing but the umbilical's wire showed the launch",
         "readings_consistent" => {
-            "a source had many outliers, stepped in mid-calibration, or has a bias that its prior rules out"
+            "a source had many outliers, stepped in mid-calibration, is spread ten times as far as the model says, or has a bias that its prior \
+             rules out"
         }
         _ => "see the documentation of kf_core::quality",
     }
