@@ -41,10 +41,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     for argument in ["--nmagic", "-Tlink.x", "-Tdefmt.x"] {
         println!("cargo:rustc-link-arg-bins={argument}");
     }
-    // The benchmark's peers take more stack than the flight computer's; it has what lies between its variables and the retained memory.
-    for argument in ["--defsym=_stack_end=__sheap", "--defsym=_stack_start=_retained_start"] {
-        println!("cargo:rustc-link-arg-bin=bench={argument}");
-    }
     println!("cargo:rerun-if-changed=build.rs");
     Ok(())
 }

@@ -2,7 +2,7 @@
 //! be written, and says what is in it.
 
 use pylon::flight::{self, Flight};
-use pylon::import::mapping::{self, Layout, TextTable};
+use pylon::import::mapping::{self, Layout, LoggedTable};
 use pylon::import::{self, Importer, guess, import};
 use pylon::overview::{Overview, text};
 use pylon::simulate::Scenario;
@@ -44,6 +44,7 @@ importers! {
     ulog = import::ulog::Ulog;
     mcap = import::mcap::Mcap;
     altus = import::altus::Altus;
+    own_parquet = import::parquet::Parquet;
     dataflash = import::dataflash::DataFlash;
     dataflash_text = import::dataflash::DataFlashText;
     igc = import::igc::Igc;
@@ -51,10 +52,23 @@ importers! {
     tlog = import::tlog::Tlog;
 }
 
-/// Any table of numbers, by the mapping that is drafted for it.
+/// Parquet: Pylon's own, and as any table by the mapping that is drafted for it.
+pub fn parquet(bytes: &[u8]) {
+    own_parquet(bytes);
+    if let Ok(table) = import::parquet::table(bytes) {
+        by_draft(bytes, &table);
+    }
+}
+
+/// Any text of numbers, by the mapping that is drafted for it.
 pub fn table(bytes: &[u8]) {
-    let Some(layout) = Layout::find(bytes) else { return };
-    let draft = guess::guess(&TextTable::read(bytes, layout));
+    if let Some(layout) = Layout::find(bytes) {
+        by_draft(bytes, &LoggedTable::read(bytes, layout));
+    }
+}
+
+fn by_draft(bytes: &[u8], table: &LoggedTable) {
+    let draft = guess::guess(table);
     if let Ok(mapping) = mapping::Mapping::parse(&draft.text("log.csv", "mapping.toml"))
         && let Ok((flight, _)) = mapping::import(bytes, &mapping, "mapping.toml")
     {

@@ -8,4 +8,5 @@ pub mod confusion;
 pub mod endurance;
 pub mod monitor_curves;
 pub mod real_logs;
+pub mod real_trials;
 pub mod textbook;

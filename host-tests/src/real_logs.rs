@@ -63,6 +63,8 @@ pub enum Injection {
     WarmUp(f64, f64),
     /// `baro.lag`, s: what the barometer shows is so old.
     Lag(f64),
+    /// `baro.lag`, s, as a tube does it: a first-order low pass of that time constant.
+    LagLowPass(f64),
     /// `gps.latency`, s.
     Latency(f64),
     /// `gps.convergence`, m, with this time constant, s.
@@ -78,7 +80,7 @@ impl Injection {
             Self::DynamicPressure(_) => "baro.dynamic_pressure",
             Self::Drift(_) => "baro.drift",
             Self::WarmUp(..) => "baro.warm_up",
-            Self::Lag(_) => "baro.lag",
+            Self::Lag(_) | Self::LagLowPass(_) => "baro.lag",
             Self::Latency(_) => "gps.latency",
             Self::Convergence(..) => "gps.convergence",
         }
@@ -93,8 +95,24 @@ impl Injection {
             | Self::Drift(value)
             | Self::WarmUp(value, _)
             | Self::Lag(value)
+            | Self::LagLowPass(value)
             | Self::Latency(value)
             | Self::Convergence(value, _) => value,
+        }
+    }
+
+    /// The same with a coefficient so many times as large.
+    #[must_use]
+    pub const fn times(self, factor: f64) -> Self {
+        match self {
+            Self::Scale(value) => Self::Scale(factor * value),
+            Self::DynamicPressure(value) => Self::DynamicPressure(factor * value),
+            Self::Drift(value) => Self::Drift(factor * value),
+            Self::WarmUp(value, time_s) => Self::WarmUp(factor * value, time_s),
+            Self::Lag(value) => Self::Lag(factor * value),
+            Self::LagLowPass(value) => Self::LagLowPass(factor * value),
+            Self::Latency(value) => Self::Latency(factor * value),
+            Self::Convergence(value, time_s) => Self::Convergence(factor * value, time_s),
         }
     }
 
@@ -126,6 +144,7 @@ impl Injection {
                 add(flight, Channel::BaroAltM, &|row, _| size_m * (1.0 - (-since_s(row) / time_s).exp()))
             }
             Self::Lag(by_s) => delay(flight, Channel::BaroAltM, by_s),
+            Self::LagLowPass(time_s) => low_pass(flight, Channel::BaroAltM, time_s),
             Self::Latency(by_s) => delay(flight, Channel::GpsAltM, by_s),
             Self::Convergence(size_m, time_s) => {
                 add(flight, Channel::GpsAltM, &|row, _| size_m * (-since_s(row) / time_s).exp())
@@ -160,6 +179,32 @@ fn delay(flight: &mut Flight, channel: Channel, by_s: f64) -> anyhow::Result<()>
     let mut changed = Column::with_capacity(column.len());
     for row in 0..column.len() {
         changed.push(column.get(row).map(|_| at(flight.time_s[row] - by_s)));
+    }
+    flight.set_channel(channel, changed);
+    Ok(())
+}
+
+/// Passes a channel through a first-order low pass; between samples it is a straight line.
+fn low_pass(flight: &mut Flight, channel: Channel, time_s: f64) -> anyhow::Result<()> {
+    let column = flight.channel(channel).with_context(|| channel.name())?;
+    let mut changed = Column::with_capacity(column.len());
+    let mut last: Option<(f64, f64, f64)> = None;
+    for row in 0..column.len() {
+        let passed = column.get(row).map(|value| {
+            let (now_s, value) = (flight.time_s[row], f64::from(value));
+            let passed = match last {
+                Some((last_s, before, passed)) if now_s > last_s => {
+                    // A ramp comes out late by the time constant; what it was off before dies away.
+                    let slope = (value - before) / (now_s - last_s);
+                    let keep = (-(now_s - last_s) / time_s).exp();
+                    value - slope * time_s + keep * (passed - before + slope * time_s)
+                }
+                _ => value,
+            };
+            last = Some((now_s, value, passed));
+            passed as f32
+        });
+        changed.push(passed);
     }
     flight.set_channel(channel, changed);
     Ok(())

@@ -12,7 +12,7 @@ use kf_core::input::{BaroReading, GpsFix, LaunchDoubt, TickInput};
 use model::Model;
 use pylon::fly::{FlyOptions, FlyReport, SensorSource, fly_inputs};
 use pylon::replay::Replay;
-use pylon::simulate::{Scenario, simulate};
+use pylon::simulate::{load_scenario, simulate};
 
 fn assert_kept(checks: &[Check]) {
     for check in checks {
@@ -77,7 +77,7 @@ fn a_flight_keeps_its_stack_and_instructions() {
 /// `flights/quickstart.toml` (simulated) through the chips and their drivers, with or without a unit that delivers `imu_slave`.
 fn quickstart(model: &Model, has_slave: bool) -> FlyReport {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../flights/quickstart.toml");
-    let scenario = Scenario::load(&file).unwrap();
+    let scenario = load_scenario(&file).unwrap();
     let (flight, _) = simulate(&scenario, scenario.seed).unwrap();
     let replay = Replay::new(&flight, model, None).unwrap();
     let inputs = replay.inputs().map(|input| TickInput {

@@ -11,14 +11,14 @@ use kf_core::quality::{Check, FailedChecks};
 use kf_core::sensor::Sensor;
 use model::Model;
 use pylon::replay::Replay;
-use pylon::simulate::{Scenario, simulate};
+use pylon::simulate::{load_scenario, simulate};
 
 const SEEDS: u64 = 40;
 
 #[test]
 fn healthy_sensors_stay_trusted_and_their_calibration_is_good() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../flights/clean.toml");
-    let scenario = Scenario::load(&file).unwrap();
+    let scenario = load_scenario(&file).unwrap();
     let model = Model::default();
     let (mut untrustworthy, mut doubtful, mut degraded, mut misjudged) = (0, 0, 0, 0);
     for seed in 0..SEEDS {

@@ -183,12 +183,22 @@ fn a_wire_that_breaks_with_another_fault_is_no_launch() {
 #[test]
 fn a_torn_cable_without_a_witness_is_not_confirmed() {
     let captive = flight(false, 1.0);
-    for (chip, fault) in
-        [(Chip::Imu, Fault::Stalled), (Chip::Imu, Fault::StuckLow), (Chip::Gps, Fault::Unplugged)]
-    {
-        let outcome = fly(&captive, &[(FAULT_S - 5.0, chip, fault), (FAULT_S, Chip::Umbilical, Fault::Torn)]);
+    for fault in [Fault::Stalled, Fault::StuckLow] {
+        let outcome =
+            fly(&captive, &[(FAULT_S - 5.0, Chip::Imu, fault), (FAULT_S, Chip::Umbilical, Fault::Torn)]);
         assert!(outcome.checks.is_some_and(|failed| failed.contains(Check::LaunchConfirmed)), "{outcome:?}");
     }
+}
+
+/// A receiver that is gone is no witness that is missed: who leaves the pylon feels it.
+#[test]
+fn a_torn_cable_is_no_launch_without_a_receiver_either() {
+    let torn = [(FAULT_S - 5.0, Chip::Gps, Fault::Unplugged), (FAULT_S, Chip::Umbilical, Fault::Torn)];
+    let outcome = fly(&flight(false, 1.0), &torn);
+    assert_eq!(outcome.launched_s, None, "{outcome:?}");
+    // A release without one is seen.
+    let released = fly(&flight(true, 0.4), &[(FAULT_S, Chip::Gps, Fault::Unplugged)]);
+    assert!(released.launched_s.is_some_and(|at_s| at_s < RELEASE_S + 1.0), "{released:?}");
 }
 
 /// A release that falls is found through every fault but a wire that is shorted; one that carries itself also needs a wire that can be

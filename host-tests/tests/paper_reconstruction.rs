@@ -15,7 +15,7 @@ use nalgebra::DVector;
 use pylon::flight::{Channel, Flight};
 use pylon::replay::Replay;
 use pylon::simulate::atmosphere::pressure_altitude_m;
-use pylon::simulate::{Scenario, simulate};
+use pylon::simulate::{load_scenario, simulate};
 
 const SEEDS: u64 = 50;
 const SETTLING_S: f64 = 10.0;
@@ -176,7 +176,7 @@ struct Flown {
 /// Flies the seeds on all the machine's cores.
 fn fly() -> Vec<Flown> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../flights/paper-reconstruction.toml");
-    let scenario = Scenario::load(&path).unwrap();
+    let scenario = load_scenario(&path).unwrap();
     let window_s = f64::from(Model::paper().monitor.window_s);
     let workers = std::thread::available_parallelism().map_or(1, std::num::NonZero::get) as u64;
     let one = |seed: u64| {

@@ -14,7 +14,7 @@ use kf_core::input::TickInput;
 use model::Model;
 use pylon::fly::{FlyError, FlyOptions, FlyReport, PlantedError, fly_inputs};
 use pylon::replay::Replay;
-use pylon::simulate::{Scenario, simulate};
+use pylon::simulate::{load_scenario, simulate};
 
 use ticks::{LAUNCH, TICK_US, TICKS, flight, must, prompt};
 
@@ -108,7 +108,7 @@ fn the_same_flight_takes_the_same_instructions() {
 #[test]
 fn a_simulated_flight_has_the_hosts_bits_with_both_presets() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../flights/paper-reconstruction.toml");
-    let scenario = Scenario::load(&file).unwrap();
+    let scenario = load_scenario(&file).unwrap();
     let (flight, _) = simulate(&scenario, scenario.seed).unwrap();
     for model in [Model::default(), Model::paper()] {
         let replay = Replay::new(&flight, &model, None).unwrap();

@@ -33,25 +33,12 @@ fn units(flight: &Flight) -> [Injection; 7] {
     ]
 }
 
-const fn scaled(unit: Injection, by: f64) -> Injection {
-    match unit {
-        Injection::Scale(_) => Injection::Scale(by),
-        Injection::DynamicPressure(_) => Injection::DynamicPressure(by),
-        Injection::Drift(_) => Injection::Drift(by),
-        Injection::WarmUp(_, time_s) => Injection::WarmUp(by, time_s),
-        Injection::Lag(_) => Injection::Lag(by),
-        Injection::Latency(_) => Injection::Latency(by),
-        Injection::Convergence(_, time_s) => Injection::Convergence(by, time_s),
-    }
+fn named(diagnosis: &Diagnosis) -> BTreeSet<&str> {
+    diagnosis.missing().chain(diagnosis.suspects()).collect()
 }
 
-fn named(diagnosis: &Diagnosis) -> BTreeSet<&'static str> {
-    let sensors = diagnosis.sensors.values();
-    sensors.flat_map(|s| s.missing.iter().chain(s.indistinguishable.iter().flatten()).copied()).collect()
-}
-
-fn identified(diagnosis: &Diagnosis) -> BTreeSet<&'static str> {
-    diagnosis.sensors.values().flat_map(|sensor| sensor.missing.iter().copied()).collect()
+fn identified(diagnosis: &Diagnosis) -> BTreeSet<&str> {
+    diagnosis.missing().collect()
 }
 
 fn fitted(diagnosis: &Diagnosis, effect: &str) -> Option<(f64, f64)> {
@@ -92,17 +79,17 @@ fn effects_added_to_real_logs_are_named_and_nothing_else_is() {
                 continue;
             }
             let effect = unit.effect();
-            let plausible = EffectId::from_name(effect).unwrap().plausible();
-            let largest = plausible.iter().fold(0.0_f64, |most, bound| most.max(f64::from(bound.abs())));
+            let [least, most] = EffectId::from_name(effect).unwrap().plausible().map(f64::from);
             let size = SIZE * noise_m / spread_m(&flight, &one);
-            if size > 2.0 * largest {
+            // In the direction of what the log has of it already: the two must not cancel. But no lag is negative.
+            let size = fitted(&before, effect).map_or(size, |(own, _)| size.copysign(own));
+            let allowed = [size, -size].into_iter().find(|size| (least..=most).contains(size));
+            let Some(size) = allowed else {
                 println!("  {effect} would have to be {size:.3}: beyond what nature allows");
                 continue;
-            }
-            // In the direction of what the log has of it already: the two must not cancel.
-            let size = fitted(&before, effect).map_or(size, |(own, _)| size.copysign(own));
+            };
             let mut injected = flight.clone();
-            scaled(unit, size).inject(&mut injected).unwrap();
+            unit.times(size).inject(&mut injected).unwrap();
             let after = diagnosis(&injected).unwrap();
             tried += 1;
             let is_held = named(&after).contains(effect);

@@ -61,6 +61,7 @@ fn report() -> (TempDir, PathBuf) {
         model_name: "improved.toml",
         diagnosis: &diagnosis,
         ladder: &ladder,
+        batch: None,
     };
     let html = report.html();
     let folder = tempfile::tempdir().unwrap();

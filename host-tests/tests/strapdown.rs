@@ -6,7 +6,7 @@ use std::path::Path;
 
 use kf_core::input::ImuSample;
 use kf_core::strapdown::{Config, GRAVITY_MPS2, StrapdownError, VerticalChannel};
-use pylon::simulate::{Scenario, TruthSample, simulate};
+use pylon::simulate::{TruthSample, load_scenario, simulate};
 use rand::SeedableRng as _;
 use rand_distr::{Distribution as _, Normal};
 
@@ -15,7 +15,7 @@ type Vector = [f64; 3];
 /// `flights/clean.toml` (simulated), at 200 rows a second.
 fn flights(seeds: std::ops::Range<u64>) -> impl Iterator<Item = Vec<TruthSample>> {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../flights/clean.toml");
-    let mut scenario = Scenario::load(&file).unwrap();
+    let mut scenario = load_scenario(&file).unwrap();
     scenario.rate_hz = 200.0;
     seeds.map(move |seed| simulate(&scenario, seed).unwrap().1.trajectory)
 }

@@ -18,7 +18,7 @@ use pylon::flight::{Channel, Flight};
 use pylon::fly::{Downlinked, FlyOptions, SensorSource, fly, fly_on_host};
 use pylon::import;
 use pylon::replay::Replay;
-use pylon::simulate::{Scenario, simulate};
+use pylon::simulate::{load_scenario, simulate};
 use telemetry::{ComputerStatus, FrameQueue, Rates};
 
 /// When the flight computer was started: 2026-01-01.
@@ -26,7 +26,7 @@ const START_US: u64 = 1_767_225_600_000_000;
 
 fn flown() -> Flight {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../flights/quickstart.toml");
-    simulate(&Scenario::load(&file).unwrap(), 7).unwrap().0
+    simulate(&load_scenario(&file).unwrap(), 7).unwrap().0
 }
 
 /// The recording of its telemetry.

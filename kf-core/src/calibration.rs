@@ -207,6 +207,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
             + effects_variance_m2;
         let mut climbed_m = 0.0;
         let mut is_smooth = true;
+        let mut limit = self.reference_gate.limit();
         if let Some(climb) = &config.reference.climb_rate {
             if tracker.is_fresh(time_us) {
                 let seconds = seconds_between(self.propagated_us, time_us);
@@ -221,12 +222,14 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
                     is_smooth = (last_mps + down_mps).abs() <= tolerated_mps;
                 }
             } else {
+                // What is beyond even that has a level of its own, however noisy the receiver was before it was lost.
                 variance_m2 += square(config.reference.prior_sigma_m);
-                self.reference_gate.believe_anew();
+                limit = square(GATE_SIGMAS);
+                self.reference_gate.begin_anew();
             }
         }
         let innovation_m = fix.altitude_m - expected_m - climbed_m;
-        if is_smooth && square(innovation_m) <= self.reference_gate.limit() * variance_m2 {
+        if is_smooth && square(innovation_m) <= limit * variance_m2 {
             return true;
         }
         self.innovations = self.innovations.saturating_add(1);

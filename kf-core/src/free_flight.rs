@@ -175,6 +175,12 @@ impl Watch {
             && time_us.saturating_sub(self.testimony.time_us) <= silent_after_us
     }
 
+    /// Whether it takes the reference's side against the receiver's other word, metres from it.
+    fn contradicts(&self, other_m: f32) -> bool {
+        let error_m = self.testimony.error_m;
+        self.is_within_bound(error_m) && !self.is_within_bound(error_m - other_m)
+    }
+
     fn is_within_bound(&self, error_m: f32) -> bool {
         error_m * error_m <= self.monitor.bound_m2()
     }
@@ -241,7 +247,7 @@ impl FreeFlight {
         latch: &LatchRecord,
         reference_left_m: f32,
     ) {
-        self.reference.begin(latch.time_us, reference_left_m);
+        self.reference.launch(latch.time_us, reference_left_m);
         for (watch, sensor) in self.watches.iter_mut().zip(WATCHED) {
             let latched = latch.sensors.get(sensor.index());
             let latched = latched.filter(|latched| latched.bound_m2 > 0.0 && latched.bound_m2.is_finite());
@@ -402,10 +408,14 @@ impl FreeFlight {
         if own.is_within_bound(error_m) {
             return false;
         }
-        if own.is_within_bound(error_m - self.reference.other_m()) {
+        let can_testify = other.can_testify(time_us, self.silent_after_us);
+        let other_m = self.reference.other_m();
+        if own.is_within_bound(error_m - other_m)
+            && !(can_testify && self.reference.has_witnesses() && other.contradicts(other_m))
+        {
             return true;
         }
-        if !other.can_testify(time_us, self.silent_after_us) {
+        if !can_testify {
             return false;
         }
         let own = (error_m, own.monitor.bound_m2());
@@ -434,7 +444,8 @@ impl FreeFlight {
 /// A reference that is off by `r` costs `(own - r)^2 / own_bound^2 + (others - r)^2 / others_bound^2 + r^2 stiffness`, at the best `r`: a receiver
 /// whose climb rate agrees with its altitude has gone no further than that allows ([`ReferenceCheck::stiffness_per_m2`]). An error of the sensor
 /// costs the other's alone, `others^2 / others_bound^2`, and no more than 1: beyond its bound the other is off as well. Were that left open,
-/// two sensors that fail would hide each other for ever.
+/// two sensors that fail would hide each other for ever. Of a reference of which nobody knows how far it is off (a stiffness of zero) it
+/// is left open: both beyond their bounds, and on one side, are the reference's before they are two failures.
 fn is_likelier_own(
     (own_m, own_bound_m2): (f32, f32),
     (others_m, others_bound_m2): (f32, f32),
@@ -444,7 +455,7 @@ fn is_likelier_own(
     let others_cost = others * others_m * others_m;
     let pulled_per_m = own * own_m + others * others_m;
     let explained = pulled_per_m * pulled_per_m / (own + others + stiffness_per_m2);
-    let by_itself = if others_cost < 1.0 { others_cost } else { 1.0 };
+    let by_itself = if others_cost < 1.0 || stiffness_per_m2 <= 0.0 { others_cost } else { 1.0 };
     by_itself < own * own_m * own_m + others_cost - explained
 }
 
@@ -452,8 +463,8 @@ fn is_likelier_own(
 mod tests {
     use super::*;
 
-    /// Bounds of 7 m: the other within its bound vouches for the reference, unless the two are closer to each other than it is to the
-    /// reference; beyond it, both have failed if they are more than 9.9 m apart, the root of 49 + 49.
+    /// Bounds of 7 m, and a reference that may be anywhere: the other vouches for it, unless the two are closer to each other than it is to
+    /// the reference. One that is known for anything has both failed where they are more than 9.9 m apart, the root of 49 + 49.
     #[test]
     fn an_error_is_a_sensors_own_unless_the_reference_explains_both() {
         for (own_m, others_m, is_own) in [
@@ -463,11 +474,14 @@ mod tests {
             (8.0, -6.0, true),
             (8.0, 7.5, false),
             (30.0, 21.0, false),
-            (30.0, 19.0, true),
+            (30.0, 19.0, false),
             (-23.0, 9.0, true),
             (8.0, f32::NAN, false),
         ] {
             assert_eq!(is_likelier_own((own_m, 49.0), (others_m, 49.0), 0.0), is_own, "{own_m} {others_m}");
+        }
+        for (others_m, is_own) in [(21.0, false), (19.0, true)] {
+            assert_eq!(is_likelier_own((30.0, 49.0), (others_m, 49.0), 1e-9), is_own, "{others_m}");
         }
     }
 

@@ -21,9 +21,12 @@ use serde::{Deserialize, Serialize};
 /// more often would only look like more information.
 const INTERVAL_US: u64 = 50_000;
 
-/// Square of how far, in captive flight, the channel's climb rate may be from a fix's, (m/s)^2: 3 m/s. An aligned one is known to 0.2 m/s, a
-/// fix's to as much, and what it is late by (0.2 s) is 1 m/s in the roughest air.
+/// Square of how far, in captive flight, the channel's climb rate may be from a fix's, beside three of its own sigmas, (m/s)^2: 3 m/s. A fix's
+/// is known to 0.2 m/s, and what it is late by (0.2 s) is 1 m/s in the roughest air.
 const DENIED_M2PS2: f32 = 9.0;
+const DENIED_SIGMAS_SQUARED: f32 = 9.0;
+/// Denied for so long, microseconds, it is tied anew: what moved it, or the receiver, was no transient of a second.
+const LONGEST_DENIED_US: u64 = 2_000_000;
 
 /// Who delivers the altitude.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -62,14 +65,18 @@ pub struct InertialAltitude {
     channel: VerticalChannel,
     source: AltitudeSource,
     last_fix: Option<GpsFix>,
+    /// When [`Self::last_fix`] came, if the channel is to have it yet.
+    due_us: Option<u64>,
     said_us: Option<u64>,
     is_launched: bool,
     /// Launched, or suspected to be.
     is_off: bool,
-    /// The last fix in captive flight climbs otherwise than the channel. Nobody knows which of the two is wrong, so there is nothing to
+    /// The last fix before the launch climbs otherwise than the channel. Nobody knows which of the two is wrong, so there is nothing to
     /// calibrate with: the altitude would follow a unit that falls by itself within the gates of all that take it. At a launch the
     /// channel speaks again: whether it is right is what it is then watched for.
     is_denied: bool,
+    /// Since when, microseconds.
+    denied_us: u64,
     counts: NavigationCounts,
 }
 
@@ -81,10 +88,12 @@ impl InertialAltitude {
             channel: VerticalChannel::new(config),
             source: AltitudeSource::None,
             last_fix: None,
+            due_us: None,
             said_us: None,
             is_launched: false,
             is_off: false,
             is_denied: false,
+            denied_us: 0,
             counts: NavigationCounts::default(),
         }
     }
@@ -143,19 +152,21 @@ impl InertialAltitude {
         if self.source == AltitudeSource::Outside {
             return;
         }
+        self.take_due_fix();
         self.follow_launch(input);
         let has_sample = input.imu.is_some_and(|imu| {
             // A refused sample is counted by the channel.
             self.channel.inertial(input.time_us, &imu).is_ok()
         });
         if let Some(fix) = input.gps {
-            self.take_fix(input.time_us, &fix);
+            self.note_fix(input.time_us, &fix);
         }
         if self.source == AltitudeSource::Channel && input.imu_slave_altitude_m.take().is_some() {
             self.counts.outside_ignored = self.counts.outside_ignored.saturating_add(1);
         }
         let is_due = self.said_us.is_none_or(|said_us| input.time_us.saturating_sub(said_us) >= INTERVAL_US);
-        let may_speak = has_sample && is_due && (self.is_off || !self.is_denied);
+        // Not at a fix's own tick: the mission holds the altitude against that fix, which the channel does not have yet.
+        let may_speak = has_sample && is_due && self.due_us.is_none() && (self.is_off || !self.is_denied);
         if let (true, Some(altitude_m)) = (may_speak, self.channel.altitude_m()) {
             self.source = AltitudeSource::Channel;
             self.said_us = Some(input.time_us);
@@ -177,22 +188,45 @@ impl InertialAltitude {
         self.is_off = is_off;
     }
 
+    /// Holds the channel's climb rate against a fix's (metres, m/s), until the launch. True if they have contradicted each other for so long
+    /// that the channel is tied to the fix anew.
+    fn is_retied_to(&mut self, time_us: u64, altitude_m: f32, climb_mps: f32) -> bool {
+        let Some((own_mps, variance_m2ps2)) = self.channel.tied_climb_rate() else { return false };
+        let apart_mps = own_mps - climb_mps;
+        let was_denied = self.is_denied;
+        self.is_denied = apart_mps * apart_mps > DENIED_M2PS2 + DENIED_SIGMAS_SQUARED * variance_m2ps2;
+        if !was_denied {
+            self.denied_us = time_us;
+        }
+        let has_lasted = time_us.saturating_sub(self.denied_us) > LONGEST_DENIED_US;
+        if !self.is_denied || self.is_off || !has_lasted {
+            return false;
+        }
+        self.denied_us = time_us;
+        self.channel.retie(time_us, altitude_m, climb_mps).is_ok()
+    }
+
     /// A fix is the reference in captive flight, and while a gap is mended: new, not held, and of finite numbers.
-    fn take_fix(&mut self, time_us: u64, fix: &GpsFix) {
-        if self.last_fix.as_ref().is_some_and(|last| is_held(fix, last)) {
-            return;
+    fn note_fix(&mut self, time_us: u64, fix: &GpsFix) {
+        if self.last_fix.as_ref().is_none_or(|last| !is_held(fix, last)) {
+            self.last_fix = Some(*fix);
+            self.due_us = Some(time_us);
         }
-        self.last_fix = Some(*fix);
-        if let (false, Some(down_mps), Some(climb_mps)) =
-            (self.is_off, fix.velocity_down_mps, self.channel.climb_rate_mps())
-        {
-            let apart_mps = climb_mps + down_mps;
-            self.is_denied = apart_mps * apart_mps > DENIED_M2PS2;
-        }
+    }
+
+    /// The channel takes a fix at the next tick, before anything that is new there, and so is as it would be after the tick that had
+    /// the fix. That one is dear enough without it.
+    fn take_due_fix(&mut self) {
+        let Some(time_us) = self.due_us.take() else { return };
+        let Some(fix) = self.last_fix else { return };
+        let is_retied = !self.is_launched
+            && fix
+                .velocity_down_mps
+                .is_some_and(|down_mps| self.is_retied_to(time_us, fix.altitude_m, -down_mps));
         if self.is_off && !self.channel.is_mending() {
             return;
         }
-        let mut is_taken = self.channel.reference(time_us, fix.altitude_m).is_ok();
+        let mut is_taken = is_retied || self.channel.reference(time_us, fix.altitude_m).is_ok();
         // Once its altitude has mended the gap nobody asks for its climb rate.
         if let (true, true, Some(down_mps)) = (self.is_off, self.channel.is_mending(), fix.velocity_down_mps)
         {

@@ -10,8 +10,8 @@
 //!   of one counts against it only where its own fault is the likelier reading of both errors (`is_likelier_own` in
 //!   `free_flight`). Otherwise the reading is not judged, and the sensor is `unmonitored`.
 //! - A receiver that contradicts itself has two words: an altitude that has left its own climb rate may be as wrong as that, and a
-//!   fix that was refused may be right and what was carried on wrong. An error counts only if the sensor is beyond its bound by both.
-//!   A second sensor cannot settle that: the inertial one is tied to the same receiver.
+//!   fix that was refused may be right and what was carried on wrong. An error counts only if the sensor is beyond its bound by both, or
+//!   the other sensor, calibrated before the two lay apart, is within its own by the reference and beyond it by the other word.
 //!
 //! The limits: where the receiver gives no climb rate, or was lost, nobody tells two sensors that fail alike from a reference that drifts; they
 //! are `unmonitored`, not flagged, and a single sensor is blamed for the reference. Where it gives one, altitude and climb rate that lie
@@ -42,6 +42,8 @@ pub(crate) struct ReferenceCheck {
     /// How far the altitude may leave the climb rate's integral by itself, metres.
     wander_m: f32,
     lost_after_us: u64,
+    /// Altitude and climb rate lay apart at the launch already, or nobody knows: the sensors may have been calibrated by the wrong one.
+    was_doubted: bool,
     standing: Standing,
 }
 
@@ -73,12 +75,19 @@ impl ReferenceCheck {
             gate_m2_per_s: multiplier2 * climb_m2_per_s,
             wander_m: WANDER_SIGMAS * reference.sigma_m,
             lost_after_us: microseconds(reference.lost_after_s),
+            was_doubted: true,
             standing: Standing { good_us: 0, carried_m: None, left_m: 0.0, other_m: 0.0 },
         }
     }
 
+    /// At launch; see [`Self::begin`].
+    pub(crate) fn launch(&mut self, time_us: u64, left_m: f32) {
+        self.begin(time_us, left_m);
+        self.was_doubted = self.standing.other_m != 0.0;
+    }
+
     /// At launch, or at a good fix, with the reference as it is: so many metres from its mean over the calibration, by its climb rate.
-    pub(crate) fn begin(&mut self, time_us: u64, left_m: f32) {
+    fn begin(&mut self, time_us: u64, left_m: f32) {
         let is_excess = left_m.is_finite() && left_m.abs() > self.wander_m;
         let excess_m = if is_excess { left_m.abs() - self.wander_m } else { 0.0 };
         let other_m = if left_m > 0.0 { -excess_m } else { excess_m };
@@ -112,6 +121,12 @@ impl ReferenceCheck {
     #[inline]
     pub(crate) const fn other_m(&self) -> f32 {
         self.standing.other_m
+    }
+
+    /// Whether a sensor was calibrated by the reference before its two words lay apart: it is then a witness of them.
+    #[inline]
+    pub(crate) const fn has_witnesses(&self) -> bool {
+        !self.was_doubted
     }
 
     /// One over the square of how far the reference may be off by itself, 1/m^2, at the monitor's multiple of sigma: zero where nobody

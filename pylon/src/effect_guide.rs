@@ -1,8 +1,12 @@
 //! The catalogue of effects, explained.
 
+mod picture;
+
 use std::fmt::Write as _;
 
 use kf_core::effect::EffectId;
+
+pub use picture::Picture;
 
 /// What is to be known of an effect beside what the catalogue itself has.
 #[derive(Clone, Copy, Debug)]

@@ -90,6 +90,9 @@ where
         Err(_) => (path.to_path_buf(), None),
     };
     let directory = directory_of(&target);
+    if !directory.is_dir() {
+        return Err(io::Error::other(format!("folder {} does not exist", directory.display())));
+    }
     #[cfg(target_os = "linux")]
     if let Some(file) = unnamed::create(directory) {
         fill(&file, replaced.as_ref(), content)?;

@@ -8,10 +8,13 @@ use std::path::Path;
 #[cfg(unix)]
 const SHORTEST_PART: usize = 4 << 20;
 
+/// Memory that importing a file takes at most, in times of its size.
+const TIMES: u64 = 3;
+
 /// All bytes of a file.
 ///
 /// # Errors
-/// As [`std::fs::read`].
+/// As [`std::fs::read`]; a file that does not fit into memory, before any of it is read.
 #[cfg(unix)]
 pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
     use std::fs::File;
@@ -21,6 +24,7 @@ pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
 
     let mut file = File::open(path)?;
     let metadata = file.metadata()?;
+    check_fits(metadata.len(), available())?;
     let length = usize::try_from(metadata.len()).map_err(io::Error::other)?;
     let threads = thread::available_parallelism().map_or(1, usize::from).min(length / SHORTEST_PART);
     if !metadata.is_file() || threads < 2 {
@@ -46,12 +50,36 @@ pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// One giant file would take the whole program with it, and all other flights of a batch.
+fn check_fits(length: u64, available: Option<u64>) -> io::Result<()> {
+    let Some(available) = available.filter(|available| length.saturating_mul(TIMES) > *available) else {
+        return Ok(());
+    };
+    let gigabytes = |bytes: u64| bytes as f64 / 1e9;
+    Err(io::Error::new(
+        io::ErrorKind::OutOfMemory,
+        format!(
+            "it has {:.1} GB, which take up to {TIMES} times as much memory, and {:.1} GB are free: cut it into parts",
+            gigabytes(length),
+            gigabytes(available)
+        ),
+    ))
+}
+
+/// Memory that can be had without swapping, where the system says so.
+fn available() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    line.trim().strip_suffix(" kB")?.parse::<u64>().ok()?.checked_mul(1024)
+}
+
 /// All bytes of a file.
 ///
 /// # Errors
-/// As [`std::fs::read`].
+/// As [`std::fs::read`]; a file that does not fit into memory, before any of it is read.
 #[cfg(not(unix))]
 pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
+    check_fits(std::fs::metadata(path)?.len(), available())?;
     std::fs::read(path)
 }
 
@@ -70,6 +98,16 @@ mod tests {
         }
         assert_eq!(read(directory.path()).unwrap_err().kind(), io::ErrorKind::IsADirectory);
         assert_eq!(read(&path.join("none")).unwrap_err().kind(), io::ErrorKind::NotADirectory);
+    }
+
+    #[test]
+    fn a_file_that_does_not_fit_is_not_begun() {
+        assert!(check_fits(1 << 20, Some(3 << 20)).is_ok() && check_fits(1 << 40, None).is_ok());
+        let error = check_fits(8_000_000_000, Some(20_000_000_000)).unwrap_err().to_string();
+        assert_eq!(
+            error,
+            "it has 8.0 GB, which take up to 3 times as much memory, and 20.0 GB are free: cut it into parts"
+        );
     }
 
     #[test]

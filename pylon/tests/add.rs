@@ -13,12 +13,12 @@ use pylon::diagnose::{NamedReplay, Wish, study};
 use pylon::flight::Flight;
 use pylon::learn::{learn, score};
 use pylon::replay::Replay;
-use pylon::simulate::{Scenario, scenario, simulate};
+use pylon::simulate::{Scenario, load_scenario, scenario, simulate};
 use serde_json::Value;
 
 fn quickstart(effects: &[(scenario::EffectId, f64)]) -> Scenario {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../flights/quickstart.toml");
-    let mut scenario = Scenario::load(&file).unwrap();
+    let mut scenario = load_scenario(&file).unwrap();
     scenario.effect = effects
         .iter()
         .map(|(id, coefficient)| scenario::Effect {

@@ -12,7 +12,7 @@ use pylon::diagnose::Wish;
 use pylon::flight::Flight;
 use pylon::learn::{Addition, HeldOutVerdict, JudgedOn, Request, add, score};
 use pylon::replay::Replay;
-use pylon::simulate::{Scenario, scenario, simulate};
+use pylon::simulate::{load_scenario, scenario, simulate};
 use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
 use statrs::distribution::{ContinuousCDF as _, Normal};
 use time::{Date, Month};
@@ -29,7 +29,7 @@ const EFFECTS: [(scenario::EffectId, EffectId); 3] = [
 
 fn flight(injected: Option<(scenario::EffectId, f64)>, seed: u64) -> Flight {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../flights/quickstart.toml");
-    let mut scenario = Scenario::load(&file).unwrap();
+    let mut scenario = load_scenario(&file).unwrap();
     scenario.effect = injected
         .into_iter()
         .map(|(id, coefficient)| scenario::Effect {

@@ -342,3 +342,72 @@ fn no_refused_command_leaves_anything_behind() {
         assert_eq!(fs::read_to_string(path.join("old.csv")).unwrap(), "old", "{arguments:?}");
     }
 }
+
+#[test]
+fn an_open_quote_a_leaping_clock_utf_16_and_a_folder_that_is_not_are_said_as_such() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    let flight = |rows: &str| format!("# pylon-flight: 1\n{rows}");
+    fs::write(path.join("quote.csv"), flight("time_s,gps_alt_m,\"baro_alt_m\n0,1,2\n1,2,3\n")).unwrap();
+    let said = refusal(path, &["compare", "quote.csv"]);
+    assert!(said.starts_with("error: quote.csv: row 2: quote never closed"), "{said}");
+
+    let utf_16: Vec<u8> = flight("time_s\n").encode_utf16().flat_map(u16::to_le_bytes).collect();
+    fs::write(path.join("wide.csv"), [&[0xff, 0xfe][..], &utf_16].concat()).unwrap();
+    for command in [&["compare", "wide.csv"][..], &["open", "wide.csv"]] {
+        let said = refusal(path, command);
+        assert!(said.contains("wide.csv: text in UTF-16, expected UTF-8"), "{said}");
+    }
+
+    let rows: String = (0..600)
+        .map(|row| {
+            let time_s = if row < 400 { row } else { 6_000_000 + row };
+            format!("{time_s},{},{}\n", 100 + row % 7, 101 + row % 5)
+        })
+        .collect();
+    fs::write(path.join("leap.csv"), flight(&format!("time_s,gps_alt_m,baro_alt_m\n{rows}"))).unwrap();
+    let output = run(path, &["open", "leap.csv"]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        text.contains(
+            "row 401 leaps to 6000400 s; rows more than a day away from the flight, left out: 200 of 600"
+        ),
+        "{text}"
+    );
+    assert!(text.contains("in 400 rows, from 0 s to 399 s"), "{text}");
+
+    let said = refusal(path, &["export", "leap.csv", "--format", "parquet", "-o", "none/x.parquet"]);
+    assert!(said.ends_with("none/x.parquet: can not be written: folder none does not exist\n"), "{said}");
+}
+
+/// Never `baro.scale = -1`, which is what a barometer that does not move looks like.
+#[test]
+fn a_barometer_that_is_stuck_is_said_and_nothing_is_diagnosed_by_it() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    let rows: String = (0..3_000)
+        .map(|row| {
+            let up = f64::from(row % 600).min(f64::from(600 - row % 600));
+            format!(
+                "{},{:.1},500.0,{:.1}\n",
+                f64::from(row) * 0.5,
+                500.0 + up,
+                3.0 + 500.0 + up + f64::from(row % 7) / 5.0
+            )
+        })
+        .collect();
+    let head = "# pylon-flight: 1\ntime_s,gps_alt_m,baro_alt_m";
+    let without: String = rows.lines().map(|row| row.rsplit_once(',').unwrap().0.to_owned() + "\n").collect();
+    fs::write(path.join("stuck.csv"), format!("{head}\n{without}")).unwrap();
+    for command in ["compare", "diagnose"] {
+        let said = refusal(path, &[command, "stuck.csv"]);
+        assert!(
+            said.contains("stuck.csv: the barometer is stuck: it says the same for the whole flight"),
+            "{said}"
+        );
+    }
+    // Another altitude is diagnosed without it.
+    fs::write(path.join("other.csv"), format!("{head},imu_slave_alt_m\n{rows}")).unwrap();
+    let text = stdout(path, &["diagnose", "other.csv"]);
+    assert!(text.contains("imu_slave") && !text.contains("baro.scale"), "{text}");
+}

@@ -147,12 +147,108 @@ fn a_folder_is_every_log_in_it_and_a_pattern_what_it_matches() {
     }
 }
 
+/// Four flights with a lag of 0.8 s and one with three times that, of one vehicle; one flight of another.
+fn fleet(directory: &Path) {
+    let lags: [fn(f64, f64) -> f64; 2] = [|_, climb| -0.8 * climb, |_, climb| -2.4 * climb];
+    for (name, seed, lag, vehicle) in [
+        ("a", 1, lags[0], "made"),
+        ("b", 2, lags[0], "made"),
+        ("c", 3, lags[0], "made"),
+        ("d", 4, lags[0], "made"),
+        ("odd", 5, lags[1], "made"),
+        ("other", 6, lags[1], "another"),
+    ] {
+        let recipe = Recipe { seed, climb_mps: common::dive_mps, baro_error: lag, ..Recipe::default() };
+        let mut flight = recipe.make();
+        flight.header.vehicle = vehicle.to_owned();
+        pylon::flight::write(&directory.join(name).with_extension("csv"), &flight).unwrap();
+    }
+}
+
+const FLEET: [&str; 6] = ["a.csv", "b.csv", "c.csv", "d.csv", "odd.csv", "other.csv"];
+
+#[test]
+fn each_flight_and_each_vehicle_has_its_coefficients_and_the_odd_flight_is_named() {
+    let directory = tempfile::tempdir().unwrap();
+    fleet(directory.path());
+    let output = pylon(directory.path(), &[&["diagnose", "--json"], &FLEET[..]].concat());
+    assert!(output.status.success(), "{}", errors(&output));
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let lag =
+        |flight: usize| json["by_flight"][flight]["coefficients"]["baro.lag"]["value"].as_f64().unwrap();
+    for (flight, expected) in [0.8, 0.8, 0.8, 0.8, 2.4, 2.4].into_iter().enumerate() {
+        assert!((lag(flight) - expected).abs() < 0.1, "{flight}: {}", lag(flight));
+    }
+    let vehicles = json["by_vehicle"].as_array().unwrap();
+    let names: Vec<&str> = vehicles.iter().map(|vehicle| vehicle["vehicle"].as_str().unwrap()).collect();
+    assert_eq!(names, ["another", "made"]);
+    let effects = vehicles[1]["effects"].as_array().unwrap();
+    let lag = effects.iter().find(|effect| effect["effect"] == "baro.lag").unwrap();
+    assert!((lag["mean"].as_f64().unwrap() - 0.8).abs() < 0.05, "{lag}");
+    assert_eq!(lag["outliers"].as_array().unwrap().len(), 1, "{lag}");
+    assert_eq!(lag["outliers"][0]["file"], "odd.csv");
+    // Of one vehicle's single flight nobody knows whether it is odd.
+    for effect in vehicles[0]["effects"].as_array().unwrap() {
+        assert_eq!(effect["outliers"].as_array().unwrap().len(), 0, "{effect}");
+    }
+    let text =
+        String::from_utf8(pylon(directory.path(), &[&["diagnose"], &FLEET[..]].concat()).stdout).unwrap();
+    assert!(text.contains("\nFlight by flight"), "{text}");
+    assert!(text.contains("\n  outlier: odd.csv: baro.lag is "), "{text}");
+    assert!(text.contains("\nmade: 5 flights\n"), "{text}");
+}
+
+#[test]
+fn a_report_of_many_flights_opens_on_the_verdict_and_draws_the_odd_ones_only() {
+    let directory = tempfile::tempdir().unwrap();
+    fleet(directory.path());
+    let report = |files: &[&str]| {
+        let output = pylon(directory.path(), &[&["report", "-o", "page.html"], files].concat());
+        assert!(output.status.success(), "{}", errors(&output));
+        fs::read_to_string(directory.path().join("page.html")).unwrap()
+    };
+    let page = report(&FLEET);
+    let place = |words: &str| page.find(words).unwrap_or_else(|| panic!("no {words}"));
+    let verdict = place("<section id=\"diagnosis\">");
+    assert!(
+        verdict < place("<section id=\"batch\">")
+            && place("<section id=\"batch\">") < place("class=\"summary\"")
+    );
+    assert!(place("do not belong with the other flights") > verdict && page.contains("odd.csv: baro.lag is"));
+    let drawn: Vec<usize> =
+        (1..=6).filter(|number| page.contains(&format!("<section id=\"flight-{number}\">"))).collect();
+    assert_eq!(drawn.len(), 4, "{drawn:?}");
+    assert!(drawn.contains(&5), "{drawn:?}");
+    assert!(page.contains("2 more flights, in words"));
+    // What is not drawn has no data in the page either.
+    let without = (1..=6).find(|number| !drawn.contains(number)).unwrap();
+    assert!(!page.contains(&format!("\"flight-{without}-")), "{without}");
+}
+
 #[test]
 fn an_effect_is_explained_and_one_that_is_none_is_not() {
     let directory = tempfile::tempdir().unwrap();
     let output = pylon(directory.path(), &["effects", "baro.lag"]);
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(text.contains("coefficient x -hdot") && text.contains("gps_alt_m"), "{text}");
+    assert!(
+        text.contains("A simulated flight (flights/quickstart.toml), not a measured one")
+            && text.contains("error of baro"),
+        "{text}"
+    );
+    let output = pylon(directory.path(), &["effects", "baro.lag", "--svg", "lag.svg"]);
+    assert!(output.status.success(), "{}", errors(&output));
+    let svg = fs::read_to_string(directory.path().join("lag.svg")).unwrap();
+    assert!(
+        svg.starts_with("<svg") && svg.contains("What baro.lag looks like") && svg.contains("simulated"),
+        "{svg}"
+    );
+    let several = pylon(directory.path(), &["effects", "gps", "--svg", "gps.svg"]);
+    assert_eq!(
+        errors(&several),
+        "error: --svg draws one effect, expected one of: gps.latency, gps.convergence, gps.lever_arm\n"
+    );
+    assert!(!directory.path().join("gps.svg").exists());
     let output = pylon(directory.path(), &["effects", "baro.lga"]);
     assert_eq!(errors(&output), "error: no effect 'baro.lga' (is it 'baro.lag'?)\n");
 }

@@ -9,7 +9,7 @@ use pylon::simulate::scenario::{self, InjectionPhase};
 use pylon::simulate::{Scenario, Truth, regressor, simulate};
 
 /// A rough flight with every signal in motion.
-const ROUGH: &str = include_str!("plans/rough.toml");
+const ROUGH: &str = include_str!("../../workbench/simulate/plans/rough.toml");
 
 /// That flight; sensors without any error of their own.
 fn scenario(rates: [f64; 3], shake: f64) -> Scenario {

@@ -1,40 +1,30 @@
-//! What `pylon export` writes, read by the readers of those who use it: pyarrow, DuckDB, Python's csv and the MCAP library. They are
-//! installed by pip into the build's folder.
+//! What `pylon export` writes, read by the readers of those who use it: pyarrow, DuckDB, Python's csv and two MCAP libraries. They are
+//! installed by pip and npm into the build's folder.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod common;
 
-use std::path::{Path, PathBuf};
+use std::fs;
+use std::path::Path;
 use std::process::Command;
 
 use common::Recipe;
 use common::program::stdout;
+use common::python::{python, target_folder};
 use pylon::flight::{Channel, Column, Flight};
 use serde_json::Value;
 
-const PACKAGES: [&str; 3] = ["pyarrow", "duckdb", "mcap"];
-
-/// Python with the packages; they are installed once.
-fn python() -> PathBuf {
-    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| here.join("../target"), PathBuf::from);
-    let folder = target.join("export-readers");
-    let python = folder.join("bin/python");
-    let imports = format!("import {}", PACKAGES.join(", "));
-    let has_all =
-        || Command::new(&python).args(["-c", &imports]).output().is_ok_and(|output| output.status.success());
-    if !has_all() {
-        let run = |program: &Path, arguments: &[&str]| {
-            let output = Command::new(program).args(arguments).output().unwrap();
-            assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        };
-        run(Path::new("python3"), &["-m", "venv", folder.to_str().unwrap()]);
-        let requirements = here.join("tests/export_readers/requirements.txt");
-        let quietly = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement"];
-        run(&python, &[&quietly[..], &[requirements.to_str().unwrap()]].concat());
-        assert!(has_all());
-    }
-    python
+/// A flight, and a folder with its CSV.
+fn made() -> (tempfile::TempDir, Flight) {
+    let directory = tempfile::tempdir().unwrap();
+    let mut flight = Recipe { captive_s: 20.0, free_s: 5.0, ..Recipe::default() }.make();
+    // A sample that is none is not an empty cell.
+    let (_, baro) = flight.channels.iter_mut().find(|(channel, _)| *channel == Channel::BaroAltM).unwrap();
+    baro.set(7, Some(f32::NAN));
+    baro.set(8, None);
+    flight.header.other.push(("recorder".to_owned(), "Größe \"7\"".to_owned()));
+    pylon::flight::write(&directory.path().join("made.csv"), &flight).unwrap();
+    (directory, flight)
 }
 
 /// The columns of a flight as a reader should see them: rows, samples, sum of the finite ones.
@@ -69,14 +59,7 @@ fn assert_same(reader: &str, found: &Value, expected: &[(String, [f64; 3])], rel
 
 #[test]
 fn other_programs_read_what_was_exported() {
-    let directory = tempfile::tempdir().unwrap();
-    let mut flight = Recipe { captive_s: 20.0, free_s: 5.0, ..Recipe::default() }.make();
-    // A sample that is none is not an empty cell.
-    let (_, baro) = flight.channels.iter_mut().find(|(channel, _)| *channel == Channel::BaroAltM).unwrap();
-    baro.set(7, Some(f32::NAN));
-    baro.set(8, None);
-    flight.header.other.push(("recorder".to_owned(), "Größe \"7\"".to_owned()));
-    pylon::flight::write(&directory.path().join("made.csv"), &flight).unwrap();
+    let (directory, flight) = made();
     for (format, file) in [("parquet", "made.parquet"), ("plain-csv", "plain.csv"), ("mcap", "made.mcap")] {
         stdout(directory.path(), &["export", "made.csv", "--format", format, "-o", file]);
     }
@@ -112,4 +95,60 @@ fn other_programs_read_what_was_exported() {
             "mcap: {name}: {found} {sum}"
         );
     }
+}
+
+/// The folder with Foxglove's reader, installed once; `None` without Node.js and npm.
+fn node_readers() -> Option<std::path::PathBuf> {
+    let has = |program: &str| {
+        Command::new(program).arg("--version").output().is_ok_and(|output| output.status.success())
+    };
+    if !has("node") || !has("npm") {
+        println!("skipped: @mcap/core, without node and npm");
+        return None;
+    }
+    let here = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/export_readers/node");
+    let folder = target_folder().join("export-readers-node");
+    let is_current = ["package-lock.json", "package.json"].iter().all(|file| {
+        fs::read(folder.join("node_modules/.pinned").join(file))
+            .is_ok_and(|found| found == fs::read(here.join(file)).unwrap())
+    });
+    fs::create_dir_all(&folder).unwrap();
+    for file in ["package.json", "package-lock.json", "read.mjs"] {
+        fs::copy(here.join(file), folder.join(file)).unwrap();
+    }
+    if !is_current {
+        let quietly = ["ci", "--ignore-scripts", "--no-audit", "--no-fund", "--silent"];
+        let output = Command::new("npm").args(quietly).current_dir(&folder).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let pinned = folder.join("node_modules/.pinned");
+        fs::create_dir_all(&pinned).unwrap();
+        for file in ["package.json", "package-lock.json"] {
+            fs::copy(here.join(file), pinned.join(file)).unwrap();
+        }
+    }
+    Some(folder)
+}
+
+/// By its index and from its beginning, with every checksum; every message by the schema of its channel.
+#[test]
+fn foxgloves_own_reader_reads_the_mcap_by_its_schemas() {
+    let Some(readers) = node_readers() else { return };
+    let (directory, flight) = made();
+    stdout(directory.path(), &["export", "made.csv", "--format", "mcap", "-o", "made.mcap"]);
+    let output = Command::new("node")
+        .arg(readers.join("read.mjs"))
+        .arg(directory.path().join("made.mcap"))
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let read: Value = serde_json::from_slice(&output.stdout).unwrap();
+    for (name, [_, samples, sum]) in expected(&flight).iter().skip(1) {
+        let found = &read["counts"][name];
+        assert_eq!(found[0].as_f64(), Some(*samples), "{name}");
+        assert!((found[1].as_f64().unwrap() - sum).abs() <= 1e-6 * sum.abs() + 1e-6, "{name}: {found} {sum}");
+    }
+    let schema_of = |topic: &str| read["channels"][topic].as_str().unwrap().to_owned();
+    assert_eq!((schema_of("/gps"), schema_of("/baro")), ("pylon.gps".to_owned(), "pylon.baro".to_owned()));
+    assert_eq!(read["metadata"][0][0], "pylon-flight");
+    assert_eq!(read["metadata"][0][1]["recorder"], "Größe \"7\"");
 }

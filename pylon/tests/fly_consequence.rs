@@ -8,7 +8,7 @@ use model::Model;
 use pylon::flight::{Channel, Flight};
 use pylon::fly::{Consequence, PlannedFault, consequence};
 use pylon::replay::Replay;
-use pylon::simulate::{Scenario, simulate};
+use pylon::simulate::{load_scenario, simulate};
 
 /// Launch of the flight, seconds.
 const LAUNCH_S: f64 = 60.0;
@@ -18,7 +18,7 @@ fn flight() -> &'static Flight {
     static FLIGHT: OnceLock<Flight> = OnceLock::new();
     FLIGHT.get_or_init(|| {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../flights/quickstart.toml");
-        let mut scenario = Scenario::load(&file).unwrap();
+        let mut scenario = load_scenario(&file).unwrap();
         scenario.captive.duration_s = LAUNCH_S;
         scenario.free_flight.truncate(3);
         simulate(&scenario, scenario.seed).unwrap().0

@@ -9,9 +9,10 @@ use std::path::Path;
 
 type Run = fn(&[u8]);
 
-const TARGETS: [(&str, Run); 12] = [
+const TARGETS: [(&str, Run); 13] = [
     ("ulog", fuzzed::ulog),
     ("mcap", fuzzed::mcap),
+    ("parquet", fuzzed::parquet),
     ("altus", fuzzed::altus),
     ("dataflash", fuzzed::dataflash),
     ("dataflash_text", fuzzed::dataflash_text),

@@ -18,7 +18,7 @@ use model::Model;
 use pylon::flight::write;
 use pylon::fly::{CostUnit, DebugLink, FlownOn, FlyError, FlyOptions, FlyReport, PlantedError, fly};
 use pylon::replay::Replay;
-use pylon::simulate::{Scenario, simulate};
+use pylon::simulate::{load_scenario, simulate};
 use serde_json::Value;
 
 /// Counts of the timer that makes the ticks: 5 ms at 16 MHz.
@@ -30,7 +30,7 @@ const QUICKSTART_TICKS: u64 = 200 * (16 + 5 + 6);
 /// The quickstart's flight, cut to what both phases need, as `flight.csv`.
 fn write_quickstart(directory: &Path) {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../flights/quickstart.toml");
-    let mut scenario = Scenario::load(&file).unwrap();
+    let mut scenario = load_scenario(&file).unwrap();
     scenario.captive.duration_s = 16.0;
     scenario.free_flight.truncate(2);
     scenario.free_flight[1].duration_s = 6.0;

@@ -3,7 +3,7 @@
 
 use proptest::prelude::*;
 use pylon::flight::{self, Flight};
-use pylon::import::mapping::{self, Layout, TextTable};
+use pylon::import::mapping::{self, Layout, LoggedTable};
 use pylon::import::{self, guess, import};
 
 /// What each kind of log begins with; some go on with a line or two.
@@ -37,7 +37,7 @@ fn assert_survives(bytes: &[u8]) {
         }
     }
     if let Some(layout) = Layout::find(bytes) {
-        let draft = guess::guess(&TextTable::read(bytes, layout));
+        let draft = guess::guess(&LoggedTable::read(bytes, layout));
         let text = draft.text("log.csv", "mapping.toml");
         if let Ok(mapping) = mapping::Mapping::parse(&text)
             && let Ok((flight, _)) = mapping::import(bytes, &mapping, "mapping.toml")

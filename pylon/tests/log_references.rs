@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use pylon::flight::{Column, Flight};
+use pylon::flight::{Channel, Column, Flight};
 use pylon::import::import;
 
 /// A column's samples: seconds and value.
@@ -114,6 +114,53 @@ fn px4s_logs_are_read_as_pyulog_reads_them() {
         assert!(reference.len() >= columns, "{name}: {:?}", reference.keys());
         agree(name, &flight, &reference);
     }
+}
+
+/// Altitudes of zero are left out on both sides, with the satellites of such a fix: recorders write them for none, and at the sea's shore for themselves.
+#[test]
+fn gliders_logs_are_read_as_aerofiles_reads_them() {
+    let (Some(few), Some(many)) = (real("igc"), real("igc_many")) else { return };
+    let mut files: Vec<PathBuf> = [few, many]
+        .iter()
+        .flat_map(|folder| std::fs::read_dir(folder).unwrap())
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|ending| ending == "igc"))
+        .collect();
+    files.sort();
+    let mut compared = 0;
+    for path in files {
+        let name = path.file_name().unwrap().to_str().unwrap();
+        let Ok((flight, _)) = import(&std::fs::read(&path).unwrap()) else { continue };
+        let mut reference = referred("igc.py", &path);
+        let ours = imported(&flight);
+        // A pressure altitude that is the receiver's own, or none, is said and not taken for a barometer's.
+        reference.retain(|name, _| ours.contains_key(name) || name != "baro_alt_m");
+        // In hundredths of km/h; aerofiles has the numbers as they stand, as has a flight whose unit can not be told.
+        if name == "igclib_new_zealand.igc" {
+            let speeds = reference.remove("igc_tas").unwrap();
+            let in_mps = speeds.into_iter().map(|(time_s, value)| (time_s, value / 360.0)).collect();
+            reference.insert("tas_mps".to_owned(), in_mps);
+        }
+        let mut flight = flight;
+        let zeros = |flight: &Flight, altitude| -> Vec<usize> {
+            let samples = flight.channel(altitude).into_iter().flat_map(Column::samples);
+            samples.filter(|(_, value)| *value == 0.0).map(|(row, _)| row).collect()
+        };
+        for (altitude, of_it) in [
+            (Channel::GpsAltM, [Channel::GpsAltM, Channel::GpsSats].as_slice()),
+            (Channel::BaroAltM, &[Channel::BaroAltM]),
+        ] {
+            let zeros = zeros(&flight, altitude);
+            for (_, column) in flight.channels.iter_mut().filter(|(channel, _)| of_it.contains(channel)) {
+                zeros.iter().for_each(|row| {
+                    column.set(*row, None);
+                });
+            }
+        }
+        agree(name, &flight, &reference);
+        compared += 1;
+    }
+    assert!(compared >= 40, "{compared}");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! `cargo xtask blind` and `cargo xtask baselines`: how often a diagnosis is right, and beside what people use today.
+//! `cargo xtask blind`, `real-trials` and `baselines`: how often a diagnosis is right, and beside what people use today.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -18,12 +18,30 @@ const SCRIPT: &str = "host-tests/baselines/compare.py";
 /// Where the tables are kept.
 const PAGE: &str = "docs/blind-trials.md";
 /// The tables lie between these lines of it.
-const BEGIN: &str = "<!-- tables: written by `cargo xtask baselines --write` -->";
-const END: &str = "<!-- end of the tables -->";
+const BASELINES: Marks = Marks {
+    begin: "<!-- tables: written by `cargo xtask baselines --write` -->",
+    end: "<!-- end of the tables -->",
+};
+/// The table of the development half of the real logs.
+const DEVELOPMENT: Marks = Marks {
+    begin: "<!-- development: written by `cargo xtask real-trials --write` -->",
+    end: "<!-- end of development -->",
+};
+/// The table of the unseen half.
+const UNSEEN: Marks = Marks {
+    begin: "<!-- unseen: written by `cargo xtask real-trials --half unseen --write` -->",
+    end: "<!-- end of unseen -->",
+};
+
+/// The lines between which a table lies.
+struct Marks {
+    begin: &'static str,
+    end: &'static str,
+}
 
 /// Flies blind trials; their lines and tables go to standard output as they come.
 pub fn run(trials: u64, seed: u64, verbose: bool) -> anyhow::Result<()> {
-    let mut program = built(verbose)?;
+    let mut program = built("blind", verbose)?;
     program.args([&trials.to_string(), "--seed", &seed.to_string()]);
     if verbose {
         program.arg("--verbose");
@@ -43,7 +61,7 @@ pub fn baselines(trials: u64, seed: u64, write: bool, echo: bool) -> anyhow::Res
     if folder.exists() {
         fs::remove_dir_all(&folder).with_context(|| format!("{} can not be emptied", folder.display()))?;
     }
-    let mut program = built(echo)?;
+    let mut program = built("blind", echo)?;
     program.args([&trials.to_string(), "--seed", &seed.to_string(), "--quiet", "--dump"]).arg(&folder);
     eprintln!("flying {trials} blind trials");
     let ours = child::run(&mut program, echo)?.stdout;
@@ -55,23 +73,45 @@ pub fn baselines(trials: u64, seed: u64, write: bool, echo: bool) -> anyhow::Res
     let text = tables(trials, seed, &ours, &theirs);
     print!("{text}");
     if write {
-        let page = workspace::root().join(PAGE);
-        let old = fs::read_to_string(&page).with_context(|| format!("{PAGE} can not be read"))?;
-        fs::write(&page, replaced(&old, &text)?).with_context(|| format!("{PAGE} can not be written"))?;
-        eprintln!("wrote {PAGE}");
+        write_page(&BASELINES, &text)?;
     }
     Ok(())
 }
 
-/// The program, built.
-fn built(echo: bool) -> anyhow::Result<Command> {
+/// Tries a half of the real logs and prints the table; `write` puts it into the page.
+pub fn real(half: &str, write: bool, echo: bool) -> anyhow::Result<()> {
+    let mut program = built("real_trials", echo)?;
+    program.args(["--quiet", "--half", half]);
+    eprintln!("diagnosing real logs and flights made of their tracks: some minutes");
+    let said = child::run(&mut program, echo)?.stdout;
+    println!("{}", said.trim());
+    if write {
+        let marks = if half == "unseen" { &UNSEEN } else { &DEVELOPMENT };
+        let text =
+            format!("`cargo xtask real-trials --half {half} --write`\n\n```text\n{}\n```", said.trim());
+        write_page(marks, &text)?;
+    }
+    Ok(())
+}
+
+/// Puts a table into the page.
+fn write_page(marks: &Marks, text: &str) -> anyhow::Result<()> {
+    let page = workspace::root().join(PAGE);
+    let old = fs::read_to_string(&page).with_context(|| format!("{PAGE} can not be read"))?;
+    fs::write(&page, replaced(&old, marks, text)?).with_context(|| format!("{PAGE} can not be written"))?;
+    eprintln!("wrote {PAGE}");
+    Ok(())
+}
+
+/// A program of the trials, built.
+fn built(program: &str, echo: bool) -> anyhow::Result<Command> {
     setup::provide(Need::Npm, echo)?;
-    eprintln!("building the blind trials");
+    eprintln!("building the trials");
     child::run(
-        &mut workspace::cargo(["build", "--release", "--package", "host-tests", "--bin", "blind"]),
+        &mut workspace::cargo(["build", "--release", "--package", "host-tests", "--bin", program]),
         echo,
     )?;
-    let file = workspace::workbench().with_file_name(format!("blind{}", std::env::consts::EXE_SUFFIX));
+    let file = workspace::workbench().with_file_name(format!("{program}{}", std::env::consts::EXE_SUFFIX));
     Ok(workspace::program(file))
 }
 
@@ -117,12 +157,13 @@ fn tables(trials: u64, seed: u64, ours: &str, theirs: &str) -> String {
     text
 }
 
-/// The page with its tables replaced.
-fn replaced(page: &str, text: &str) -> anyhow::Result<String> {
+/// The page with the table between two lines replaced.
+fn replaced(page: &str, marks: &Marks, text: &str) -> anyhow::Result<String> {
+    let Marks { begin, end } = marks;
     let path = Path::new(PAGE).display();
-    let (before, rest) = page.split_once(BEGIN).with_context(|| format!("{path} has no line `{BEGIN}`"))?;
-    let (_, after) = rest.split_once(END).with_context(|| format!("{path} has no line `{END}`"))?;
-    Ok(format!("{before}{BEGIN}\n\n{}\n\n{END}{after}", text.trim()))
+    let (before, rest) = page.split_once(begin).with_context(|| format!("{path} has no line `{begin}`"))?;
+    let (_, after) = rest.split_once(end).with_context(|| format!("{path} has no line `{end}`"))?;
+    Ok(format!("{before}{begin}\n\n{}\n\n{end}{after}", text.trim()))
 }
 
 #[cfg(test)]
@@ -132,11 +173,13 @@ mod tests {
     #[test]
     fn the_pages_tables_are_replaced_and_nothing_else() {
         let page = fs::read_to_string(workspace::root().join(PAGE)).unwrap();
-        let once = replaced(&page, &tables(7, 3, "ours", "theirs")).unwrap();
-        assert!(once.contains("cargo xtask baselines 7 --seed 3 --write"), "{once}");
-        assert_eq!(once.split(BEGIN).next(), page.split(BEGIN).next());
-        assert_eq!(once.split(END).last(), page.split(END).last());
-        assert_eq!(replaced(&once, &tables(7, 3, "ours", "theirs")).unwrap(), once);
-        assert!(replaced("# Nothing", "").unwrap_err().to_string().contains("has no line"));
+        for marks in [&BASELINES, &DEVELOPMENT, &UNSEEN] {
+            let once = replaced(&page, marks, &tables(7, 3, "ours", "theirs")).unwrap();
+            assert!(once.contains("cargo xtask baselines 7 --seed 3 --write"), "{once}");
+            assert_eq!(once.split(marks.begin).next(), page.split(marks.begin).next());
+            assert_eq!(once.split(marks.end).last(), page.split(marks.end).last());
+            assert_eq!(replaced(&once, marks, &tables(7, 3, "ours", "theirs")).unwrap(), once);
+        }
+        assert!(replaced("# Nothing", &BASELINES, "").unwrap_err().to_string().contains("has no line"));
     }
 }

@@ -40,6 +40,11 @@ pub enum Failure {
 
 /// Runs a child to its end, without input. With `echo` everything it says goes to standard error as well.
 pub fn run(command: &mut Command, echo: bool) -> Result<Said, Failure> {
+    run_heard(command, echo, &|_| ())
+}
+
+/// As [`run`]; `hear` gets every line of its standard error as it comes.
+pub fn run_heard(command: &mut Command, echo: bool, hear: &(dyn Fn(&str) + Sync)) -> Result<Said, Failure> {
     let name = shown(command);
     if echo {
         eprintln!("$ {name}");
@@ -55,7 +60,7 @@ pub fn run(command: &mut Command, echo: bool) -> Result<Said, Failure> {
     let (stdout, stderr) = (child.stdout.take(), child.stderr.take());
     thread::scope(|scope| {
         scope.spawn(|| stdout.map(|stream| listen(stream, true, echo, &said, &mut |_| ())));
-        scope.spawn(|| stderr.map(|stream| listen(stream, false, echo, &said, &mut |_| ())));
+        scope.spawn(|| stderr.map(|stream| listen(stream, false, echo, &said, &mut |line| hear(line))));
     });
     let status = child.wait().map_err(not_started)?;
     ended(name, status, said)

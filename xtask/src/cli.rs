@@ -18,6 +18,7 @@ Examples:
   cargo xtask test budgets   only the steps whose name contains `budgets`, with what they need
   cargo xtask bench          how fast, how small, beside whom
   cargo xtask blind 400      how often a diagnosis is right, on 400 simulated flights
+  cargo xtask real-trials    the same on real logs and tracks
   cargo xtask campaign       a thousand flights with faults of chips, wires and supply, against the same without
   cargo xtask flash          write the flight computer's image to a board (docs/bring-up.md)
   cargo xtask hil q.csv      fly a flight through a board on its debug probe, and compare every tick with the host
@@ -38,7 +39,7 @@ pub struct Cli {
 /// A job.
 #[derive(Debug, Subcommand)]
 pub enum Job {
-    /// Install what is missing: rustfmt, clippy, the flight computer's target, QEMU, npm, Chromium.
+    /// Install what is missing: rustfmt, clippy, the flight computer's target, wasm32, QEMU, npm, Chromium.
     Setup,
     /// Fly the paper's flight, as reconstructed, on the host and in QEMU, and tell what happened.
     Demo,
@@ -55,7 +56,8 @@ pub enum Job {
         /// Print JSON instead of tables.
         #[arg(long)]
         json: bool,
-        /// Only this part: `target` (instructions, in QEMU) or `host` (time and memory).
+        /// Only this part: `target` (instructions, in QEMU), `host` (time and memory) or `import` (real logs, beside their formats'
+        /// reference readers).
         part: Option<BenchPart>,
     },
     /// Fly simulated flights with hidden effects, diagnose them blind, and count how often that is right.
@@ -66,6 +68,16 @@ pub enum Job {
         /// The first trial's seed; each further one's is one more.
         #[arg(long, default_value_t = 1)]
         seed: u64,
+    },
+    /// Diagnose the real logs in ../shared/flights/real, flights made of their tracks, and both with one effect added,
+    /// and count how often that is right.
+    RealTrials {
+        /// Which half of the logs: `development`, or `unseen`, which is for the final figures only.
+        #[arg(long, default_value = "development", value_parser = ["development", "unseen"])]
+        half: String,
+        /// Write the table into docs/blind-trials.md as well.
+        #[arg(long)]
+        write: bool,
     },
     /// Give the blind trials' residuals to least squares and the LASSO as well, and compare.
     Baselines {
@@ -170,4 +182,6 @@ pub enum BenchPart {
     Target,
     /// Time and memory on this machine.
     Host,
+    /// Time and memory of importing real logs, beside pyulog, pymavlink and aerofiles.
+    Import,
 }

@@ -11,6 +11,7 @@ use serde::de::DeserializeOwned;
 use crate::child;
 use crate::improvement::{Addition, Diagnosis, Improvement};
 use crate::setup::{self, Need, Provided};
+use crate::stages::Stages;
 use crate::steps::Done;
 use crate::story::{Comparison, Flown, Story};
 use crate::workspace;
@@ -32,20 +33,25 @@ pub fn run(echo: bool) -> anyhow::Result<()> {
             Provided::Installed(what) => eprintln!("{}: installed, {what}", need.name()),
         }
     }
-    eprintln!("building the workbench");
-    child::run(&mut workspace::build_workbench(), echo)?;
-    let workbench = workspace::workbench();
-    print!("{}", fly(&workbench, echo)?);
-    print!("{}", improve(&workbench, echo)?);
+    let mut stages = Stages::new(1 + STAGES);
+    stages.run("building the workbench", |news| {
+        child::run_heard(&mut workspace::build_workbench(), echo, &|line| news.hear(line))?;
+        Ok(())
+    })?;
+    let mut demo = Demo { workbench: workspace::workbench(), echo, stages };
+    print!("{}", demo.fly()?);
+    print!("{}", demo.improve()?);
+    demo.stages.finish();
     Ok(())
 }
 
 /// The demo as a test: that it comes to its end, with pictures; with the workbench that the tests have built.
 pub fn test(echo: bool) -> anyhow::Result<Done> {
     child::run(&mut workspace::test(["--no-run"]), echo)?;
-    let workbench = workspace::tested("pylon");
-    let story = fly(&workbench, echo)?;
-    let improvement = improve(&workbench, echo)?;
+    let mut demo = Demo { workbench: workspace::tested("pylon"), echo, stages: Stages::new(STAGES) };
+    let story = demo.fly()?;
+    let improvement = demo.improve()?;
+    demo.stages.finish();
     Ok(Done::all(format!(
         "{} and {} ticks bit for bit, {} pictures, {} found and added, a report",
         story.flown.ticks,
@@ -55,78 +61,106 @@ pub fn test(echo: bool) -> anyhow::Result<Done> {
     )))
 }
 
-/// Does all there is to tell about.
-fn fly(workbench: &Path, echo: bool) -> anyhow::Result<Story> {
-    let folder = workspace::target_folder().join("demo");
-    let (flight, pictures) = (folder.join("paper-reconstruction.csv"), folder.join("pictures"));
-    if folder.exists() {
-        fs::remove_dir_all(&folder).with_context(|| format!("{} can not be emptied", folder.display()))?;
+/// The steps of [`Demo::fly`] and [`Demo::improve`].
+const STAGES: usize = 9;
+
+/// The demo on its way.
+struct Demo {
+    /// The workbench's program.
+    workbench: PathBuf,
+    echo: bool,
+    stages: Stages,
+}
+
+impl Demo {
+    /// Does all there is to tell about.
+    fn fly(&mut self) -> anyhow::Result<Story> {
+        let folder = folder();
+        let (flight, pictures) = (folder.join("paper-reconstruction.csv"), folder.join("pictures"));
+        if folder.exists() {
+            fs::remove_dir_all(&folder)
+                .with_context(|| format!("{} can not be emptied", folder.display()))?;
+        }
+        fs::create_dir_all(&folder).with_context(|| format!("{} can not be made", folder.display()))?;
+
+        self.simulate(SCENARIO, &flight)?;
+        let mut fly = self.pylon("fly");
+        fly.arg(&flight).args(["--model", MODEL, "--json"]);
+        let flown: Flown =
+            self.json("building the flight computer's image and flying it in QEMU, bit for bit", fly)?;
+        let mut compare = self.pylon("compare");
+        compare.arg(&flight).args(["--model", MODEL, "--json", "--plots"]).arg(&pictures);
+        let comparison: Comparison = self.json("comparing the flight with the paper's model", compare)?;
+        Ok(Story { flown, comparison, flight, pictures: drawn(&pictures)? })
     }
-    fs::create_dir_all(&folder).with_context(|| format!("{} can not be made", folder.display()))?;
 
-    let pylon = |command: &str| pylon(workbench, command);
-    eprintln!("simulating {SCENARIO}");
-    child::run(pylon("simulate").arg(SCENARIO).arg("-o").arg(&flight), echo)?;
-    eprintln!("building the flight computer's image and flying it in QEMU, bit for bit");
-    let flown: Flown = json(pylon("fly").arg(&flight).args(["--model", MODEL, "--json"]), echo)?;
-    eprintln!("comparing the flight with the paper's model");
-    let mut compare = pylon("compare");
-    compare.arg(&flight).args(["--model", MODEL, "--json", "--plots"]).arg(&pictures);
-    let comparison: Comparison = json(&mut compare, echo)?;
-    Ok(Story { flown, comparison, flight, pictures: drawn(&pictures)? })
-}
-
-/// A flight with a hidden effect, the diagnosis, the improved model and a flight that was held out.
-fn improve(workbench: &Path, echo: bool) -> anyhow::Result<Improvement> {
-    let pylon = |command: &str| pylon(workbench, command);
-    let folder = workspace::target_folder().join("demo");
-    let simulated = |scenario: &str, file: &str| -> anyhow::Result<PathBuf> {
-        let flight = folder.join(file);
-        eprintln!("simulating {scenario}");
-        child::run(pylon("simulate").arg(scenario).arg("-o").arg(&flight), echo)?;
-        Ok(flight)
-    };
-    let first = simulated(HIDDEN, "first.csv")?;
-    let second = simulated(SECOND, "second.csv")?;
-    eprintln!("diagnosing the first flight");
-    let diagnosis: Diagnosis = json(pylon("diagnose").arg(&first).arg("--json"), echo)?;
-    let missing = diagnosis.missing();
-    let [effect] = missing.as_slice() else {
-        bail!("the diagnosis says {}: {}", diagnosis.verdict, missing.join(", "));
-    };
-    let model = folder.join("improved.toml");
-    let (sensor, _) = effect.split_once('.').context("an effect's id is SENSOR.EFFECT")?;
-    eprintln!("adding {effect} and flying the second flight with it, in QEMU");
-    let mut add = pylon("add");
-    add.arg(effect).args(["--model", "default", "--from"]).arg(&first);
-    add.arg("--hold-out").arg(&second).arg("-o").arg(&model).arg("--json");
-    let addition: Addition = json(&mut add, echo)?;
-    let flown: Flown = json(pylon("fly").arg(&second).arg("--model").arg(&model).arg("--json"), echo)?;
-    eprintln!("writing a report of both flights with the improved model");
-    let report = folder.join("report.html");
-    let mut write = pylon("report");
-    write.args([&first, &second]).arg("--model").arg(&model).arg("-o").arg(&report);
-    child::run(&mut write, echo)?;
-    let page =
-        fs::read_to_string(&report).with_context(|| format!("{} can not be read", report.display()))?;
-    if !page.contains("data-chart=\"ladder-2\"") || !page.contains(*effect) {
-        bail!("{} does not show how the error fell on the second flight", report.display());
+    /// A flight with a hidden effect, the diagnosis, the improved model and a flight that was held out.
+    fn improve(&mut self) -> anyhow::Result<Improvement> {
+        let folder = folder();
+        let (first, second) = (folder.join("first.csv"), folder.join("second.csv"));
+        self.simulate(HIDDEN, &first)?;
+        self.simulate(SECOND, &second)?;
+        let mut diagnose = self.pylon("diagnose");
+        diagnose.arg(&first).arg("--json");
+        let diagnosis: Diagnosis = self.json("diagnosing the first flight", diagnose)?;
+        let missing = diagnosis.missing();
+        let [effect] = missing.as_slice() else {
+            bail!("the diagnosis says {}: {}", diagnosis.verdict, missing.join(", "));
+        };
+        let model = folder.join("improved.toml");
+        let (sensor, _) = effect.split_once('.').context("an effect's id is SENSOR.EFFECT")?;
+        let mut add = self.pylon("add");
+        add.arg(effect).args(["--model", "default", "--from"]).arg(&first);
+        add.arg("--hold-out").arg(&second).arg("-o").arg(&model).arg("--json");
+        let addition: Addition = self.json(&format!("adding {effect} to the model"), add)?;
+        let mut fly = self.pylon("fly");
+        fly.arg(&second).arg("--model").arg(&model).arg("--json");
+        let flown: Flown =
+            self.json("building the image with that model and flying the second flight in QEMU", fly)?;
+        let report = folder.join("report.html");
+        let mut write = self.pylon("report");
+        write.args([&first, &second]).arg("--model").arg(&model).arg("-o").arg(&report);
+        self.run("writing a report of both flights with the improved model", write)?;
+        let page =
+            fs::read_to_string(&report).with_context(|| format!("{} can not be read", report.display()))?;
+        if !page.contains("data-chart=\"ladder-2\"") || !page.contains(*effect) {
+            bail!("{} does not show how the error fell on the second flight", report.display());
+        }
+        let (effect, sensor) = ((*effect).to_owned(), sensor.to_owned());
+        Ok(Improvement { effect, sensor, addition, ticks: flown.ticks, model, report })
     }
-    let (effect, sensor) = ((*effect).to_owned(), sensor.to_owned());
-    Ok(Improvement { effect, sensor, addition, ticks: flown.ticks, model, report })
+
+    /// The workbench with a command of its.
+    fn pylon(&self, command: &str) -> Command {
+        let mut pylon = workspace::program(&self.workbench);
+        pylon.arg(command);
+        pylon
+    }
+
+    fn simulate(&mut self, scenario: &str, flight: &Path) -> anyhow::Result<()> {
+        let mut simulate = self.pylon("simulate");
+        simulate.arg(scenario).arg("-o").arg(flight);
+        self.run(&format!("simulating {scenario}"), simulate)?;
+        Ok(())
+    }
+
+    /// Runs a command as a step.
+    fn run(&mut self, name: &str, mut command: Command) -> anyhow::Result<child::Said> {
+        let echo = self.echo;
+        self.stages.run(name, |news| Ok(child::run_heard(&mut command, echo, &|line| news.hear(line))?))
+    }
+
+    /// Runs a command as a step, and reads what it says.
+    fn json<T: DeserializeOwned>(&mut self, name: &str, command: Command) -> anyhow::Result<T> {
+        let shown = child::shown(&command);
+        let said = self.run(name, command)?;
+        serde_json::from_str(&said.stdout).with_context(|| format!("`{shown}` said something unexpected"))
+    }
 }
 
-/// The workbench with a command of its.
-fn pylon(workbench: &Path, command: &str) -> Command {
-    let mut pylon = workspace::program(workbench);
-    pylon.arg(command);
-    pylon
-}
-
-fn json<T: DeserializeOwned>(command: &mut Command, echo: bool) -> anyhow::Result<T> {
-    let said = child::run(command, echo)?;
-    serde_json::from_str(&said.stdout)
-        .with_context(|| format!("`{}` said something unexpected", child::shown(command)))
+/// Where it all goes.
+fn folder() -> PathBuf {
+    workspace::target_folder().join("demo")
 }
 
 /// The pictures in a folder, by name.

@@ -14,11 +14,13 @@ mod hil;
 mod improvement;
 mod monitor_curves;
 mod setup;
+mod stages;
 mod steps;
 mod story;
 mod table;
 mod test_job;
 mod test_report;
+mod wasm;
 #[cfg(test)]
 mod wiring;
 mod workspace;
@@ -65,6 +67,7 @@ fn run(job: Job, verbose: bool) -> anyhow::Result<ExitCode> {
         Job::Hil(arguments) => return hil::run(&arguments, verbose),
         Job::Bench { json, part } => bench::run(part, json, verbose)?,
         Job::Blind { trials, seed } => blind::run(trials, seed, verbose)?,
+        Job::RealTrials { half, write } => blind::real(&half, write, verbose)?,
         Job::MonitorCurves { seed } => monitor_curves::run(seed, verbose)?,
         Job::Baselines { trials, seed, write } => blind::baselines(trials, seed, write, verbose)?,
         Job::Campaign(arguments) => {

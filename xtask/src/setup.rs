@@ -9,6 +9,7 @@ use std::process::Command;
 use anyhow::{Context, bail};
 
 use crate::child;
+use crate::wasm;
 use crate::workspace::{self, TARGET};
 
 /// The emulated board.
@@ -36,6 +37,8 @@ pub enum Need {
     Clippy,
     /// The standard library of the flight computer.
     Target,
+    /// The standard library of a browser.
+    Wasm,
     /// The emulator.
     Qemu,
     /// What fetches uPlot, without which the workbench does not build.
@@ -56,8 +59,16 @@ pub enum Provided {
 
 impl Need {
     /// Everything that some job needs.
-    pub const ALL: [Self; 7] =
-        [Self::Rustfmt, Self::Clippy, Self::Target, Self::Qemu, Self::Npm, Self::Chromium, Self::Pymavlink];
+    pub const ALL: [Self; 8] = [
+        Self::Rustfmt,
+        Self::Clippy,
+        Self::Target,
+        Self::Wasm,
+        Self::Qemu,
+        Self::Npm,
+        Self::Chromium,
+        Self::Pymavlink,
+    ];
 
     /// Its name to the user.
     pub const fn name(self) -> &'static str {
@@ -65,6 +76,7 @@ impl Need {
             Self::Rustfmt => "rustfmt",
             Self::Clippy => "clippy",
             Self::Target => TARGET,
+            Self::Wasm => wasm::TARGET,
             Self::Qemu => QEMU,
             Self::Npm => NPM,
             Self::Chromium => CHROMIUM,
@@ -77,7 +89,8 @@ impl Need {
         match self {
             Self::Rustfmt => first_line(&mut workspace::cargo(["fmt", "--version"])),
             Self::Clippy => first_line(&mut workspace::cargo(["clippy", "--version"])),
-            Self::Target => target_library(),
+            Self::Target => target_library(TARGET),
+            Self::Wasm => target_library(wasm::TARGET),
             Self::Qemu => {
                 let machines = child::run(workspace::program(QEMU).args(["-machine", "help"]), false).ok()?;
                 machines.stdout.lines().find(|line| line.split(' ').next() == Some(MACHINE))?;
@@ -115,6 +128,7 @@ impl Need {
             Self::Rustfmt => Ok(rustup("component", "rustfmt")),
             Self::Clippy => Ok(rustup("component", "clippy")),
             Self::Target => Ok(rustup("target", TARGET)),
+            Self::Wasm => Ok(rustup("target", wasm::TARGET)),
             Self::Qemu => install(QEMU, &format!("it must offer `{QEMU} -machine {MACHINE}`")),
             Self::Npm => install(NPM, "Node.js brings it"),
             Self::Chromium => install(CHROMIUM, "its command must be `chromium`"),
@@ -138,7 +152,7 @@ impl Need {
 }
 
 /// The interpreter that has the telemetry's client.
-fn pymavlink_python() -> PathBuf {
+pub fn pymavlink_python() -> PathBuf {
     workspace::target_folder().join(PYMAVLINK).join("bin/python")
 }
 
@@ -203,10 +217,10 @@ fn first_line(command: &mut Command) -> Option<String> {
     said.stdout.lines().next().map(str::to_owned)
 }
 
-/// The folder of the target's standard library, if `core` is in it.
-fn target_library() -> Option<String> {
+/// The folder of a target's standard library, if `core` is in it.
+fn target_library(target: &str) -> Option<String> {
     let folder =
-        first_line(workspace::program("rustc").args(["--print", "target-libdir", "--target", TARGET]))?;
+        first_line(workspace::program("rustc").args(["--print", "target-libdir", "--target", target]))?;
     let has_core = fs::read_dir(&folder)
         .ok()?
         .flatten()

@@ -8,6 +8,9 @@ use comfy_table::Cell;
 use crate::child::Failure;
 use crate::table::{plain, right};
 
+/// What takes a smaller part of the time has no row of its own among the slowest: a hundred rows hold no more than this each.
+const SMALLEST_SHARE: f64 = 0.01;
+
 /// What a step that ended well has to say.
 #[derive(Clone, Debug, Default)]
 pub struct Done {
@@ -15,12 +18,14 @@ pub struct Done {
     pub what: String,
     /// What it had to leave out, and why.
     pub skipped: Vec<String>,
+    /// What its parts took, where it has any.
+    pub parts: Vec<(String, Duration)>,
 }
 
 impl Done {
     /// All of it done.
     pub fn all(what: impl Into<String>) -> Self {
-        Self { what: what.into(), skipped: Vec::new() }
+        Self { what: what.into(), ..Self::default() }
     }
 }
 
@@ -37,6 +42,7 @@ struct Row {
     name: String,
     outcome: Outcome,
     took: Duration,
+    parts: Vec<(String, Duration)>,
 }
 
 /// The steps of a job so far.
@@ -61,15 +67,20 @@ impl Steps {
         let start = Instant::now();
         let outcome = step();
         let took = start.elapsed();
-        let mut add = |outcome| self.rows.push(Row { name: name.to_owned(), outcome, took });
+        let mut add = |outcome, parts| self.rows.push(Row { name: name.to_owned(), outcome, took, parts });
         match outcome {
-            Ok(Done { what, skipped }) => {
+            Ok(Done { what, skipped, parts }) => {
                 eprintln!("passed, {}", seconds(took));
-                add(Outcome::Passed(what));
+                add(Outcome::Passed(what), parts);
                 for what in skipped {
                     // Not in the words in which a test says that it skips: this is run in a test as well.
                     eprintln!("           left out: {what}");
-                    add(Outcome::Skipped(what));
+                    self.rows.push(Row {
+                        name: name.to_owned(),
+                        outcome: Outcome::Skipped(what),
+                        took: Duration::ZERO,
+                        parts: Vec::new(),
+                    });
                 }
                 true
             }
@@ -78,7 +89,7 @@ impl Steps {
                     eprintln!("\n{}", said.all.trim_end());
                 }
                 eprintln!("FAILED, {}: {error:#}", seconds(took));
-                add(Outcome::Failed(format!("{error:#}")));
+                add(Outcome::Failed(format!("{error:#}")), Vec::new());
                 false
             }
         }
@@ -97,7 +108,7 @@ impl Steps {
     /// Every step, one a row.
     pub fn table(&self) -> String {
         let mut table = plain([Cell::new("step"), Cell::new("outcome"), right("took"), Cell::new("what")]);
-        for Row { name, outcome, took } in &self.rows {
+        for Row { name, outcome, took, .. } in &self.rows {
             let (word, took, what) = match outcome {
                 Outcome::Passed(what) => ("passed", seconds(*took), what),
                 Outcome::Failed(what) => ("FAILED", seconds(*took), what),
@@ -108,11 +119,47 @@ impl Steps {
         table.trim_fmt()
     }
 
+    /// Where the time went, slowest first: of a step with parts, each of them, and what is left of it.
+    pub fn slowest(&self) -> String {
+        let mut shares: Vec<(String, Duration)> = Vec::new();
+        for Row { name, took, parts, .. } in &self.rows {
+            let of_parts = parts.iter().map(|(_, took)| *took).sum();
+            let left =
+                if parts.is_empty() { name.clone() } else { format!("{name}: building, and the rest") };
+            shares.push((left, took.saturating_sub(of_parts)));
+            shares.extend(parts.iter().map(|(part, took)| (format!("{name}: {part}"), *took)));
+        }
+        shares.sort_by_key(|(_, took)| std::cmp::Reverse(*took));
+        let total: Duration = shares.iter().map(|(_, took)| *took).sum();
+        let mut table = plain([Cell::new("slowest first"), right("took"), right("share")]);
+        let (mut few, mut short) = (0, Duration::ZERO);
+        for (name, took) in shares {
+            let share = took.as_secs_f64() / total.as_secs_f64();
+            if share >= SMALLEST_SHARE {
+                table.add_row([Cell::new(name), right(seconds(took)), right(percent(share))]);
+            } else if !took.is_zero() {
+                few += 1;
+                short += took;
+            }
+        }
+        if few > 0 {
+            let share = short.as_secs_f64() / total.as_secs_f64();
+            let name = format!("{few} of less than {} each", percent(SMALLEST_SHARE));
+            table.add_row([Cell::new(name), right(seconds(short)), right(percent(share))]);
+        }
+        table.add_row([Cell::new("all"), right(seconds(total)), right(percent(1.0))]);
+        table.trim_fmt()
+    }
+
     /// The line that sums up: `N passed, N failed, N skipped`.
     pub fn verdict(&self) -> String {
         let [passed, failed, skipped] = self.counts();
         format!("{passed} passed, {failed} failed, {skipped} skipped")
     }
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.0} %", 100.0 * share)
 }
 
 fn seconds(took: Duration) -> String {
@@ -134,11 +181,46 @@ mod tests {
             child::run(Command::new("sh").args(["-c", "exit 1"]), false)?;
             Ok(Done::default())
         }));
-        assert!(steps.run("third", || Ok(Done { what: "2 tests".into(), skipped: vec!["no logs".into()] })));
+        assert!(steps.run("third", || Ok(Done {
+            what: "2 tests".into(),
+            skipped: vec!["no logs".into()],
+            ..Done::default()
+        })));
         assert_eq!(steps.verdict(), "2 passed, 1 failed, 1 skipped");
         let table = steps.table();
         assert!(table.contains("FAILED"), "{table}");
         assert!(table.contains("`sh -c 'exit 1'` ended with exit status: 1"), "{table}");
         assert_eq!(table.lines().count(), 5, "{table}");
+    }
+
+    #[test]
+    fn the_slowest_part_comes_first_and_nothing_is_left_out() {
+        let row = |name: &str, took, parts: &[(&str, u64)]| Row {
+            name: name.to_owned(),
+            outcome: Outcome::Passed(String::new()),
+            took: Duration::from_secs(took),
+            parts: parts
+                .iter()
+                .map(|(name, took)| ((*name).to_owned(), Duration::from_secs(*took)))
+                .collect(),
+        };
+        let rows = vec![
+            row("clippy", 100, &[]),
+            row("tests", 890, &[("oracle", 250), ("budgets", 600), ("quick", 1)]),
+            row("formatting", 10, &[]),
+        ];
+        let table = Steps { planned: 3, begun: 3, rows }.slowest();
+        let rows: Vec<_> =
+            table.lines().skip(1).map(|line| line.split_whitespace().collect::<Vec<_>>().join(" ")).collect();
+        let expected = [
+            "tests: budgets 600.0 s 60 %",
+            "tests: oracle 250.0 s 25 %",
+            "clippy 100.0 s 10 %",
+            "tests: building, and the rest 39.0 s 4 %",
+            "formatting 10.0 s 1 %",
+            "1 of less than 1 % each 1.0 s 0 %",
+            "all 1000.0 s 100 %",
+        ];
+        assert_eq!(rows, expected, "{table}");
     }
 }

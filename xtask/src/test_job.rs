@@ -8,6 +8,7 @@ use crate::demo;
 use crate::setup::{self, Need, Provided};
 use crate::steps::{Done, Steps};
 use crate::test_report::{TestProgress, TestReport};
+use crate::wasm;
 use crate::workspace::{self, TARGET};
 
 /// A step and what the machine must have for it.
@@ -23,6 +24,8 @@ const STEPS: &[Step] = &[
     Step { name: "clippy, board-qemu", needs: &[Need::Clippy, Need::Target], run: clippy_qemu },
     Step { name: "clippy, board-hil", needs: &[Need::Clippy, Need::Target], run: clippy_hil },
     Step { name: "clippy, board-f405", needs: &[Need::Clippy, Need::Target], run: clippy_f405 },
+    Step { name: "workbench, wasm32", needs: &[Need::Wasm], run: wasm::check },
+    Step { name: "results, wasm32", needs: &[Need::Wasm, Need::Npm], run: wasm::results },
     Step { name: "documentation, host", needs: &[Need::Npm], run: documentation_host },
     Step { name: "documentation, firmware", needs: &[Need::Target], run: documentation_firmware },
     Step { name: "image, board-qemu", needs: &[Need::Target], run: image_qemu },
@@ -67,7 +70,7 @@ pub fn run(words: &[String], list: bool, echo: bool) -> anyhow::Result<bool> {
             None => (step.run)(echo),
         });
     }
-    println!("\n{}\n\n{}", steps.table(), steps.verdict());
+    println!("\n{}\n\n{}\n\n{}", steps.table(), steps.slowest(), steps.verdict());
     let [_, failed, _] = steps.counts();
     Ok(failed == 0)
 }
@@ -94,21 +97,22 @@ fn clippy_host(echo: bool) -> anyhow::Result<Done> {
 }
 
 fn clippy_qemu(echo: bool) -> anyhow::Result<Done> {
-    clippy_firmware("board-qemu,peers", echo)
+    clippy_target("bench", "board-qemu", echo)?;
+    clippy_target("firmware", "board-qemu", echo)
 }
 
 fn clippy_hil(echo: bool) -> anyhow::Result<Done> {
-    clippy_firmware("board-hil", echo)
+    clippy_target("firmware", "board-hil", echo)
 }
 
 fn clippy_f405(echo: bool) -> anyhow::Result<Done> {
-    clippy_firmware("board-f405,baro-bmp390", echo)?;
-    clippy_firmware("board-f405", echo)
+    clippy_target("firmware", "board-f405,baro-bmp390", echo)?;
+    clippy_target("firmware", "board-f405", echo)
 }
 
-fn clippy_firmware(features: &str, echo: bool) -> anyhow::Result<Done> {
+fn clippy_target(package: &str, features: &str, echo: bool) -> anyhow::Result<Done> {
     let arguments = ["--target", TARGET, "--features", features, "--", "-D", "warnings"];
-    child::run(workspace::cargo(["clippy", "--package", "firmware"]).args(arguments), echo)?;
+    child::run(workspace::cargo(["clippy", "--package", package]).args(arguments), echo)?;
     Ok(Done::default())
 }
 
@@ -117,7 +121,8 @@ fn documentation_host(echo: bool) -> anyhow::Result<Done> {
 }
 
 fn documentation_firmware(echo: bool) -> anyhow::Result<Done> {
-    documentation(&["--package", "firmware", "--target", TARGET, "--features", "board-qemu,peers"], echo)
+    let packages = ["--package", "firmware", "--package", "bench"];
+    documentation(&[&packages[..], &["--target", TARGET, "--features", "board-qemu"]].concat(), echo)
 }
 
 fn documentation(what: &[&str], echo: bool) -> anyhow::Result<Done> {
@@ -167,5 +172,5 @@ fn tests(echo: bool) -> anyhow::Result<Done> {
             return Err(anyhow::Error::from(failure).context(counts));
         }
     };
-    Ok(Done { what: report.to_string(), skipped: report.skipped })
+    Ok(Done { what: report.to_string(), skipped: report.skipped, parts: progress.took })
 }

@@ -1,6 +1,7 @@
 //! What `cargo test` says, counted.
 
 use std::fmt;
+use std::time::Duration;
 
 /// A kind of test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,6 +101,8 @@ impl TestReport {
 #[derive(Debug, Default)]
 pub struct TestProgress {
     running: Option<String>,
+    /// What each program of tests took, by its own word.
+    pub took: Vec<(String, Duration)>,
 }
 
 impl TestProgress {
@@ -120,8 +123,17 @@ impl TestProgress {
         let (_, counts) = line.strip_prefix("test result: ")?.split_once(". ")?;
         let told = ["passed", "failed", "finished"];
         let parts = counts.split("; ").filter(|part| told.iter().any(|word| part.contains(word)));
-        Some(format!("{}: {}", self.running.take()?, parts.collect::<Vec<_>>().join(", ")))
+        let name = self.running.take()?;
+        if let Some(took) = counts.rsplit_once("finished in ").and_then(|(_, took)| duration(took)) {
+            self.took.push((name.clone(), took));
+        }
+        Some(format!("{name}: {}", parts.collect::<Vec<_>>().join(", ")))
     }
+}
+
+/// `9.01s` as a duration.
+fn duration(text: &str) -> Option<Duration> {
+    Duration::try_from_secs_f64(text.strip_suffix('s')?.parse().ok()?).ok()
 }
 
 impl fmt::Display for TestReport {
@@ -201,6 +213,9 @@ test result: ok. 1 passed; 0 failed; 0 ignored; 0 measured; 0 filtered out; fini
             "Doc-tests kf_core: 1 passed, 0 failed, finished in 0.02s",
         ];
         assert_eq!(told, expected);
+        let took: Vec<_> =
+            progress.took.iter().map(|(name, took)| (name.as_str(), took.as_millis())).collect();
+        assert_eq!(took, [("kf_core", 10), ("qemu_flight", 9010), ("Doc-tests kf_core", 20)]);
     }
 
     #[test]

@@ -13,5 +13,5 @@ mod trial;
 
 pub use draw::{Case, Kind, Plan, draw};
 pub use flight::fly;
-pub use score::{Score, table};
+pub use score::{Score, Share, table};
 pub use trial::{Trial, run};

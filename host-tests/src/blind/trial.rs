@@ -30,7 +30,11 @@ impl Trial {
     /// Ids that the diagnosis is sure of.
     #[must_use]
     pub fn identified(&self) -> Vec<&'static str> {
-        self.diagnosis.sensors.values().flat_map(|sensor| sensor.missing.iter().copied()).collect()
+        self.diagnosis
+            .missing()
+            .filter_map(kf_core::effect::EffectId::from_name)
+            .map(kf_core::effect::EffectId::name)
+            .collect()
     }
 
     /// Whether it is sure of an effect that does not act.
@@ -42,12 +46,7 @@ impl Trial {
     /// Whether an effect is identified, or in a set that can't be told apart.
     #[must_use]
     pub fn holds(&self, id: &str) -> bool {
-        self.identified().contains(&id)
-            || self
-                .diagnosis
-                .sensors
-                .values()
-                .any(|sensor| sensor.indistinguishable.iter().any(|set| set.contains(&id)))
+        self.diagnosis.missing().chain(self.diagnosis.suspects()).any(|said| said == id)
     }
 
     /// Whether any sensor's verdict is this.

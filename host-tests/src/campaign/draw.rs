@@ -518,6 +518,7 @@ fn of_supply(fault: &mut Drawn, plan: &Plan, random: &mut impl Rng) {
     let with_chips = random.random_bool(0.6);
     let count = if is_series { random.random_range(2..8) } else { 1 };
     let mut tick = fault.from;
+    let mut last_end = tick;
     for k in 0..count {
         let boundary = match random.random_range(0..5) {
             0 => Boundary::BeforeMark,
@@ -533,10 +534,11 @@ fn of_supply(fault: &mut Drawn, plan: &Plan, random: &mut impl Rng) {
         };
         let ticks = random.random_range(1..40);
         fault.dips.push(Dip { tick: when, ticks, boundary, with_chips, is_crash: false });
-        // The fault is over when the last dip is.
+        // The fault is over when the last dip is, and a receiver that has lost its power has booted for half a second.
+        last_end = tick + ticks + if with_chips { SECOND / 2 } else { 0 };
         tick += ticks + random.random_range(4..400);
     }
-    fault.to = tick.min(plan.ticks());
+    fault.to = tick.max(last_end).min(plan.ticks());
     fault.name = match (is_series, at_launch) {
         (true, _) => "supply: dips in series",
         (false, true) => "supply: dips at the launch",
@@ -547,8 +549,6 @@ fn of_supply(fault: &mut Drawn, plan: &Plan, random: &mut impl Rng) {
         fault.from = plan.separation();
         fault.to = fault.to.clamp(fault.from + SECOND, plan.ticks());
     } else if !is_series {
-        fault.to = fault.from + fault.dips.first().map_or(1, |dip| dip.ticks);
-        // A receiver that has lost its power boots for half a second.
-        fault.to += if with_chips { SECOND / 2 } else { 0 };
+        fault.to = last_end;
     }
 }

@@ -441,23 +441,27 @@ impl Judge<'_> {
         if promised < delay || !is_promised(latest) || (Self::is_degraded(self.faulty) && flagged.is_some()) {
             return;
         }
-        // What reads right needs no flag until it leaves its bound. An altitude that the flight computer integrates has another drift of its own
-        // after a gap than the clean one, and a push while a gap is mended is taken out with it: it is right as far as its bound.
+        // What reads right needs no flag until it leaves its bound, and is owed it from then on as soon as the clean one has it. An altitude that
+        // the flight computer integrates has another drift of its own after a gap than the clean one, and a push while a gap is mended is taken
+        // out with it: it is right as far as its bound.
         let is_integrated = sensor == Sensor::ImuSlave && !has_unit;
         let rightly_m = if is_integrated { 1.0 } else { RIGHTLY } * self.bound_m(sensor);
-        let error_m = |tick: usize| {
-            let seen = self.faulty.ticks.get(tick).copied().flatten();
-            seen.map_or(0.0, |seen| seen.true_error_m[i].abs())
+        let is_right = |watched: &Watched, tick: usize| {
+            let seen = watched.ticks.get(tick).copied().flatten();
+            seen.is_none_or(|seen| seen.true_error_m[i].abs() < rightly_m)
         };
-        if error_m(latest) < rightly_m {
-            let end = self.faulty.ticks.len();
-            let Some(beyond) = (latest..end).find(|tick| error_m(*tick) >= self.bound_m(sensor)) else {
-                return;
-            };
-            let latest = beyond + allowed;
-            if latest >= end || flagged.is_some_and(|tick| tick <= latest) || !is_promised(latest) {
-                return;
-            }
+        // When it left what is right, to be wrong at a tick.
+        let left = |watched: &Watched, wrong: usize| {
+            (failure.tick..wrong).rev().find(|tick| is_right(watched, *tick)).unwrap_or(failure.tick)
+        };
+        let end = self.faulty.ticks.len();
+        let Some(wrong) = (latest..end).find(|tick| !is_right(self.faulty, *tick)) else { return };
+        // The time that the clean one takes from there to its flag.
+        let beyond = left(self.faulty, wrong);
+        let from_there = clean.tick.saturating_sub(left(self.clean, clean.tick));
+        let owed = beyond + (from_there as f32 * DELAY_FACTOR) as usize + GRACE_TICKS;
+        if owed > latest && (owed >= end || flagged.is_some_and(|tick| tick <= owed) || !is_promised(owed)) {
+            return;
         }
         let later = flagged.map_or_else(
             || "never flagged".to_owned(),

@@ -141,9 +141,17 @@ impl SourceGate {
         self.to_make_up > FITS_PER_OUTLIER && self.taken > 0
     }
 
-    /// What is known of the source is void.
+    /// What is known of the source is void; how much its innovations seemed to spread as well, for they were against what is void.
     pub(super) fn believe_anew(&mut self) {
-        (self.taken, self.run) = (0, 0);
+        (self.taken, self.run, self.spread) = (0, 0, 1.0);
+    }
+
+    /// The source was lost: what was known of it is void. The outliers since then still count, or one that has come back elsewhere would be
+    /// refused for ever.
+    pub(super) fn begin_anew(&mut self) {
+        if self.taken > 0 {
+            self.believe_anew();
+        }
     }
 
     /// Whether the source has ever been believed for longer than a glitch lasts.

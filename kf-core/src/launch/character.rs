@@ -136,9 +136,14 @@ impl Character {
         self.differing >= IN_A_ROW
     }
 
-    /// Whether a change would have been seen: the unit lives, and has lived since the suspicion began, and captive flight is known.
+    /// Whether a change would have been seen: captive flight is known, and [`Self::is_living`].
     pub(super) fn is_known(&self, now_us: u64) -> bool {
-        self.blocks >= LEAST_BLOCKS && !self.was_blind && self.lives(now_us)
+        self.blocks >= LEAST_BLOCKS && self.is_living(now_us)
+    }
+
+    /// Whether the unit lives, and has lived since the suspicion began.
+    pub(super) fn is_living(&self, now_us: u64) -> bool {
+        !self.was_blind && self.lives(now_us)
     }
 
     fn lives(&self, now_us: u64) -> bool {

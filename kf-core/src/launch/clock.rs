@@ -1,7 +1,8 @@
 //! The ticks' clock without its leaps.
 //!
 //! A leap between the opening of the wire and a message that came within the cable's slack would make of that message one that
-//! came too late for a launch, and of everything else a long silence.
+//! came too late for a launch, and of everything else a long silence. A clock that runs back would hide a departure until it has caught up.
+//! A tick is a tick, whatever its clock: both are counted as one.
 
 use super::LaunchInput;
 
@@ -14,34 +15,36 @@ const TICK_US: u64 = 5_000;
 pub(super) struct Clock {
     /// The last tick, as the clock had it.
     last_us: Option<u64>,
-    /// What it has leapt by in all.
+    /// What it has leapt by in all: wraps, as it may have run back by more than it has leapt on.
     leapt_us: u64,
     /// The last message's time, as the clock had it and without leaps.
     message_us: Option<(u64, u64)>,
 }
 
 impl Clock {
-    /// Whether a tick's time is not after the last one's.
+    /// A tick's input by a clock that has not leapt, and by how much it has leapt on since the tick before, microseconds: negative where it
+    /// has run back, or stood still.
     #[inline]
-    pub(super) fn is_out_of_order(&self, time_us: u64) -> bool {
-        self.last_us.is_some_and(|last_us| time_us <= last_us)
-    }
-
-    /// A tick's input by a clock that has not leapt, and by how much it has leapt since the tick before, microseconds.
-    #[inline]
-    pub(super) fn without_leaps(&mut self, input: &LaunchInput) -> (LaunchInput, u64) {
-        let elapsed_us = self.last_us.map_or(0, |last_us| input.time_us.saturating_sub(last_us));
+    pub(super) fn without_leaps(&mut self, input: &LaunchInput) -> (LaunchInput, i64) {
+        let elapsed_us = self.last_us.map_or(TICK_US, |last_us| input.time_us.wrapping_sub(last_us));
         self.last_us = Some(input.time_us);
-        let leap_us = if elapsed_us > LEAP_US { elapsed_us - TICK_US } else { 0 };
-        self.leapt_us = self.leapt_us.saturating_add(leap_us);
-        let last_message_us = input.last_message_us.map(|message_us| self.message(message_us));
-        let time_us = input.time_us.saturating_sub(self.leapt_us);
-        (LaunchInput { time_us, last_message_us, ..*input }, leap_us)
+        // One comparison for both: what runs back has wrapped, and so has nothing less one.
+        let has_leapt = elapsed_us.wrapping_sub(1) >= LEAP_US;
+        let leap_us = if has_leapt { elapsed_us.wrapping_sub(TICK_US) } else { 0 };
+        self.leapt_us = self.leapt_us.wrapping_add(leap_us);
+        let time_us = input.time_us.wrapping_sub(self.leapt_us);
+        let last_message_us = input.last_message_us.map(|message_us| {
+            self.message(
+                message_us,
+                time_us.saturating_add_signed(message_us.wrapping_sub(input.time_us).cast_signed()),
+            )
+        });
+        (LaunchInput { time_us, last_message_us, ..*input }, leap_us.cast_signed())
     }
 
+    /// A message's time without leaps, of what its time and this tick's make of that.
     #[inline]
-    fn message(&mut self, message_us: u64) -> u64 {
-        let without_us = message_us.saturating_sub(self.leapt_us);
+    fn message(&mut self, message_us: u64, without_us: u64) -> u64 {
         let without_us = match self.message_us {
             Some((last_us, without_us)) if last_us == message_us => return without_us,
             // One from before a leap that is seen after it is still a later one.
@@ -55,6 +58,6 @@ impl Clock {
     /// A time without leaps, as the clock would have it now.
     #[inline]
     pub(super) const fn told_us(&self, without_us: u64) -> u64 {
-        without_us.saturating_add(self.leapt_us)
+        without_us.wrapping_add(self.leapt_us)
     }
 }

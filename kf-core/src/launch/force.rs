@@ -18,6 +18,8 @@ const LEAST_CAPTIVE_S: f32 = 5.0;
 /// of a unit do not, and would hide a departure for as long as the spread remembers them.
 const UNLIKELY_MPS2: f32 = 4.9;
 const REGIME_S: f32 = 1.0;
+/// Captive samples from which on anything is unlikely, seconds: the mean is known to a gust's size by then.
+const LEAST_LIKELY_S: f32 = 1.0;
 /// Samples further apart than this, seconds, are not smoothed together, and a fall between them is not known.
 const LONGEST_GAP_S: f32 = 0.1;
 /// Keeps Heron's step from dividing by nothing, m/s^2.
@@ -89,7 +91,7 @@ impl Force {
         // Nobody is carried in free fall: a unit that reads one must not widen what a departure is held against.
         if let (true, Some(gap_s), None) = (is_captive, gap_s, self.falling_us) {
             let apart = self.magnitude - self.captive_mean;
-            let is_unlikely = apart.abs() > UNLIKELY_MPS2 && self.captive_s >= LEAST_CAPTIVE_S;
+            let is_unlikely = apart.abs() > UNLIKELY_MPS2 && self.captive_s >= LEAST_LIKELY_S;
             self.unlikely_s = if is_unlikely { self.unlikely_s + gap_s } else { 0.0 };
             if is_unlikely && self.unlikely_s < REGIME_S {
                 return Some(force);
@@ -113,13 +115,16 @@ impl Force {
     }
 
     fn follow_departure(&mut self, now_us: u64, config: &LaunchConfig) {
-        if self.captive_s < LEAST_CAPTIVE_S {
-            return;
-        }
-        let apart = self.magnitude - self.captive_mean;
-        let limit = config.departure * self.captive_mean;
+        // Soon after a start there is no mean yet: whoever is carried weighs one g.
+        let (mean, variance) = if self.captive_s < LEAST_CAPTIVE_S {
+            (STANDARD_GRAVITY_MPS2, 0.0)
+        } else {
+            (self.captive_mean, self.captive_variance)
+        };
+        let apart = self.magnitude - mean;
+        let limit = config.departure * mean;
         let sigmas = config.departure_sigmas;
-        let is_rare = apart * apart > sigmas * sigmas * self.captive_variance;
+        let is_rare = apart * apart > sigmas * sigmas * variance;
         let side = if is_rare && apart < -limit {
             Side::Below
         } else if is_rare && apart > limit {

@@ -17,7 +17,7 @@
 //! # Decisions
 //! `e`: first opening edge. "Departs": the force leaves its captive mean within [`LaunchConfig::window_s`] of `e`,
 //! before or after. "Changes": since the suspicion began, the force's character, or the climb rate has fallen by 5 m/s (`climb.rs`).
-//! "Known": accelerometer and fixes deliver, so that a change would have been seen. "Silent": for longer than
+//! "Known": the accelerometer delivers, so that a change would have been seen. "Silent": for longer than
 //! [`LaunchConfig::silent_intervals`] of their own intervals (of fewer than three messages: than [`LaunchConfig::undecided_s`]). "Alive": not silent yet
 //! at `e`. "Limit": [`LaunchConfig::undecided_s`] after `e`.
 //!
@@ -51,7 +51,7 @@
 //! that opens there without a change is broken, for else a cable torn at power-on would be a launch. A start after an interruption is
 //! excepted ([`LaunchDetector::after_interruption`]): the vehicle may have been released while it lasted; unless the wire was broken before it
 //! ([`LaunchDetector::with_broken_wire`]). So is one that finds the traces of a mission ([`LaunchDetector::after_traces`]) and moves over ground at 10 m/s: nobody has switched it on, its supply has dipped, and the release may be
-//! a second away.
+//! a second away. In the first five seconds the force departs from one g, there being no captive mean yet; a second after the start it is "known".
 //!
 //! # One fault is no launch
 //! - Wire broken, bouncing, unreadable: her messages go on. Without any, force and climb rate are known and do not change.
@@ -62,7 +62,7 @@
 //!
 //! What cannot be told apart is a release that changes neither mean, roughness nor climb rate in 3 s, from a torn cable. Such a vehicle
 //! hangs within 2 m of the pylon still (below the 0.06 g that shows in still air), and its launch is then seen, unconfirmed, when it first
-//! falls. Of two faults, one of them the cable, and accelerometer or receiver gone with it, a release is the likelier reading,
+//! falls. Of two faults, one of them the cable, and the accelerometer gone with it, a release is the likelier reading,
 //! for it is to happen in every flight: a launch, and `launch_confirmed` fails.
 //!
 //! A wire that is shorted closed, or can not be read, hides a release that is no fall: it is then captive for ever, and no sensor is said to be
@@ -150,7 +150,7 @@ impl LaunchConfig {
 /// What one tick brought.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LaunchInput {
-    /// Time of the tick, microseconds; must increase.
+    /// Time of the tick, microseconds. One that leaps, runs back or stands still is taken for the next tick.
     pub time_us: u64,
     /// Whether the umbilical's discrete reads open; `None`: it could not be read.
     pub is_open: Option<bool>,
@@ -292,7 +292,7 @@ pub struct LaunchCounts {
     pub link_losses: u32,
     /// Messages dated in the future or before the last one.
     pub messages_refused: u32,
-    /// Ticks ignored because their time was not after the last one's.
+    /// Ticks whose time was not after the last one's: each is taken for the next tick.
     pub out_of_order: u32,
     /// Messages that came after the launch was confirmed.
     pub messages_after_launch: u32,
@@ -337,6 +337,8 @@ pub struct LaunchDetector {
 /// The force's character is known after 5 s of captive flight (`character.rs`); the inertial unit and the receiver take some seconds
 /// until they deliver.
 const EARLY_US: u64 = 10_000_000;
+/// An opening so long after a start is no release that lies before it: the inertial unit has delivered for longer than the cable's slack takes.
+const WATCHED_US: u64 = 1_000_000;
 /// Who moves over ground as fast as this, squared, is not being made ready: (10 m/s)^2, faster than anybody taxies with a loose
 /// cable, slower than anything flies.
 const UNDER_WAY_M2PS2: f32 = 100.0;
@@ -432,13 +434,12 @@ impl LaunchDetector {
 
     /// Takes everything that is new at one tick.
     pub fn tick(&mut self, input: &LaunchInput) -> LaunchState {
-        if self.clock.is_out_of_order(input.time_us) {
-            count(&mut self.counts.out_of_order);
-            return self.state;
-        }
         let (input, leap_us) = &self.clock.without_leaps(input);
+        if *leap_us < 0 {
+            count(&mut self.counts.out_of_order);
+        }
         if let LaunchState::Suspected { since_us } = &mut self.state {
-            *since_us = since_us.saturating_add(*leap_us);
+            *since_us = since_us.saturating_add_signed(*leap_us);
         }
         let now_us = input.time_us;
         let first_us = *self.first_us.get_or_insert(now_us);
@@ -466,8 +467,10 @@ impl LaunchDetector {
         let verdict = match self.wire.reading() {
             Reading::Open { edge_us, is_settled } => {
                 self.sign = None;
-                let is_early = !self.was_interrupted && edge_us.saturating_sub(first_us) < EARLY_US;
-                self.judge_open(now_us, edge_us, is_settled, is_early)
+                let since_start_us = edge_us.saturating_sub(first_us);
+                let is_early = !self.was_interrupted && since_start_us < EARLY_US;
+                let was_watched = since_start_us >= WATCHED_US;
+                self.judge_open(now_us, edge_us, is_settled, is_early, was_watched)
             }
             Reading::Closed => self.judge_without(now_us, false),
             Reading::Nothing => self.judge_without(now_us, true),
@@ -501,7 +504,14 @@ impl LaunchDetector {
     }
 
     #[inline(never)]
-    fn judge_open(&mut self, now_us: u64, edge_us: u64, is_settled: bool, is_early: bool) -> Verdict {
+    fn judge_open(
+        &mut self,
+        now_us: u64,
+        edge_us: u64,
+        is_settled: bool,
+        is_early: bool,
+        was_watched: bool,
+    ) -> Verdict {
         if !is_settled {
             return Verdict::Suspected;
         }
@@ -532,7 +542,8 @@ impl LaunchDetector {
         if !is_over {
             return Verdict::Suspected;
         }
-        if !is_early && (self.has_departed || !self.would_have_changed(edge_us, now_us)) {
+        let would_show = self.character.is_known(now_us) || (was_watched && self.character.is_living(now_us));
+        if !is_early && (self.has_departed || !would_show) {
             return Verdict::Launched(Confirmation::Unconfirmed);
         }
         self.wire.call_broken();
@@ -544,11 +555,6 @@ impl LaunchDetector {
     /// Whether the vehicle moves or shakes otherwise than it did until the suspicion began.
     fn has_changed(&self, since_us: u64) -> bool {
         self.character.has_changed() || self.climb.has_fallen(since_us)
-    }
-
-    /// Whether a release would have shown in that.
-    fn would_have_changed(&self, since_us: u64, now_us: u64) -> bool {
-        self.character.is_known(now_us) && self.climb.is_known(since_us, now_us)
     }
 
     /// `says_nothing`: the wire is broken or can not be read; otherwise it reads closed.
@@ -629,7 +635,7 @@ impl LaunchDetector {
             Sign::Silence { since_us } => {
                 let is_refuted = Self::has_lasted(since_us, now_us, self.config.undecided_s)
                     && !self.has_changed(since_us)
-                    && self.would_have_changed(since_us, now_us);
+                    && self.character.is_known(now_us);
                 if is_refuted {
                     self.refuted_silence_us = self.link.last_us();
                 }

@@ -2,15 +2,15 @@
 //!
 //! A gap is bridged on a straight line. In captive flight the reference takes the error out again. In free flight nothing may move the
 //! channel but its own samples, or it could not be watched; but a climb rate that is off by a metre a second after a transient
-//! of half a second makes the channel useless for the rest of the flight. So a gap that has cost more than [`MENDED_M2PS2`]
-//! is mended: fixes are taken, weighed by what the gap has cost, until the climb rate is as well known as that: in some five seconds, and better by a
-//! receiver that measures its own: after its first fix the altitude is known again.
+//! of half a second makes the channel useless for the rest of the flight. So gaps that have cost more than [`MENDED_BY_CLIMB_M2PS2`]
+//! are mended: fixes are taken, weighed by what the gaps have cost, until the climb rate is known to [`MENDED_M2PS2`]: in some five seconds, and
+//! to [`MENDED_BY_CLIMB_M2PS2`] by a receiver that measures its own: after its first fix the altitude is known again.
 
-/// Variance of the climb rate to which gaps are mended, and up to which they are not, (m/s)^2: half a metre a second, 30 m in a
+/// Variance of the climb rate to which gaps are mended, (m/s)^2: half a metre a second, 30 m in a
 /// minute of free flight, is what a MEMS unit drifts anyway.
 pub(super) const MENDED_M2PS2: f32 = 0.25;
 /// The same where fixes have climb rates, which take no longer for it: 0.14 m/s. Of half a metre a second an altitude would be at its
-/// bound after a quarter of a minute.
+/// bound after a quarter of a minute. What a gap may cost and not be mended: a fifth of a second.
 pub(super) const MENDED_BY_CLIMB_M2PS2: f32 = 0.02;
 /// Without one for so long, seconds, a receiver measures none.
 pub(super) const CLIMB_FIX_S: f32 = 1.5;

@@ -200,7 +200,7 @@ pub struct VerticalChannel {
     bridged_m2ps2: f32,
     /// In free flight: fixes are taken.
     is_mending: bool,
-    /// When it was mended by a climb rate last, microseconds.
+    /// When it was mended by a climb rate last, or mending began, microseconds.
     climb_fix_us: Option<u64>,
     /// Variance of the altitude when mending began, m^2: free flight's own drift.
     drifted_m2: f32,
@@ -210,9 +210,13 @@ pub struct VerticalChannel {
     is_resumed: bool,
     /// Samples refused in a row because they leapt.
     spikes: u8,
+    /// The first of them leapt under the pylon: what was no movement of a carrier does not become one of the vehicle at the release.
+    is_captive_leap: bool,
     /// For how long the samples have been the same on all axes, seconds. A unit has noise: one that repeats itself says no more than a gap
     /// does, and costs as much once it reads something else. For longer than the longest gap it is an ideal one that rests.
     repeated_s: f32,
+    /// Velocities have contradicted the match while they were the same.
+    is_repetition_contradicted: bool,
     /// When the first outlier came since the last fix that was taken, and how many have.
     outlying: Option<(u64, u8)>,
     altitude: Sum,
@@ -246,7 +250,9 @@ impl VerticalChannel {
             unknown_s: 0.0,
             is_resumed: false,
             spikes: 0,
+            is_captive_leap: false,
             repeated_s: 0.0,
+            is_repetition_contradicted: false,
             outlying: None,
             altitude: Sum::default(),
             climb_rate: Sum::default(),
@@ -467,6 +473,7 @@ impl VerticalChannel {
             self.phase = Phase::Free { accel_bias, aligned: self.is_aligned() };
             self.bridged_m2ps2 = 0.0;
             self.is_mending = false;
+            self.is_captive_leap = self.spikes > 0;
         }
     }
 
@@ -488,14 +495,24 @@ impl VerticalChannel {
         let cost = BridgeCost::of(gap_s + unknown_s);
         let climbed_m = self.climb_rate.value() * unknown_s;
         self.bridged_m2ps2 += cost.climb_m2ps2;
-        if self.bridged_m2ps2 > MENDED_M2PS2 && matches!(self.phase, Phase::Free { .. }) && !self.is_mending {
+        if self.bridged_m2ps2 > MENDED_BY_CLIMB_M2PS2
+            && matches!(self.phase, Phase::Free { .. })
+            && !self.is_mending
+        {
             self.is_mending = true;
+            // Its first fix is to be waited for, if it has any.
+            self.climb_fix_us = Some(self.tie_time_us);
             self.drifted_m2 = self.tie.altitude_m2();
         }
         self.tie.add(climbed_m * climbed_m, cost.climb_m2ps2, cost.tilt_rad2);
         if let Some(matching) = &mut self.matching {
             matching.bridge(cost.climb_m2ps2, cost.tilt_rad2);
         }
+    }
+
+    /// Whether velocities contradict samples that were the same for a while.
+    fn is_repetition_contradicted(&self) -> bool {
+        self.is_repetition_contradicted || self.matching.as_ref().is_some_and(VelocityMatch::is_doubted)
     }
 
     /// Velocities have contradicted the level. One that had agreed with them was moved by something brief: samples that were wrong, or the
@@ -553,8 +570,18 @@ impl VerticalChannel {
             return Err(StrapdownError::Gap);
         }
         let is_captive = self.phase == Phase::Captive;
+        let repeats = force == last.force && gyro_radps == last.rate;
+        // The vehicle has moved meanwhile, so the unit has stood still: neither level nor altitude are what they seem.
+        if is_captive && !repeats && self.repeated_s > longest_gap_s && self.is_repetition_contradicted() {
+            return Err(StrapdownError::Gap);
+        }
         if Guard::PlausibleReading.stands()
-            && is_leap([force, gyro_radps], [last.force, last.rate], is_captive, self.spikes)
+            && is_leap(
+                [force, gyro_radps],
+                [last.force, last.rate],
+                is_captive || self.is_captive_leap,
+                self.spikes,
+            )
         {
             return Err(StrapdownError::Spike);
         }
@@ -573,6 +600,7 @@ impl VerticalChannel {
         if is_captive && self.matching.as_ref().is_some_and(|matching| matching.is_void(time_us)) {
             if let Some(matching) = self.matching.take_if(|matching| matching.is_contradicted()) {
                 let has_lasted = matching.has_lasted();
+                self.is_repetition_contradicted |= self.repeated_s > longest_gap_s;
                 self.contradict(has_lasted);
                 if !has_lasted {
                     // A fit that begins with a level that is far off makes a gyro's bias of it.
@@ -604,14 +632,16 @@ impl VerticalChannel {
         self.altitude.add(step_s * (climb_rate + step_s / 6.0 * (2.0 * previous + acceleration)));
         self.climb_rate.add(0.5 * step_s * (previous + acceleration));
         self.spikes = 0;
+        self.is_captive_leap = false;
         if seconds_between(self.tie_time_us, time_us) > LONGEST_PASS_S {
             self.pass_tie(time_us);
         }
         let unknown_s = core::mem::take(&mut self.unknown_s);
-        let repeated_s = if force == last.force && gyro_radps == last.rate {
+        let repeated_s = if repeats {
             self.repeated_s += step_s;
             0.0
         } else {
+            self.is_repetition_contradicted = false;
             core::mem::take(&mut self.repeated_s)
         };
         let gap_s = if repeated_s > longest_gap_s { step_s } else { step_s.max(repeated_s) };
@@ -653,6 +683,44 @@ impl VerticalChannel {
     #[must_use]
     pub fn climb_rate_mps(&self) -> Option<f32> {
         self.is_aligned().then(|| self.climb_rate.value())
+    }
+
+    /// Climb rate and its variance, m/s and (m/s)^2, as soon as the reference has said anything of it, aligned or not.
+    #[must_use]
+    pub fn tied_climb_rate(&self) -> Option<(f32, f32)> {
+        (self.phase != Phase::Lost && !self.anchor.is_empty())
+            .then(|| (self.climb_rate.value(), self.tie.climb_m2ps2()))
+    }
+
+    /// Ties altitude and climb rate anew in captive flight to a fix that contradicts them, metres and m/s: they are not what their variances
+    /// say. What was found of the accelerometer is kept if it was found before that, and else searched for anew.
+    ///
+    /// # Errors
+    /// [`StrapdownError::Implausible`]; nothing has changed then.
+    pub fn retie(
+        &mut self,
+        time_us: u64,
+        altitude_m: f32,
+        climb_rate_mps: f32,
+    ) -> Result<(), StrapdownError> {
+        // NaN is not plausible either.
+        let is_plausible =
+            altitude_m.abs() <= MAXIMUM_ALTITUDE_M && climb_rate_mps.abs() <= MAXIMUM_SPEED_MPS;
+        if !is_plausible {
+            return Err(StrapdownError::Implausible);
+        }
+        let is_known = self.anchor.elapsed_s() >= self.config.minimum_s;
+        let tied = self.tie.retied();
+        if !is_known {
+            self.anchor = Memory::default();
+            self.lacking_mps2 = Sum::default();
+        }
+        self.begin_tie(time_us, altitude_m);
+        self.climb_rate = Sum::new(climb_rate_mps);
+        if is_known {
+            self.tie = tied;
+        }
+        Ok(())
     }
 
     /// Variance of the altitude against the reference's, m^2: in free flight it grows.

@@ -24,6 +24,9 @@ const CLIMB_DENSITY: f32 = 1e-3;
 /// of 0.3 rad, a gust at the first sample, takes from gravity (0.44 m/s^2).
 const START_CLIMB_M2PS2: f32 = 100.0;
 const START_LACKING_M2PS4: f32 = 0.25;
+/// Variance of a climb rate that is a fix's, and contradicted by what there was, (m/s)^2: more than an aligned channel may have, so that some
+/// fixes of the altitude must confirm it.
+const RETIED_CLIMB_M2PS2: f32 = 4.0;
 /// Variance of a fix's climb rate, (m/s)^2: a receiver's Doppler is good for 0.1 m/s, and 0.1 s late in a manoeuvre of half a g.
 const FIX_CLIMB_M2PS2: f32 = 0.25;
 /// A fix further off than so many sigmas, squared, is an outlier.
@@ -52,6 +55,11 @@ impl Tie {
         climb: START_CLIMB_M2PS2,
         lacking: START_LACKING_M2PS4,
     };
+
+    /// After a fix that altitude and climb rate are set to; the lacking acceleration is known as before.
+    pub(super) const fn retied(&self) -> Self {
+        Self { climb: RETIED_CLIMB_M2PS2, lacking: self.lacking, ..Self::START }
+    }
 
     /// Variance of the altitude, m^2.
     pub(super) fn altitude_m2(&self) -> f32 {

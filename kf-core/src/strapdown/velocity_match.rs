@@ -218,6 +218,11 @@ impl VelocityMatch {
         begun.fix_us = time_us;
     }
 
+    /// Whether the last velocity has contradicted it.
+    pub(super) const fn is_doubted(&self) -> bool {
+        self.refusals > 0
+    }
+
     /// Whether velocities have contradicted it once too often.
     pub(super) const fn is_contradicted(&self) -> bool {
         self.refusals >= REFUSALS

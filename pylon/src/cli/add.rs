@@ -113,7 +113,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     batch.write_skipped();
     let window = arguments.calibrate;
     for (files, flights) in [(&batch.files, &batch.flights), (&held_files.files, &held_out)] {
-        load::write_unused(&load::replays_calibrated_or_not(files, flights, &before, window)?);
+        load::write_unused(&load::replays_to_diagnose(files, flights, &before, window)?);
     }
     let request = Request {
         text: &text,

@@ -1,10 +1,14 @@
 //! `pylon diagnose`.
 
 use std::path::PathBuf;
+use std::sync::Mutex;
 
 use clap::Args;
-use pylon::diagnose::{diagnose, text};
+use pylon::batch::{self, Batch};
+use pylon::contained::contained;
+use pylon::diagnose::{Diagnosis, diagnose, text};
 use pylon::replay::{CalibrationWindow, Replay};
+use serde::Serialize;
 
 use super::failure::Failure;
 use super::places::Places;
@@ -18,7 +22,8 @@ Examples:
   pylon diagnose monday.csv tuesday.csv --hold-out friday.csv --model ours.toml
       learn from two flights, judge on a third
   pylon diagnose logs/
-      every log of a folder; one that cannot be used is skipped and named
+      every log of a folder, together and one by one, by vehicle, with the flights that do not belong with the others; one that
+      cannot be used is skipped and named
   pylon diagnose logger.igc --calibrate 60..180
       a flight that does not say when it was launched: calibrate on 60 s to 180 s
   pylon diagnose flight.csv --json | jq .sensors.baro.missing
@@ -67,18 +72,52 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let learned = load::replays_to_diagnose(&batch.files, &batch.flights, &model, arguments.calibrate)?;
     let held = load::replays_to_diagnose(&held_files.files, &held, &model, arguments.calibrate)?;
     let mut counter = Counter::new("diagnosing", "fits");
-    let mut diagnosis = diagnose(&learned, &held, &mut || counter.step());
+    let together = contained(|| diagnose(&learned, &held, &mut || counter.step()));
     drop(counter);
-    diagnosis.model.clone_from(&arguments.model);
-    diagnosis.warnings.splice(0..0, warnings);
+    let one_by_one = (learned.len() > 1).then(|| {
+        let counter = Mutex::new(Counter::new("diagnosing one by one", "flights"));
+        batch::batch(&learned, together.as_ref().ok(), &|| {
+            if let Ok(mut counter) = counter.lock() {
+                counter.step();
+            }
+        })
+    });
+    // What one flight breaks is not to cost the others what each says alone.
+    let together = match together {
+        Err(why) if one_by_one.is_none() => return Err(Failure::input(defect(&why))),
+        Err(why) => Err(defect(&why)),
+        Ok(mut diagnosis) => {
+            diagnosis.model.clone_from(&arguments.model);
+            diagnosis.warnings.splice(0..0, warnings);
+            Ok(diagnosis)
+        }
+    };
     given.write_notes();
     held_files.write_notes();
     batch.write_skipped();
     if arguments.json {
-        let mut json = serde_json::to_string_pretty(&diagnosis)?;
+        let (together, failed) = together.map_or_else(|why| (None, Some(why)), |found| (Some(found), None));
+        let mut json = serde_json::to_string_pretty(&Results { together, failed, one_by_one })?;
         json.push('\n');
         terminal::put(&json)
     } else {
-        terminal::put(&text(&diagnosis, terminal::has_colour()))
+        let together = together
+            .map_or_else(|why| format!("{why}\n"), |diagnosis| text(&diagnosis, terminal::has_colour()));
+        terminal::put(&(together + &one_by_one.as_ref().map_or_else(String::new, batch::text)))
     }
+}
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Results {
+    #[serde(flatten)]
+    together: Option<Diagnosis>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    failed: Option<String>,
+    #[serde(flatten)]
+    one_by_one: Option<Batch>,
+}
+
+fn defect(why: &str) -> String {
+    format!("the flights together were not diagnosed, by a defect of pylon; please report it: {why}")
 }

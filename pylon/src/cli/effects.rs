@@ -1,7 +1,12 @@
 //! `pylon effects`.
 
+use std::path::PathBuf;
+
 use clap::Args;
-use pylon::effect_guide::{explained, list, named, nearest};
+use kf_core::effect::EffectId;
+use pylon::effect_guide::{Picture, explained, list, named, nearest};
+use pylon::output_file::write_atomically;
+use pylon::plots::draw_effect;
 
 use super::failure::Failure;
 use super::terminal;
@@ -11,7 +16,9 @@ Examples:
   pylon effects
       the catalogue: what each effect is, and how large it can be
   pylon effects baro.lag
-      one of them: its formula, the columns that it needs, and what it looks like
+      one of them: its formula, the columns that it needs, and what it looks like on a simulated flight
+  pylon effects baro.lag --svg lag.svg
+      the same picture as a file
   pylon effects baro
       all of the barometer's";
 
@@ -22,6 +29,9 @@ pub struct Arguments {
     /// An effect, or a sensor whose effects are all to be explained
     #[arg(value_name = "NAME")]
     name: Option<String>,
+    /// Draw what the effect looks like on a simulated flight into this file (SVG)
+    #[arg(long, value_name = "FILE", requires = "name")]
+    svg: Option<PathBuf>,
 }
 
 /// Runs the command.
@@ -33,6 +43,30 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             .map_or_else(|| "'pylon effects' lists them".to_owned(), |nearest| format!("is it '{nearest}'?"));
         return Err(Failure::input(format!("no effect '{name}' ({hint})")));
     }
-    let texts: Vec<String> = effects.into_iter().map(explained).collect();
-    terminal::put(&texts.join("\n"))
+    if let Some(file) = &arguments.svg {
+        let [effect] = effects.as_slice() else {
+            return Err(Failure::input(format!(
+                "--svg draws one effect, expected one of: {}",
+                names(&effects)
+            )));
+        };
+        let Some(picture) = Picture::of(*effect) else {
+            return Err(Failure::input(format!("{}: the simulator does not have it", effect.name())));
+        };
+        let svg = draw_effect(&picture)?;
+        write_atomically(file, |out| out.write_all(svg.as_bytes()))?;
+        return terminal::put(&format!("{}: {}\n", file.display(), picture.caption()));
+    }
+    let is_one = effects.len() == 1;
+    let texts = effects.into_iter().map(|effect| {
+        // Of many a picture each would be pages.
+        let picture = Picture::of(effect).filter(|_| is_one);
+        let drawn = picture.map(|picture| format!("\n{}\n\n{}", picture.caption(), picture.text()));
+        explained(effect) + &drawn.unwrap_or_default()
+    });
+    terminal::put(&texts.collect::<Vec<_>>().join("\n"))
+}
+
+fn names(effects: &[EffectId]) -> String {
+    effects.iter().map(|effect| effect.name()).collect::<Vec<_>>().join(", ")
 }

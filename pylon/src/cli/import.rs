@@ -26,7 +26,7 @@ Examples:
   pylon import flight.tlog --turn gps_vd_mps -o flight.csv
       the same of an autopilot that wrote its velocity down with the sign turned; import says when a log looks like that
   pylon import logger.csv --guess -o mapping.toml
-      any table of numbers: a draft of what its columns are, each guess with its reason, doubtful ones commented out
+      any table of numbers, CSV or Parquet: a draft of what its columns are, each guess with its reason, doubtful ones commented out
   pylon import logger.csv --mapping mapping.toml -o flight.csv
       the table by that mapping, once you have read and corrected it (docs/workbench.md has the format)
   pylon import FLIGHT.record -o flight.csv
@@ -40,7 +40,7 @@ A log is recognised by its content. `compare` and `fly` read logs directly as we
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
     /// The log: PX4 ULog, ArduPilot DataFlash (.bin, .log), IGC, a MAVLink stream's recording (tlog), AltusMetrum CSV, a flight
-    /// record, or with a mapping any table of numbers
+    /// record, Pylon's own MCAP or Parquet, or with a mapping any table of numbers (CSV, Parquet)
     #[arg(value_name = "LOG")]
     log: PathBuf,
     /// The flight to write (CSV), or with --guess the mapping (without: it is printed)

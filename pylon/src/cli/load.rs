@@ -6,9 +6,10 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use model::Model;
+use pylon::contained::contained;
 use pylon::diagnose::NamedReplay;
-use pylon::flight::{Flight, Note};
-use pylon::import;
+use pylon::flight::{Channel, Flight, Note};
+use pylon::import::{self, barometer};
 use pylon::replay::{CalibrationWindow, Replay, ReplayError, Usage};
 
 use super::failure::Failure;
@@ -49,6 +50,13 @@ pub fn flights(files: &[PathBuf]) -> Result<Vec<Read>, Failure> {
     files.iter().map(|file| flight(file)).collect()
 }
 
+/// Whether all that there is to compare with the receiver is a copy of it.
+fn is_copy(flight: &Flight) -> bool {
+    let inertial = [Channel::ImuSlaveAltM, Channel::ImuMasterAltM, Channel::AccelXMps2];
+    matches!(barometer::check(flight), Some(barometer::Fault::Copied { .. }))
+        && !inertial.into_iter().any(|channel| flight.channel(channel).is_some())
+}
+
 /// Several flights, without those that are of no use.
 pub struct Batch {
     /// Files of the flights.
@@ -70,9 +78,22 @@ impl Batch {
         let mut batch = Self { files: Vec::new(), flights: Vec::new(), skipped: Vec::new() };
         let mut first = None;
         for file in files {
-            let usable = flight(file).and_then(|read| match is_usable(&read.0) {
-                Ok(()) => Ok(read),
-                Err(error) => Err(Failure::input(format!("{}: {error}", file.display()))),
+            let usable = contained(|| {
+                flight(file).and_then(|read| match is_usable(&read.0) {
+                    // Alone it is looked at with a warning; among others it would speak for all.
+                    Ok(()) if files.len() > 1 && is_copy(&read.0) => Err(Failure::input(format!(
+                        "{}: no barometer: what stands in its place is the receiver's altitude, copied",
+                        file.display()
+                    ))),
+                    Ok(()) => Ok(read),
+                    Err(error) => Err(Failure::input(format!("{}: {error}", file.display()))),
+                })
+            });
+            let usable = usable.unwrap_or_else(|why| {
+                Err(Failure::input(format!(
+                    "{}: not read, by a defect of pylon; please report it: {why}",
+                    file.display()
+                )))
             });
             match usable {
                 Ok(read) => {
@@ -126,16 +147,6 @@ pub fn replays_to_diagnose<'a>(
     window: Option<CalibrationWindow>,
 ) -> Result<Vec<NamedReplay<'a>>, Failure> {
     replays_by(files, flights, |flight| Replay::to_diagnose(flight, model, window))
-}
-
-/// As [`replays`], but a flight that has nothing to calibrate on is taken as it is.
-pub fn replays_calibrated_or_not<'a>(
-    files: &[PathBuf],
-    flights: &'a [Read],
-    model: &Model,
-    window: Option<CalibrationWindow>,
-) -> Result<Vec<NamedReplay<'a>>, Failure> {
-    replays_by(files, flights, |flight| Replay::calibrated_or_not(flight, model, window))
 }
 
 fn replays_by<'a>(

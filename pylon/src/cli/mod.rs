@@ -53,6 +53,11 @@ enum Command {
     Report(report::Arguments),
 }
 
+/// Whether there was no argument at all: who only types the name wants to know what it does.
+fn is_bare(error: &clap::Error) -> bool {
+    error.kind() == clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
+}
+
 /// Runs the command line.
 pub fn main() -> ExitCode {
     let outcome = match Arguments::try_parse() {
@@ -69,7 +74,7 @@ pub fn main() -> ExitCode {
             Command::Fly(arguments) => fly::run(&arguments),
             Command::Report(arguments) => report::run(&arguments),
         },
-        Err(error) if error.use_stderr() => Err(Failure::usage(&error)),
+        Err(error) if error.use_stderr() && !is_bare(&error) => Err(Failure::usage(&error)),
         Err(help) => terminal::write(&help.render().ansi().to_string(), &help.render().to_string()),
     };
     match outcome {

@@ -1,15 +1,18 @@
 //! `pylon report`.
 
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 
 use clap::Args;
+use pylon::batch::{self, Batch};
 use pylon::compare::{Options, compare};
+use pylon::contained::contained;
 use pylon::diagnose::{NamedReplay, diagnose};
 use pylon::flight::Note;
 use pylon::learn::{NamedFlight, ladder};
 use pylon::output_file::write_atomically;
 use pylon::replay::{CalibrationWindow, Replay};
-use pylon::report::{FlightReport, Report};
+use pylon::report::{FlightReport, Report, keep_most_telling};
 
 use super::failure::Failure;
 use super::overwriting::{Role, refuse_overwriting};
@@ -67,8 +70,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let held = load::flights(&held_files.files)?;
     let learned_from = load::replays(&batch.files, &batch.flights, &model, arguments.calibrate)?;
     let mut flights = Vec::with_capacity(batch.files.len());
+    let mut without = Vec::new();
     for (index, (named, (_, notes))) in learned_from.iter().zip(&batch.flights).enumerate() {
-        flights.push(flight(index, named, notes, &arguments.model)?);
+        match contained(|| flight(index, named, notes, &arguments.model)) {
+            Ok(found) => flights.push(found?),
+            Err(why) if learned_from.len() > 1 && !arguments.strict => {
+                without.push(defect(&named.file, &why))
+            }
+            Err(why) => return Err(Failure::input(defect(&named.file, &why))),
+        }
     }
     let mut counter = Counter::new("diagnosing", "fits");
     // A diagnosis needs nothing quiet to calibrate on.
@@ -79,6 +89,16 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut diagnosis = diagnose(&to_diagnose, &to_judge, &mut || counter.step());
     drop(counter);
     diagnosis.model.clone_from(&arguments.model);
+    diagnosis.warnings.append(&mut without);
+    let one_by_one = (to_diagnose.len() > 1).then(|| {
+        let counter = Mutex::new(Counter::new("diagnosing one by one", "flights"));
+        batch::batch(&to_diagnose, Some(&diagnosis), &|| {
+            if let Ok(mut counter) = counter.lock() {
+                counter.step();
+            }
+        })
+    });
+    keep_most_telling(&mut flights, &one_by_one.iter().flat_map(Batch::odd_files).collect::<Vec<_>>());
     let mut all: Vec<NamedFlight<'_>> = load::named(&batch.files, &batch.flights);
     all.extend(load::named(&held_files.files, &held));
     let mut progress =
@@ -93,6 +113,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         model_name: &arguments.model,
         diagnosis: &diagnosis,
         ladder: &ladder,
+        batch: one_by_one.as_ref(),
     };
     let html = report.html();
     write_atomically(&arguments.output, |out| out.write_all(html.as_bytes()))?;
@@ -102,6 +123,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (count, size) = (flights.len(), html.len() as f64 / 1e6);
     let flights = if count == 1 { "1 flight".to_owned() } else { format!("{count} flights") };
     terminal::put(&format!("{}: {flights}, {size:.1} MB\n", arguments.output.display()))
+}
+
+fn defect(file: &str, why: &str) -> String {
+    format!("{file}: not drawn, by a defect of pylon; please report it: {why}")
 }
 
 fn flight(

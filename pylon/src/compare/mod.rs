@@ -1,38 +1,24 @@
-//! How well a model agrees with a flight: `pylon compare`.
-//!
-//! The estimator flies over the flight; biases, spreads, whiteness, NIS, flags and their times are
-//! gathered in one pass, and so is *where* the model fails: what the aircraft was doing when the
-//! errors were largest.
+//! How well a model agrees with a flight: `pylon compare`, which is [`analysis::compare`] with the machine's threads, and its text.
 
-mod comparator;
-mod comparison;
-mod cross_check;
-mod envelope;
-mod flags;
-mod kinematics;
-mod manoeuvre;
-mod phase_statistics;
-mod remedies;
-mod rules;
-mod run;
 pub(crate) mod text;
-mod timeline;
-mod traces;
-mod warnings;
-pub(crate) mod words;
 
-pub use comparator::{Comparator, MissionEnd};
-pub use comparison::{
-    CalibrationFacts, Comparison, EffectFacts, FlightFacts, MonitorFacts, ReadingCounts, ReferenceComparison,
-    SensorComparison,
-};
-pub use envelope::{Envelope, Slot};
-pub use kinematics::MotionSources;
-pub use manoeuvre::{Manoeuvre, Motion};
-pub use phase_statistics::PhaseSummary;
-pub use remedies::{Remedy, RemedyFigures};
-pub use rules::{Recommendation, RuleWishes, SensorRules};
-pub use run::{Options, compare};
+use replay::{Replay, ReplayError};
+
+pub use analysis::compare::*;
 pub use text::text;
-pub use timeline::{ErrorFigures, Failures, ManoeuvreErrors, Stretch};
-pub use traces::{EstimateTrace, Traces};
+
+use crate::threads::Threads;
+
+/// Flies the replay's model over its flight and compares; `progress` is told how many rows are done.
+///
+/// The names of the flight's file and of the model are the caller's to fill in.
+///
+/// # Errors
+/// [`ReplayError`] for a model that no mission can be made of.
+pub fn compare(
+    replay: &Replay<'_>,
+    options: &Options,
+    progress: &mut (dyn FnMut(u64) + Send),
+) -> Result<(Comparison, Option<Box<Traces>>), ReplayError> {
+    analysis::compare::compare(replay, options, progress, &Threads)
+}

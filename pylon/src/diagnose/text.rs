@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use comfy_table::{Attribute, Cell, CellAlignment, Color, ContentArrangement, LineStyle, Table, TableStyle};
 
-use super::diagnosis::{CandidateFacts, Diagnosis, SensorDiagnosis, Verdict};
+use analysis::diagnose::{CandidateFacts, Diagnosis, SensorDiagnosis, Verdict};
 
 /// A line below the column names and nothing else.
 const STYLE: TableStyle = TableStyle::new().header_separator(LineStyle::new('─', '─', '─', '─'));
@@ -36,6 +36,16 @@ pub fn text(diagnosis: &Diagnosis, colour: bool) -> String {
         }
         for (from_s, to_s) in &flight.glitches_s {
             put!(out, "  the reference jumped away from {from_s:.1} s to {to_s:.1} s; left out");
+        }
+        if let Some(fault) = &flight.fault {
+            put!(out, "  {fault}; it is left out");
+        }
+        if flight.refused_readings > 0 {
+            put!(
+                out,
+                "  {} readings not finite, implausible or of a sensor that is stuck; left out",
+                flight.refused_readings
+            );
         }
         if flight.unreferenced_readings > 0 {
             put!(
@@ -71,8 +81,11 @@ pub fn text(diagnosis: &Diagnosis, colour: bool) -> String {
         .map(|(name, (sigma_m, time_s))| format!("{name} wanders by {sigma_m:.2} m over {time_s:.1} s"))
         .collect();
     put!(out, "{}.", own.join(", "));
-    for untested in &diagnosis.untested {
+    for untested in diagnosis.untested.iter().filter(|untested| untested.reason.is_none()) {
         put!(out, "not tested: {} (needs {})", untested.effect, untested.needs.join(", "));
+    }
+    for (effects, reason) in untested_for_a_reason(diagnosis) {
+        put!(out, "not tested: {}: {reason}", effects.join(", "));
     }
     for warning in &diagnosis.warnings {
         put!(out, "warning: {warning}");
@@ -80,9 +93,30 @@ pub fn text(diagnosis: &Diagnosis, colour: bool) -> String {
     out
 }
 
+/// The effects that no column would have had tested, by the reason.
+pub(crate) fn untested_for_a_reason(diagnosis: &Diagnosis) -> Vec<(Vec<&str>, &str)> {
+    let mut by_reason: Vec<(Vec<&str>, &str)> = Vec::new();
+    for untested in &diagnosis.untested {
+        let Some(reason) = untested.reason.as_deref() else { continue };
+        match by_reason.iter_mut().find(|(_, other)| *other == reason) {
+            Some((effects, _)) => effects.push(&untested.effect),
+            None => by_reason.push((vec![&*untested.effect], reason)),
+        }
+    }
+    by_reason
+}
+
 pub(crate) fn headline(diagnosis: &Diagnosis) -> String {
-    let missing: Vec<&str> =
-        diagnosis.sensors.values().flat_map(|sensor| sensor.missing.iter().copied()).collect();
+    if diagnosis.flights.iter().all(|flight| flight.blocks == 0 || flight.fault.is_some())
+        && diagnosis.sensors.keys().all(|name| *name == "gps")
+    {
+        return match diagnosis.flights.iter().find_map(|flight| flight.fault.as_ref()) {
+            Some(fault) => format!("Nothing can be said of the model: {fault}."),
+            None => "Nothing can be said of the model: no sensor has a reading with the reference around it."
+                .to_owned(),
+        };
+    }
+    let missing: Vec<&str> = diagnosis.missing().collect();
     match diagnosis.verdict {
         Verdict::NoSignificantMisfit => {
             "The model fits these flights as well as their noise allows: nothing is missing that they could show.".to_owned()
@@ -115,8 +149,13 @@ fn write_sensor(out: &mut String, name: &str, sensor: &SensorDiagnosis, has_laun
     if !sensor.missing.is_empty() {
         put!(out, "  missing, the strongest first: {}", sensor.missing.join(", "));
     }
-    for set in &sensor.indistinguishable {
-        put!(out, "  one of: {}", set.join(", "));
+    for (set, probabilities) in sensor.indistinguishable.iter().zip(&sensor.probabilities) {
+        let said: Vec<String> = set
+            .iter()
+            .zip(probabilities)
+            .map(|(effect, probability)| format!("{effect} ({})", per_cent(*probability)))
+            .collect();
+        put!(out, "  one of: {}", said.join(", "));
     }
     if let Some(factor) = sensor.free_flight_factor.filter(|factor| *factor > 1.5) {
         put!(
@@ -165,7 +204,7 @@ fn table(rows: &[&CandidateFacts], colour: bool) -> String {
         table.add_row(vec![
             if row.chosen { name.fg(Color::Green) } else { name },
             right(with_sigma(row.coefficient, row.sigma)),
-            Cell::new(row.unit),
+            Cell::new(&row.unit),
             right(probability(row.p_value)),
             right(before_after(row.rms_before_m, row.rms_after_m)),
             right(format!("{:.2} m", row.size_m)),
@@ -206,7 +245,18 @@ pub(crate) fn probability(p: f64) -> String {
 fn before_after(before_m: Option<f64>, after_m: Option<f64>) -> String {
     match (before_m, after_m) {
         (Some(before_m), Some(after_m)) => format!("{before_m:.2} m -> {after_m:.2} m"),
-        _ => "-".to_owned(),
+        (Some(before_m), None) => format!("{before_m:.2} m -> not reliable"),
+        (None, Some(after_m)) => format!("not reliable -> {after_m:.2} m"),
+        (None, None) => "not reliable".to_owned(),
+    }
+}
+
+/// A probability of one suspect in a set; of one that is next to certain it is not said that it is.
+fn per_cent(probability: f64) -> String {
+    match probability {
+        p if p < 0.01 => "< 1 %".to_owned(),
+        p if p > 0.99 => "> 99 %".to_owned(),
+        p => format!("{:.0} %", 100.0 * p),
     }
 }
 

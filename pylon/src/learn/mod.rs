@@ -1,25 +1,18 @@
-//! Adding an effect to a model.
-//!
-//! 1. `crate::diagnose::study` says what the effect's coefficient is to be learned from.
-//! 2. `filter` learns it with the core's own filter.
-//! 3. `document` writes it into the model's text, which stays as it was but for that.
-//! 4. `score` flies the mission before and after.
-//! 5. `verdict` says whether what was held out is predicted worse, beyond chance.
-//! 6. `addition` puts these together and says what speaks against it.
-//! 7. `ladder` scores every revision of a model.
+//! Adding an effect to a model: [`analysis::learn`] with the machine's threads, and its text.
 
-mod addition;
-mod document;
-mod filter;
-mod ladder;
-mod score;
 mod text;
-mod verdict;
 
-pub use addition::{AddError, Addition, FlightChange, JudgedOn, NamedFlight, Request, add, nearest_effects};
-pub use document::DocumentError;
-pub use filter::{LearnError, Learned, learn};
-pub use ladder::{Ladder, Rung, RungFlight, ladder};
-pub use score::{Scores, SensorScore, pooled_rms_m, score};
+pub use analysis::diagnose::HeldOutVerdict;
+pub use analysis::learn::*;
 pub use text::{addition_text, ladder_text};
-pub use verdict::HeldOutVerdict;
+
+use crate::diagnose::endless;
+use crate::threads::Threads;
+
+/// Learns an effect's coefficient and makes the model's new text; writes nothing. `progress` is called once a fit.
+///
+/// # Errors
+/// See [`AddError`].
+pub fn add(request: &Request<'_>, progress: &mut dyn FnMut()) -> Result<Addition, AddError> {
+    analysis::learn::add(request, &mut endless(progress), &Threads)
+}

@@ -4,9 +4,7 @@ use std::fmt::Write as _;
 
 use comfy_table::{Cell, CellAlignment, ContentArrangement, LineStyle, Table, TableStyle};
 
-use super::addition::{Addition, FlightChange, JudgedOn};
-use super::ladder::Ladder;
-use super::score::SensorScore;
+use analysis::learn::{Addition, FlightChange, JudgedOn, Ladder, SensorScore};
 
 /// A line below the column names and nothing else.
 const STYLE: TableStyle = TableStyle::new().header_separator(LineStyle::new('─', '─', '─', '─'));

@@ -24,13 +24,18 @@ pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 /// Draws a figure: a title, where the data come from, and the panels.
 pub(super) fn figure(title: &str, comparison: &Comparison, panels: &[Panel<'_>]) -> Result<String, String> {
+    sheet(title, subtitles(comparison), panels)
+}
+
+/// Draws a title, two lines below it, and the panels.
+pub(super) fn sheet(title: &str, subtitles: [String; 2], panels: &[Panel<'_>]) -> Result<String, String> {
     let panel_height = if panels.len() > 2 { PANEL_HEIGHT } else { TALL_PANEL_HEIGHT };
     let height = TITLE_HEIGHT + panel_height * panels.len() as i32 + 8;
     let size = ((WIDTH * SCALE) as u32, (height * SCALE) as u32);
     let mut svg = String::new();
     {
         let sheet = SVGBackend::with_string(&mut svg, size).into_drawing_area();
-        lay_out(&sheet, title, comparison, panels).map_err(|error| error.to_string())?;
+        lay_out(&sheet, title, &subtitles, panels).map_err(|error| error.to_string())?;
         sheet.present().map_err(|error| error.to_string())?;
     }
     Ok(at_true_size(&svg, size, height))
@@ -39,7 +44,7 @@ pub(super) fn figure(title: &str, comparison: &Comparison, panels: &[Panel<'_>])
 fn lay_out(
     sheet: &Area<'_>,
     title: &str,
-    comparison: &Comparison,
+    subtitles: &[String; 2],
     panels: &[Panel<'_>],
 ) -> Result<(), Box<dyn std::error::Error>> {
     sheet.fill(&WHITE)?;
@@ -50,7 +55,7 @@ fn lay_out(
     };
     let middle = WIDTH * SCALE / 2;
     head.draw_text(title, &centred(17, &BLACK), (middle, 18 * SCALE))?;
-    for (line, text) in subtitles(comparison).iter().enumerate() {
+    for (line, text) in subtitles.iter().enumerate() {
         head.draw_text(text, &centred(12, &DARK_GREY), (middle, (40 + 17 * line as i32) * SCALE))?;
     }
     for (panel, area) in panels.iter().zip(body.split_evenly((panels.len(), 1))) {

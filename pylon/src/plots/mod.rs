@@ -2,6 +2,7 @@
 
 mod calibration;
 mod canvas;
+mod effect;
 mod free_flight;
 mod legend;
 mod panel;
@@ -11,6 +12,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
+
+pub use effect::draw_effect;
 
 use crate::compare::{Comparison, Traces};
 use crate::output_file::{OutputError, write_atomically};

@@ -16,6 +16,7 @@ mod table;
 use kf_core::sensor::Sensor;
 use model::Model;
 
+use crate::batch::Batch;
 use crate::compare::Comparison;
 use crate::diagnose::Diagnosis;
 use crate::learn::Ladder;
@@ -38,7 +39,12 @@ pub struct FlightReport {
     /// By sensor.
     measured: Vec<(&'static str, Vec<Chart>)>,
     dependences: Vec<SensorDependences>,
+    /// Whether its diagrams are in the page.
+    is_drawn: bool,
 }
+
+/// Flights that a page has diagrams of; of more, the oddest and the worst.
+pub const MOST_DRAWN: usize = 4;
 
 /// A sensor's error against every signal of the flight.
 #[derive(Clone, Debug)]
@@ -65,6 +71,8 @@ pub struct Report<'a> {
     pub diagnosis: &'a Diagnosis,
     /// Every revision of the model on the flights, and on those that were held out.
     pub ladder: &'a Ladder,
+    /// The flights one by one, of several.
+    pub batch: Option<&'a Batch>,
 }
 
 impl FlightReport {
@@ -81,9 +89,26 @@ impl FlightReport {
             free_flight: figures::free_flight(&id, &recording, &comparison),
             measured: figures::measured(&id, &recording, &comparison),
             dependences: dependences(&id, replay, &recording, &comparison),
+            is_drawn: true,
             comparison,
             id,
         })
+    }
+
+    /// The largest error of its sensors in free flight, rms, metres.
+    fn worst_rms_m(&self) -> f64 {
+        let sensors = self.comparison.sensors.values();
+        sensors.filter_map(|sensor| sensor.free_flight_rms_m).fold(0.0, f64::max)
+    }
+
+    /// Takes the diagrams away.
+    fn undraw(&mut self) {
+        self.is_drawn = false;
+        self.calibration.clear();
+        self.residuals.clear();
+        self.free_flight.clear();
+        self.measured.clear();
+        self.dependences.clear();
     }
 
     /// Every diagram of the flight.
@@ -103,6 +128,26 @@ impl FlightReport {
     #[must_use]
     pub const fn comparison(&self) -> &Comparison {
         &self.comparison
+    }
+}
+
+/// Of more than [`MOST_DRAWN`] flights, keeps the diagrams of those that do not belong with the others (`odd`), and of those with
+/// the largest errors. A page that draws forty flights alike is one that nobody reads, or can open.
+pub fn keep_most_telling(flights: &mut [FlightReport], odd: &[&str]) {
+    let mut order: Vec<usize> = (0..flights.len()).collect();
+    let rank = |place: &usize| {
+        let Some(flight) = flights.get(*place) else { return (usize::MAX, 0.0) };
+        let odd = odd.iter().position(|file| *file == flight.comparison.flight.file);
+        (odd.unwrap_or(usize::MAX), -flight.worst_rms_m())
+    };
+    order.sort_by(|one, other| {
+        let ((one, one_m), (other, other_m)) = (rank(one), rank(other));
+        one.cmp(&other).then(one_m.total_cmp(&other_m))
+    });
+    for place in order.into_iter().skip(MOST_DRAWN) {
+        if let Some(flight) = flights.get_mut(place) {
+            flight.undraw();
+        }
     }
 }
 

@@ -112,18 +112,7 @@ fn measure_flight(bench: &Path, file: &Path, hours: u32) -> anyhow::Result<Fligh
         command(&workspace::workbench(), &["compare", "--json"]),
         command(&workspace::workbench(), &["diagnose", "--json"]),
     ];
-    let mut best = [Cost { seconds: f64::INFINITY, cpu_seconds: f64::INFINITY, peak_bytes: 0 }; 4];
-    for _ in 0..ROUNDS {
-        for (best, command) in best.iter_mut().zip(&commands) {
-            let Cost { seconds, cpu_seconds, peak_bytes } = measure::cost(command)?;
-            *best = Cost {
-                seconds: best.seconds.min(seconds),
-                cpu_seconds: best.cpu_seconds.min(cpu_seconds),
-                peak_bytes: best.peak_bytes.max(peak_bytes),
-            };
-        }
-    }
-    let [csv, parse, compare, diagnose] = best;
+    let [csv, parse, compare, diagnose] = measure::shortest(ROUNDS, commands)?;
     Ok(Flight { hours, file_bytes: fs::metadata(file)?.len(), csv, parse, compare, diagnose })
 }
 

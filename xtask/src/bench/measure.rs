@@ -30,6 +30,22 @@ pub fn cost(command: &Command) -> anyhow::Result<Cost> {
     serde_json::from_str(&said.stdout).context("`cargo xtask measure` said something unexpected")
 }
 
+/// Runs commands in turn, so that what disturbs one disturbs all; of each the shortest times and the highest peak.
+pub fn shortest<const N: usize>(rounds: usize, commands: [Command; N]) -> anyhow::Result<[Cost; N]> {
+    let mut best = [Cost { seconds: f64::INFINITY, cpu_seconds: f64::INFINITY, peak_bytes: 0 }; N];
+    for _ in 0..rounds {
+        for (best, command) in best.iter_mut().zip(&commands) {
+            let Cost { seconds, cpu_seconds, peak_bytes } = cost(command)?;
+            *best = Cost {
+                seconds: best.seconds.min(seconds),
+                cpu_seconds: best.cpu_seconds.min(cpu_seconds),
+                peak_bytes: best.peak_bytes.max(peak_bytes),
+            };
+        }
+    }
+    Ok(best)
+}
+
 /// Runs a command, throws away what it prints and prints what it cost.
 pub fn print(command: &[String]) -> anyhow::Result<()> {
     let Some((program, arguments)) = command.split_first() else { bail!("no command to measure") };

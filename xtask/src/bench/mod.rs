@@ -2,6 +2,7 @@
 
 mod figure;
 mod host;
+mod import;
 mod long_flight;
 pub mod measure;
 mod target;
@@ -25,6 +26,7 @@ use figure::Figure;
 struct Report {
     target: Option<target::TargetBench>,
     host: Option<host::HostBench>,
+    import: Option<import::ImportBench>,
 }
 
 /// Measures and prints.
@@ -38,7 +40,15 @@ pub fn run(part: Option<BenchPart>, json: bool, echo: bool) -> anyhow::Result<()
     } else {
         None
     };
-    let report = Report { target, host };
+    let import = if wants(BenchPart::Import) {
+        for need in [Need::Npm, Need::Pymavlink] {
+            setup::provide(need, echo)?;
+        }
+        Some(import::run(echo)?)
+    } else {
+        None
+    };
+    let report = Report { target, host, import };
     if json {
         println!("{}", serde_json::to_string_pretty(&report)?);
         return Ok(());
@@ -51,6 +61,10 @@ pub fn run(part: Option<BenchPart>, json: bool, echo: bool) -> anyhow::Result<()
     if let Some(host) = &report.host {
         println!("{}\n", host.table());
         figures.extend_from_slice(&host.figures);
+    }
+    if let Some(import) = &report.import {
+        println!("{}\n", import.table());
+        figures.extend_from_slice(&import.figures);
     }
     println!("{}", figures_table(&figures));
     Ok(())

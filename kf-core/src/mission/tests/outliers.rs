@@ -97,16 +97,21 @@ fn a_climb_rate_that_leaps_for_a_second_is_refused_as_long() {
     }
 }
 
-/// What a receiver that was off by 150 m for a third of the calibration leaves is no bound to be trusted within.
+/// What a receiver leaves that wanders by 40 m, its climb rate with it, is no bound to be trusted within.
 #[test]
 fn a_residual_that_is_spread_beyond_its_model_watches_nothing() {
     let mut config = config(true);
     config.reference.correlation_time_s = 60.0;
-    for (error_m, is_watched) in [(0.0, true), (150.0, false)] {
+    for (error_m, is_watched) in [(0.0, true), (40.0, false)] {
         let mut trust = Vec::new();
         let far = |k: u64, input: &mut TickInput| {
-            if (2_000..4_000).contains(&k) {
-                add_to_fix(input, error_m);
+            if (2_000..LAUNCH).contains(&k) {
+                let turn = (k - 2_000) as f32 * (core::f32::consts::TAU / 2_000.0);
+                add_to_fix(input, error_m * turn.sin());
+                if let Some(fix) = &mut input.gps {
+                    let rate_mps = error_m * core::f32::consts::TAU / 10.0 * turn.cos();
+                    fix.velocity_down_mps = fix.velocity_down_mps.map(|down_mps| down_mps - rate_mps);
+                }
             }
         };
         let mission = fly::<0, 4, 0>(&config, far, |k, output| {
@@ -119,6 +124,29 @@ fn a_residual_that_is_spread_beyond_its_model_watches_nothing() {
         assert!(trust.iter().all(|trust| *trust == expected), "{error_m}: {:?}", latch.sensors[2]);
         assert_eq!(latch.failed_checks == 0, is_watched, "{error_m}");
     }
+}
+
+/// A receiver that was off by 150 m for a third of the calibration is followed there and back: biases and bounds are of the level that it came
+/// back to, and the check says that there was another.
+#[test]
+fn a_receiver_that_went_elsewhere_and_came_back_leaves_the_biases_that_were_right() {
+    let mut config = config(true);
+    config.reference.correlation_time_s = 60.0;
+    let clean = fly::<0, 4, 0>(&config, |_, _| {}, |_, _| {});
+    let far = |k: u64, input: &mut TickInput| {
+        if (2_000..4_000).contains(&k) {
+            add_to_fix(input, 150.0);
+        }
+    };
+    let mission = fly::<0, 4, 0>(&config, far, |_, _| {});
+    let (latch, clean) = (mission.latch().unwrap(), clean.latch().unwrap());
+    for (sensor, clean) in latch.sensors.iter().zip(&clean.sensors) {
+        let apart_m = (sensor.bias_m - clean.bias_m).abs();
+        assert!(apart_m < 3.0 * sensor.bias_variance_m2.sqrt(), "{sensor:?} {clean:?}");
+        let bounds = sensor.bound_m() / clean.bound_m();
+        assert!((1.0 / 1.3..1.3).contains(&bounds), "{bounds}");
+    }
+    assert!(failed(&mission).contains(&"readings_consistent"), "{:?}", failed(&mission));
 }
 
 #[test]
@@ -220,6 +248,57 @@ fn a_receiver_that_stays_elsewhere_is_followed_and_said() {
             assert!((sensor.bias_m - bias_m + error_m).abs() < 2.0, "{error_m}: {sensor:?}");
         }
         assert!(!failed(&mission).is_empty());
+    }
+}
+
+/// A receiver that is far off while the calibration begins, is right again, and was refused for so long that it counts as lost: the altitude is
+/// its, whole, and not as far as noise that the refused fixes seem to have would let it.
+#[test]
+fn a_receiver_that_comes_back_to_where_it_is_right_is_believed_whole() {
+    // As a receiver's error is: fixes that come more often say no more.
+    let mut config = config(true);
+    config.reference.correlation_time_s = 30.0;
+    let clean = fly::<0, 4, 0>(&config, |_, _| {}, |_, _| {});
+    for error_m in [1_450.0, -600.0, 120.0] {
+        let mission = fly::<0, 4, 0>(
+            &config,
+            |k, input| {
+                if k < FIRST + 1_600 {
+                    add_to_fix(input, error_m);
+                }
+            },
+            |_, _| {},
+        );
+        let (latch, clean) = (mission.latch().unwrap(), clean.latch().unwrap());
+        for (sensor, clean) in latch.sensors.iter().zip(&clean.sensors) {
+            let apart_m = (sensor.bias_m - clean.bias_m).abs();
+            assert!(apart_m < 2.0 * sensor.bias_variance_m2.sqrt(), "{error_m}: {sensor:?} {clean:?}");
+        }
+        assert!(failed(&mission).contains(&"readings_consistent"), "{error_m}: {:?}", failed(&mission));
+    }
+}
+
+/// An outage of the receiver in which the vehicle climbs further than the altitude's prior says: what comes back is believed.
+#[test]
+fn a_receiver_that_comes_back_far_from_where_it_was_lost_is_believed() {
+    let mission = flown(|k, input| {
+        if (1_000..3_000).contains(&k) {
+            input.gps = None;
+        }
+        if k >= 3_000 {
+            add_to_fix(input, 900.0);
+            add_to_baro(input, 900.0);
+            input.imu_slave_altitude_m = input.imu_slave_altitude_m.map(|altitude_m| altitude_m + 900.0);
+        }
+    });
+    // Two of them are outliers until the third.
+    assert_eq!(mission.counters().gps.gated, 2);
+    let clean = flown(|_, _| {});
+    let (latch, clean) = (mission.latch().unwrap(), clean.latch().unwrap());
+    // Altitude and biases.
+    for (i, wanted_m) in [(0, 900.0), (2, 0.0), (3, 0.0)] {
+        let moved_m = latch.state[i] - clean.state[i];
+        assert!((moved_m - wanted_m).abs() < 1.5, "{:?} {:?}", latch.state, clean.state);
     }
 }
 

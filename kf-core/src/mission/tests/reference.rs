@@ -463,3 +463,53 @@ fn a_single_wild_reading_while_the_reference_settles_is_no_level() {
         assert_eq!(failed, [""; 0], "{wild_s}");
     }
 }
+
+/// A climb rate that goes wrong after the launch: altitude and climb rate lie apart, and the inertial altitude, which was calibrated before
+/// that, says which of the two is right. So a barometer that fails is flagged.
+#[test]
+fn a_wrong_climb_rate_hides_no_failure_from_two_sensors() {
+    for step_m in [20.0, -20.0] {
+        let (seen, _) = flown(&config(true), |time_s, input| {
+            if let (true, Some(fix)) = (time_s > 0.5, &mut input.gps) {
+                fix.velocity_down_mps = fix.velocity_down_mps.map(|down_mps| down_mps - 3.0);
+            }
+            if time_s > 7.0 {
+                add_to_baro(input, step_m);
+            }
+        });
+        let [slave, baro] = seen.flags_s;
+        assert_eq!(slave, [None; 2], "{step_m}");
+        assert!(baro[1].is_some_and(|flag_s| (8.0..9.0).contains(&flag_s)), "{step_m}: {baro:?}");
+    }
+}
+
+/// An altitude that leaves its climb rate before the launch, as of a receiver that converges: what followed it is no witness against what did
+/// not, and nobody is blamed.
+#[test]
+fn what_was_calibrated_while_the_receiver_contradicted_itself_is_no_witness() {
+    let (seen, _) = flown(&config(true), |time_s, input| {
+        let left_m = (4.0 * (time_s + 5.0)).clamp(0.0, 20.0);
+        add_to_fix(input, left_m);
+        input.imu_slave_altitude_m = input.imu_slave_altitude_m.map(|altitude_m| altitude_m + left_m);
+    });
+    assert_eq!([seen.flags_s[0][1], seen.flags_s[1][1]], [None; 2]);
+}
+
+/// A receiver that was lost and has come back elsewhere: nobody knows how far it is off. A barometer that fails then brings no blame on the
+/// sensor that is well.
+#[test]
+fn a_reference_that_may_be_anywhere_blames_nobody_where_a_sensor_fails_as_well() {
+    let (seen, _) = flown(&config(true), |time_s, input| {
+        if time_s > -6.0 {
+            add_to_fix(input, 48.0);
+        }
+        if (-6.0..0.5).contains(&time_s) {
+            input.gps = None;
+        }
+        if time_s > 5.0 {
+            add_to_baro(input, 25.0);
+        }
+    });
+    assert_eq!(seen.flags_s[0][1], None);
+    assert_eq!(seen.at(8.0)[0], Trust::Unmonitored);
+}

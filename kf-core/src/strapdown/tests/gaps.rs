@@ -40,7 +40,7 @@ fn a_reset_of_the_unit_is_bridged() {
     let cost = captive.channel.tie.climb_m2ps2() - before.tie.climb_m2ps2();
     assert!((0.004..0.008).contains(&cost), "{cost}");
 
-    // In free flight every reset costs as much; once they have cost half a metre a second, fixes are wanted.
+    // In free flight every reset costs as much; once they have cost 0.14 m/s, fixes are wanted.
     captive.channel.launch();
     let mut resets = 0;
     while !captive.channel.is_mending() {
@@ -48,7 +48,7 @@ fn a_reset_of_the_unit_is_bridged() {
         captive.step(&rest());
         resets += 1;
     }
-    assert!((45..55).contains(&resets), "{resets}");
+    assert!((4..6).contains(&resets), "{resets}");
     assert!(captive.channel.altitude_m().is_some());
     assert!(captive.channel.altitude_variance_m2() > before.altitude_variance_m2());
 }
@@ -193,4 +193,22 @@ fn a_wild_rate_before_a_gap_neither_ends_the_channel_nor_turns_it() {
     // Its neighbours were taken for 15 ms, and 0.04 rad.
     let down = rig.channel.down_body().unwrap();
     assert!(rig.channel.is_mending() && down[2] > 0.05_f32.cos(), "{down:?}");
+}
+
+/// A rate that leaps under the pylon is none of the vehicle's because the hooks open meanwhile.
+#[test]
+fn a_rate_that_leaps_under_the_pylon_is_refused_over_the_release() {
+    let turning = sample([0.0, 0.0, -G], [0.0, 1.77, 0.0]);
+    let mut rig = Rig::captive(30);
+    for tick in 0..94 {
+        if tick == 5 {
+            rig.channel.launch();
+        }
+        rig.tick += 1;
+        assert_eq!(rig.channel.inertial(rig.time_us(), &turning), Err(StrapdownError::Spike), "{tick}");
+    }
+    rig.step(&rest());
+    assert!(rig.channel.down_body().unwrap()[2] > 0.999_99);
+    // In free flight it is the vehicle that turns.
+    rig.step(&turning);
 }

@@ -5,9 +5,7 @@ use std::fmt::Write as _;
 use super::number::{NONE, metres, percent, signed_m};
 use super::put;
 use super::table::{Mood, Sheet};
-use crate::compare::comparison::Comparison;
-use crate::compare::manoeuvre::{Motion, without_minus_zero};
-use crate::compare::timeline::{ErrorFigures, Stretch};
+use crate::compare::{Comparison, ErrorFigures, Motion, Stretch, without_minus_zero};
 
 pub(super) fn write(out: &mut String, comparison: &Comparison, colour: bool) {
     let failures = &comparison.failures;

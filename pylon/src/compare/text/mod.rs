@@ -13,8 +13,8 @@ use kf_core::sensor::Sensor;
 
 use self::number::{grouped, metres, plain, seconds, signed_m};
 use self::table::{Mood, Sheet};
-use super::comparison::{Comparison, CrossCheckFacts, SensorComparison};
 use super::words::Words;
+use super::{Comparison, CrossCheckFacts, SensorComparison};
 
 /// Writing a line to a string, which can not fail.
 macro_rules! put {

@@ -6,8 +6,7 @@ use super::super::words::Words;
 use super::number::{NONE, metres, per_hour, percent, plain, seconds};
 use super::table::{Mood, Sheet};
 use super::{in_order, never, put};
-use crate::compare::comparison::Comparison;
-use crate::compare::rules::SensorRules;
+use crate::compare::{Comparison, SensorRules};
 use crate::statistics::{Delay, Fault, RuleQuality};
 
 /// A share of launches with a false alarm worth a line of its own.

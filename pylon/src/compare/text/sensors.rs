@@ -5,8 +5,7 @@ use std::fmt::Write as _;
 use super::number::{NONE, grouped, metres, plain, seconds, signed_m, with_sigma_m};
 use super::table::{Mood, Sheet};
 use super::{in_order, never, put};
-use crate::compare::comparison::{Comparison, SensorComparison};
-use crate::compare::phase_statistics::PhaseSummary;
+use crate::compare::{Comparison, PhaseSummary, SensorComparison};
 use crate::statistics::Whiteness;
 
 /// A sequence is called white when a white one would look less so at least this often.

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::bars::bars;
 use super::effects::meaning;
 use crate::compare::text::number::{metres, seconds};
-use crate::diagnose::text::{headline, probability, say, with_sigma};
+use crate::diagnose::text::{headline, probability, say, untested_for_a_reason, with_sigma};
 use crate::diagnose::{CandidateFacts, Diagnosis, SensorDiagnosis, Verdict};
 
 /// Candidates that are shown at once beside the chosen ones; the rest opens on demand.
@@ -96,7 +96,7 @@ fn table<'a>(sensor: &SensorDiagnosis, rows: impl Iterator<Item = &'a &'a Candid
 
 fn row(sensor: &SensorDiagnosis, candidate: &CandidateFacts) -> Markup {
     let greatest = candidate.rms_before_m.unwrap_or(0.0).max(candidate.rms_after_m.unwrap_or(0.0));
-    let unit = if candidate.unit == "1" { "" } else { candidate.unit };
+    let unit = if candidate.unit == "1" { "" } else { &*candidate.unit };
     let reach = INTERVAL * candidate.sigma;
     let bound =
         |value: f64| with_sigma(value, candidate.sigma).split(' ').next().unwrap_or_default().to_owned();
@@ -105,7 +105,7 @@ fn row(sensor: &SensorDiagnosis, candidate: &CandidateFacts) -> Markup {
             th scope="row" {
                 (candidate.effect)
                 span.note {
-                    (meaning(candidate.effect))
+                    (meaning(&candidate.effect))
                     @if let Some(time_s) = candidate.time_constant_s { " (time constant " (seconds(Some(time_s))) ")" }
                 }
             }
@@ -121,7 +121,7 @@ fn row(sensor: &SensorDiagnosis, candidate: &CandidateFacts) -> Markup {
 fn verdict(sensor: &SensorDiagnosis, candidate: &CandidateFacts) -> String {
     let rivals = sensor.indistinguishable.iter().find(|set| set.contains(&candidate.effect));
     if let Some(set) = rivals {
-        let others: Vec<&str> = set.iter().copied().filter(|id| *id != candidate.effect).collect();
+        let others: Vec<&str> = set.iter().map(|id| &**id).filter(|id| *id != candidate.effect).collect();
         return format!("can't be told from {}", others.join(", "));
     }
     if sensor.missing.contains(&candidate.effect) {
@@ -157,12 +157,18 @@ fn details(diagnosis: &Diagnosis) -> Markup {
                     @for (from_s, to_s) in &flight.glitches_s {
                         li { (flight.file) ": the reference jumped away from " (seconds(Some(*from_s))) " to " (seconds(Some(*to_s))) "; left out." }
                     }
+                    @if flight.refused_readings > 0 {
+                        li { (flight.file) ": " (flight.refused_readings) " readings not finite, implausible or of a sensor that is stuck; left out." }
+                    }
                     @if flight.unreferenced_readings > 0 {
                         li { (flight.file) ": " (flight.unreferenced_readings) " readings without a reference around them; left out." }
                     }
                 }
-                @for untested in &diagnosis.untested {
-                    li { "Not tested: " (effect(untested.effect)) " (needs " (untested.needs.join(", ")) ")." }
+                @for untested in diagnosis.untested.iter().filter(|untested| untested.reason.is_none()) {
+                    li { "Not tested: " (effect(&untested.effect)) " (needs " (untested.needs.join(", ")) ")." }
+                }
+                @for (effects, reason) in untested_for_a_reason(diagnosis) {
+                    li { "Not tested: " (effects.join(", ")) ": " (reason) "." }
                 }
                 @for warning in &diagnosis.warnings { li { (warning) } }
             }
@@ -177,10 +183,10 @@ mod tests {
 
     fn candidate(effect: &'static str, chosen: bool, p_value: f64) -> CandidateFacts {
         CandidateFacts {
-            effect,
+            effect: effect.into(),
             coefficient: 0.5,
             sigma: 0.1,
-            unit: "s",
+            unit: "s".into(),
             p_value,
             rms_before_m: Some(4.0),
             rms_after_m: Some(1.0),
@@ -197,8 +203,9 @@ mod tests {
     fn every_verdict_of_a_candidate_has_its_words() {
         let sensor = SensorDiagnosis {
             verdict: Verdict::Indistinguishable,
-            missing: vec!["baro.lag"],
-            indistinguishable: vec![vec!["baro.angle_of_attack", "baro.acceleration"]],
+            missing: vec!["baro.lag".into()],
+            indistinguishable: vec![vec!["baro.angle_of_attack".into(), "baro.acceleration".into()]],
+            probabilities: vec![vec![0.6, 0.4]],
             advice: "fly a level speed sweep".to_owned(),
             follows: vec![Follows { signal: "<flap>".to_owned(), lag_s: 2.0, size_m: 1.5, evidence: 40.0 }],
             free_flight_factor: Some(3.04),
@@ -241,9 +248,9 @@ mod tests {
     fn what_is_found_comes_first_and_a_healthy_reference_is_left_out() {
         let with = |verdict| SensorDiagnosis { verdict, ..SensorDiagnosis::default() };
         let mut diagnosis = Diagnosis::default();
-        diagnosis.sensors.insert("baro", with(Verdict::NoSignificantMisfit));
-        diagnosis.sensors.insert("gps", with(Verdict::NoSignificantMisfit));
-        diagnosis.sensors.insert("imu_slave", with(Verdict::UnknownEffect));
+        diagnosis.sensors.insert("baro".into(), with(Verdict::NoSignificantMisfit));
+        diagnosis.sensors.insert("gps".into(), with(Verdict::NoSignificantMisfit));
+        diagnosis.sensors.insert("imu_slave".into(), with(Verdict::UnknownEffect));
         let page = section(&diagnosis).into_string();
         assert!(page.find("imu_slave: ").unwrap() < page.find("baro: ").unwrap());
         assert!(!page.contains("gps: <"), "{page}");

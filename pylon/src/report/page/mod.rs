@@ -1,6 +1,7 @@
 //! The page's words and tables; `assets/` has its style and what draws its diagrams.
 
 mod bars;
+mod batch;
 mod calibration;
 mod diagnosis;
 mod effects;
@@ -25,7 +26,13 @@ const UPLOT_LICENCE: &str = include_str!(concat!(env!("OUT_DIR"), "/uplot-licens
 
 pub(super) fn page(report: &Report<'_>) -> String {
     let title = title(report);
-    let rungs = super::ladder::flights(report.ladder);
+    let mut rungs = super::ladder::flights(report.ladder);
+    let undrawn = |rung: &LadderFlight<'_>| {
+        report.flights.iter().any(|flight| !flight.is_drawn && flight.comparison.flight.file == rung.file)
+    };
+    for rung in rungs.iter_mut().filter(|rung| undrawn(rung)) {
+        rung.chart = None;
+    }
     html! {
         (DOCTYPE)
         html lang="en" {
@@ -45,11 +52,22 @@ pub(super) fn page(report: &Report<'_>) -> String {
                 a.skip href="#main" { "Skip to the content" }
                 (header(report, &title))
                 main #main {
-                    (opening(report))
-                    @for found in report.flights { (flight::summary(found, report.flights.len() > 1)) }
-                    (diagnosis::section(report.diagnosis))
+                    @match report.batch {
+                        // Of many, what they say together comes first.
+                        Some(batch) => {
+                            (diagnosis::section(report.diagnosis))
+                            (batch::section(batch, report.flights))
+                            (opening(report))
+                            (summaries(report))
+                        }
+                        None => {
+                            (opening(report))
+                            @for found in report.flights { (flight::summary(found, report.flights.len() > 1)) }
+                            (diagnosis::section(report.diagnosis))
+                        }
+                    }
                     (ladder::section(report.model, report.model_name, &rungs))
-                    @for found in report.flights { (flight::section(found)) }
+                    @for found in report.flights.iter().filter(|flight| flight.is_drawn) { (flight::section(found)) }
                     (glossary::section())
                 }
                 (footer())
@@ -80,7 +98,8 @@ fn header(report: &Report<'_>, title: &str) -> Markup {
             nav aria-label="Parts of this page" {
                 a href="#diagnosis" { "What is missing" }
                 a href="#ladder" { "How the error fell" }
-                @for found in report.flights {
+                @if report.batch.is_some() { a href="#batch" { "Flight by flight" } }
+                @for found in report.flights.iter().filter(|flight| flight.is_drawn) {
                     a href=(format!("#{}", found.id)) {
                         @if report.flights.len() > 1 { (file_name(&found.comparison.flight.file)) } @else { "Flight" }
                     }
@@ -88,6 +107,20 @@ fn header(report: &Report<'_>, title: &str) -> Markup {
                 a href="#words" { "Words" }
             }
             button #theme type="button" aria-label="Colours: as the system has them" { "◐ auto" }
+        }
+    }
+}
+
+/// What there is to say of each of many flights, those without diagrams on demand.
+fn summaries(report: &Report<'_>) -> Markup {
+    let (drawn, others): (Vec<_>, Vec<_>) = report.flights.iter().partition(|flight| flight.is_drawn);
+    html! {
+        @for found in drawn { (flight::summary(found, true)) }
+        @if !others.is_empty() {
+            details {
+                summary { (others.len()) " more flights, in words" }
+                @for found in others { (flight::summary(found, true)) }
+            }
         }
     }
 }

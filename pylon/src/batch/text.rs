@@ -1,0 +1,104 @@
+//! Several flights, one by one, in plain English.
+
+use std::fmt::Write as _;
+
+use comfy_table::{Cell, CellAlignment, ContentArrangement, LineStyle, Table, TableStyle};
+
+use super::{Batch, FlightResult, VehicleResult};
+use crate::diagnose::text::{probability, say, with_sigma};
+
+/// A line below the column names and nothing else.
+const STYLE: TableStyle = TableStyle::new().header_separator(LineStyle::new('─', '─', '─', '─'));
+
+/// The tables as text.
+#[must_use]
+pub fn text(batch: &Batch) -> String {
+    let mut out = String::new();
+    let _ = writeln!(
+        out,
+        "\nFlight by flight (each diagnosed by itself; * it alone shows that the effect is missing):"
+    );
+    let effects: Vec<&str> = batch.effects().collect();
+    let heads = ["  flight", "verdict"].into_iter().map(str::to_owned);
+    let heads = heads.chain(batch.units.iter().map(|(effect, unit)| match &**unit {
+        "1" => effect.to_string(),
+        unit => format!("{effect}, {unit}"),
+    }));
+    let rows = batch.by_flight.iter().map(|flight| row(flight, &effects));
+    let _ = writeln!(out, "{}", table(heads.collect(), rows.collect(), &[0, 1]));
+    for flight in &batch.by_flight {
+        if let Some(why) = &flight.failed {
+            let _ = writeln!(out, "  {}: a defect of pylon, please report it: {why}", flight.file);
+        }
+    }
+    for vehicle in batch.by_vehicle.iter().filter(|vehicle| !vehicle.effects.is_empty()) {
+        write_vehicle(&mut out, vehicle);
+    }
+    out
+}
+
+fn row(flight: &FlightResult, effects: &[&str]) -> Vec<String> {
+    let verdict = flight.verdict.map_or("failed", say);
+    let cells = effects.iter().map(|effect| match flight.coefficients.get(*effect) {
+        Some(one) => {
+            format!("{}{}", with_sigma(one.value, one.sigma), if one.identified { " *" } else { "  " })
+        }
+        None => "-  ".to_owned(),
+    });
+    [format!("  {}", flight.file), verdict.to_owned()].into_iter().chain(cells).collect()
+}
+
+fn write_vehicle(out: &mut String, vehicle: &VehicleResult) {
+    let name = if vehicle.vehicle.is_empty() { "of unnamed vehicles" } else { &vehicle.vehicle };
+    let flights =
+        if vehicle.flights == 1 { "1 flight".to_owned() } else { format!("{} flights", vehicle.flights) };
+    let _ = writeln!(out, "\n{name}: {flights}");
+    let heads = ["  effect", "flights", "mean", "", "from flight to flight"].map(str::to_owned);
+    let rows = vehicle.effects.iter().map(|effect| {
+        let spread = if effect.spread > 0.0 {
+            with_sigma(effect.mean, effect.spread)
+                .rsplit_once(' ')
+                .map_or_else(String::new, |(_, one)| format!("± {one}"))
+        } else {
+            "no more than their sigmas".to_owned()
+        };
+        let spread = if effect.flights > 1 { spread } else { "-".to_owned() };
+        vec![
+            format!("  {}", effect.effect),
+            effect.flights.to_string(),
+            with_sigma(effect.mean, effect.sigma),
+            if effect.unit == "1" { String::new() } else { effect.unit.to_string() },
+            spread,
+        ]
+    });
+    let _ = writeln!(out, "{}", table(heads.into(), rows.collect(), &[0, 3]));
+    for effect in &vehicle.effects {
+        for odd in &effect.outliers {
+            let _ = writeln!(
+                out,
+                "  outlier: {}: {} is {}, while the others are {} (chance {})",
+                odd.file,
+                effect.effect,
+                with_sigma(odd.coefficient, odd.sigma),
+                with_sigma(effect.mean, effect.sigma),
+                probability(odd.p_value)
+            );
+        }
+    }
+}
+
+fn table(heads: Vec<String>, rows: Vec<Vec<String>>, left: &[usize]) -> String {
+    let mut table = Table::new();
+    table.load_style(STYLE).set_content_arrangement(ContentArrangement::Disabled);
+    let cell = |(place, text): (usize, String)| {
+        let cell = Cell::new(text);
+        if left.contains(&place) { cell } else { cell.set_alignment(CellAlignment::Right) }
+    };
+    table.set_header(heads.into_iter().enumerate().map(cell));
+    for row in rows {
+        table.add_row(row.into_iter().enumerate().map(cell).collect::<Vec<_>>());
+    }
+    table.force_no_tty();
+    let text = table.to_string();
+    text.lines().map(str::trim_end).collect::<Vec<_>>().join("\n")
+}

@@ -1,0 +1,36 @@
+//! How well a model agrees with a flight.
+//!
+//! The estimator flies over the flight; biases, spreads, whiteness, NIS, flags and their times are
+//! gathered in one pass, and so is *where* the model fails: what the aircraft was doing when the
+//! errors were largest.
+
+mod comparator;
+mod comparison;
+mod cross_check;
+mod envelope;
+mod flags;
+mod kinematics;
+mod manoeuvre;
+mod phase_statistics;
+mod remedies;
+mod rules;
+mod run;
+mod timeline;
+mod traces;
+mod warnings;
+pub mod words;
+
+pub use comparator::{Comparator, MissionEnd};
+pub use comparison::{
+    CalibrationFacts, Comparison, CrossCheckFacts, EffectFacts, FlightFacts, MonitorFacts, ReadingCounts,
+    ReferenceComparison, SensorComparison,
+};
+pub use envelope::{Envelope, Slot};
+pub use kinematics::MotionSources;
+pub use manoeuvre::{Manoeuvre, Motion, without_minus_zero};
+pub use phase_statistics::PhaseSummary;
+pub use remedies::{Remedy, RemedyFigures};
+pub use rules::{Recommendation, RuleWishes, SensorRules};
+pub use run::{Options, compare};
+pub use timeline::{ErrorFigures, Failures, ManoeuvreErrors, Stretch};
+pub use traces::{EstimateTrace, Traces};

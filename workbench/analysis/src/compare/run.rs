@@ -1,0 +1,140 @@
+//! Flies a model over a flight and compares.
+
+use executor::Executor;
+use kf_core::config::SecondCorrection;
+use kf_core::output::TickOutput;
+use model::{Model, SECOND_CORRECTION_WANDER_M_PER_SQRT_S};
+
+use super::comparator::{Comparator, MissionEnd};
+use super::comparison::{Comparison, FlightFacts};
+use super::remedies::{Remedy, RemedyTally};
+use super::rules::RuleWishes;
+use super::traces::Traces;
+use super::warnings::{effect_warnings, input_warnings};
+use flight_data::Channel;
+use replay::{CalibrationSource, Replay, ReplayError, Usage, mission};
+
+/// Progress is reported once in this many rows.
+const ROWS_PER_REPORT: u64 = 1 << 14;
+
+/// What a comparison is to do.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Options {
+    /// Keep what figures are drawn from.
+    pub traces: bool,
+    /// What the monitor's rules are judged by.
+    pub wishes: RuleWishes,
+}
+
+/// Flies the replay's model over its flight and compares; `progress` is told how many rows are done.
+///
+/// The names of the flight's file and of the model are the caller's to fill in. What comes out is the same whatever the executor.
+///
+/// # Errors
+/// [`ReplayError`] for a model that no mission can be made of.
+pub fn compare(
+    replay: &Replay<'_>,
+    options: &Options,
+    progress: &mut (dyn FnMut(u64) + Send),
+    executor: &dyn Executor,
+) -> Result<(Comparison, Option<Box<Traces>>), ReplayError> {
+    let (main, others) =
+        executor::both(executor, || fly(replay, options, progress, executor), || remedies(replay));
+    let (mut comparison, traces, tally) = main?;
+    let mut remedies = others?;
+    let flown = name(&replay.model().second_correction);
+    remedies.push(tally.figures(flown));
+    remedies.sort_by_key(|remedy| ORDER.iter().position(|name| *name == remedy.second_correction));
+    comparison.remedies = remedies.into_iter().filter(|remedy| !remedy.sensors.is_empty()).collect();
+    Ok((comparison, traces))
+}
+
+/// The main run: everything but the other second corrections.
+fn fly(
+    replay: &Replay<'_>,
+    options: &Options,
+    progress: &mut (dyn FnMut(u64) + Send),
+    executor: &dyn Executor,
+) -> Result<(Comparison, Option<Box<Traces>>, RemedyTally), ReplayError> {
+    let mut comparator = Comparator::new(options.traces);
+    let mut tally = RemedyTally::default();
+    let mut rows = 0;
+    let summary = replay.run(&mut |input, output| {
+        comparator.take(input, output);
+        tally.take(output);
+        rows += 1;
+        if rows % ROWS_PER_REPORT == 0 {
+            progress(rows);
+        }
+    })?;
+    let end =
+        MissionEnd { latch: summary.latch.as_ref(), counters: &summary.counters, model: replay.model() };
+    let (mut comparison, traces) = comparator.finish(&end, &options.wishes, executor);
+    comparison.flight = facts(replay);
+    comparison.calibration.source = replay.source().to_string();
+    let mut warnings = input_warnings(&summary);
+    warnings.append(&mut effect_warnings(replay.model(), replay.flight()));
+    warnings.append(&mut comparison.warnings);
+    comparison.warnings = warnings;
+    Ok((comparison, traces, tally))
+}
+
+fn facts(replay: &Replay<'_>) -> FlightFacts {
+    let flight = replay.flight();
+    let times = || flight.time_s.iter().copied();
+    let last = times().fold(f64::NEG_INFINITY, f64::max);
+    let first = times().fold(f64::INFINITY, f64::min);
+    FlightFacts {
+        file: String::new(),
+        vehicle: flight.header.vehicle.clone(),
+        source: flight.header.source.clone(),
+        rows: flight.rows() as u64,
+        duration_s: if last > first { last - first } else { 0.0 },
+        usage: Usage::of(replay),
+    }
+}
+
+const ORDER: [&str; 3] = ["none", "moving_average", "kalman"];
+
+const fn name(correction: &SecondCorrection) -> &'static str {
+    match correction {
+        SecondCorrection::Off => ORDER[0],
+        SecondCorrection::MovingAverage => ORDER[1],
+        SecondCorrection::Kalman { .. } => ORDER[2],
+    }
+}
+
+/// Section 4's second corrections other than the one that flies, side by side over the same ticks.
+fn remedies(replay: &Replay<'_>) -> Result<Vec<Remedy>, ReplayError> {
+    if !has_launch(replay) {
+        return Ok(Vec::new());
+    }
+    let flown = name(&replay.model().second_correction);
+    let kalman = SecondCorrection::Kalman { wander_m_per_sqrt_s: SECOND_CORRECTION_WANDER_M_PER_SQRT_S };
+    let mut runs = Vec::new();
+    for second_correction in [SecondCorrection::Off, SecondCorrection::MovingAverage, kalman] {
+        if name(&second_correction) != flown {
+            let model = Model { second_correction, ..replay.model().clone() };
+            runs.push((name(&second_correction), mission(&model)?, RemedyTally::default()));
+        }
+    }
+    for input in replay.mission_inputs() {
+        for (_, mission, tally) in &mut runs {
+            let output: TickOutput = mission.tick(&input);
+            tally.take(&output);
+        }
+    }
+    Ok(runs.iter().map(|(name, _, tally)| tally.figures(name)).collect())
+}
+
+/// Whether anything is flown free: before launch every second correction does the same, which is nothing.
+fn has_launch(replay: &Replay<'_>) -> bool {
+    match replay.source() {
+        CalibrationSource::LaunchColumn => {
+            let launch = replay.flight().channel(Channel::Launch);
+            launch.is_some_and(|column| column.samples().any(|(_, value)| value != 0.0))
+        }
+        CalibrationSource::Given(_) | CalibrationSource::Quiet(_) | CalibrationSource::Calmest(_) => true,
+        CalibrationSource::Uncalibrated(_) => false,
+    }
+}

@@ -1,0 +1,149 @@
+//! What to fly to tell effects apart, or to see them at all: the manoeuvre that adds most to the
+//! information matrix.
+
+use kf_core::effect::SignalTracker;
+use kf_core::sensor::SENSORS;
+
+use super::candidates::Candidate;
+use super::information::Information;
+use super::manoeuvres::{MANOEUVRES, Manoeuvre, Trim};
+use super::noise::Noise;
+use super::problem::Problem;
+use super::series::Series;
+
+/// Length of a block, seconds.
+const BLOCK_S: f64 = 0.5;
+
+/// A manoeuvre and what it would tell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Advice {
+    /// What to fly.
+    pub manoeuvre: String,
+    /// How far apart it would bring the two effects that are hardest to tell apart, or how sure it would make
+    /// the effects that can't be seen: sigmas.
+    pub sigmas: f64,
+}
+
+/// The manoeuvre that tells a set of effects best apart; `sizes` are their fitted coefficients.
+#[must_use]
+pub fn to_separate(
+    problem: &Problem<'_>,
+    noise: &Noise,
+    candidates: &[Candidate],
+    set: &[usize],
+    sizes: &[f64],
+    trim: &Trim,
+) -> Option<Advice> {
+    best(problem, noise, candidates, set, trim, |information| {
+        let mut least = f64::INFINITY;
+        for (a, size) in sizes.iter().enumerate() {
+            for b in (0..set.len()).filter(|b| *b != a) {
+                least = least.min(apart(information, a, b, *size)?);
+            }
+        }
+        Some(least.sqrt())
+    })
+}
+
+/// The manoeuvre that shows most of the effects that a flight could not show.
+#[must_use]
+pub fn to_see(
+    problem: &Problem<'_>,
+    noise: &Noise,
+    candidates: &[Candidate],
+    unseen: &[usize],
+    trim: &Trim,
+) -> Option<Advice> {
+    best(problem, noise, candidates, unseen, trim, |information| {
+        let mut shown = 0.0;
+        for (position, column) in unseen.iter().enumerate() {
+            let plausible = candidates[*column].effect().plausible();
+            let size = plausible.iter().fold(0.0_f64, |most, bound| most.max(f64::from(bound.abs())));
+            let sigma =
+                information.solve(&[position]).and_then(|one| one.covariance.first().map(|v| v.sqrt()));
+            // An effect counts in full from five sigmas on.
+            shown += sigma.map_or(0.0, |sigma| (size / sigma / 5.0).min(1.0));
+        }
+        Some(shown)
+    })
+}
+
+/// Squares by which a wrong effect's fit would be worse, the right one's coefficient being `size`.
+fn apart(information: &Information, a: usize, b: usize, size: f64) -> Option<f64> {
+    let alone = information.solve(&[a])?;
+    let left = 1.0 / alone.covariance.first()?;
+    Some(size * size * left * (1.0 - information.shared(a, b, &[])?))
+}
+
+fn best(
+    problem: &Problem<'_>,
+    noise: &Noise,
+    candidates: &[Candidate],
+    set: &[usize],
+    trim: &Trim,
+    worth: impl Fn(&Information) -> Option<f64>,
+) -> Option<Advice> {
+    let mut best: Option<(f64, &Manoeuvre)> = None;
+    for manoeuvre in &MANOEUVRES {
+        let series = flown(manoeuvre, candidates, set, trim, problem);
+        let planned =
+            Problem::new(std::slice::from_ref(&series), problem.prior.clone(), Vec::new(), &executor::Inline);
+        let picks: Vec<usize> = (0..set.len()).collect();
+        let Some(worth) = worth(&planned.information(noise, &picks)) else { continue };
+        if best.as_ref().is_none_or(|(most, _)| worth > *most) {
+            best = Some((worth, manoeuvre));
+        }
+    }
+    best.map(|(sigmas, manoeuvre)| Advice { manoeuvre: manoeuvre.say(trim), sigmas })
+}
+
+/// The manoeuvre's blocks, with the columns of `set`; the residuals are of no interest.
+fn flown(
+    manoeuvre: &Manoeuvre,
+    candidates: &[Candidate],
+    set: &[usize],
+    trim: &Trim,
+    problem: &Problem<'_>,
+) -> Series {
+    let has: [bool; SENSORS] = std::array::from_fn(|i| problem.flights.iter().any(|flight| flight.has(i)));
+    let mut tracker = SignalTracker::default();
+    let mut series = Series {
+        columns: vec![Vec::new(); set.len()],
+        block_s: BLOCK_S,
+        full_block: [1.0; SENSORS],
+        ..Series::default()
+    };
+    tracker.begin_calibration();
+    let mut launched = false;
+    let mut next_s = 0.0;
+    for input in manoeuvre.fly(trim) {
+        if input.launch && !launched {
+            launched = true;
+            tracker.begin_free_flight(input.time_us);
+        }
+        tracker.take(&input, input.gps.as_ref());
+        let time_s = input.time_us as f64 * 1e-6;
+        if time_s < next_s {
+            continue;
+        }
+        next_s += BLOCK_S;
+        series.time_s.push(time_s);
+        series.fixes.push(1.0);
+        series.free.push(launched);
+        series.readings.push([1; SENSORS]);
+        // The mother ship's own sensor does not fly free.
+        series
+            .residual_m
+            .push(std::array::from_fn(|i| if has[i] && (i > 0 || !launched) { 0.0 } else { f64::NAN }));
+        for (column, pick) in series.columns.iter_mut().zip(set) {
+            let candidate = &candidates[*pick];
+            let value = tracker.regressor_m(candidate.regressor).map_or(0.0, f64::from);
+            column.push(std::array::from_fn(|i| match candidate.sensor() {
+                None => -value,
+                Some(sensor) if sensor.index() == i => value,
+                Some(_) => 0.0,
+            }));
+        }
+    }
+    series
+}

@@ -1,0 +1,67 @@
+//! The candidates: every effect of the catalogue, and where a time constant is unknown, a grid of it.
+
+use kf_core::effect::{Clock, EffectId, EffectSubject, Regressor};
+use kf_core::sensor::Sensor;
+
+use super::smoothed_climb::SMOOTHINGS_S;
+
+/// Time constants that are tried, seconds: a factor of three apart, between which a fitted exponential
+/// differs from the true one by some per cent of its size.
+const TIME_CONSTANTS_S: [f32; 6] = [3.0, 10.0, 30.0, 90.0, 270.0, 800.0];
+
+/// One column: an effect, with a time constant where it has one, or with a shape of its lag.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Candidate {
+    /// The effect and the constants of its regressor.
+    pub regressor: Regressor,
+    /// Time constant of the low pass that the climb rate of a lag went through, seconds; 0 as the catalogue has it.
+    pub smoothing_s: f32,
+}
+
+impl Candidate {
+    /// The effect.
+    #[must_use]
+    pub const fn effect(&self) -> EffectId {
+        self.regressor.id
+    }
+
+    /// The sensor that it acts on; `None` for the reference, and so for all.
+    #[must_use]
+    pub const fn sensor(&self) -> Option<Sensor> {
+        match self.regressor.id.subject() {
+            EffectSubject::Gps => None,
+            EffectSubject::Sensor(sensor) => Some(sensor),
+        }
+    }
+}
+
+/// Every candidate of the catalogue.
+///
+/// Where the climb rate is not measured it is the slope of the reference's own altitude, and its noise is the residual's. As a pure
+/// delay that does not matter: a slope is odd in time, and what it shares with a noise before an instant it takes back after
+/// it, whatever the noise's spectrum. A low pass has an even part as well, with which it explains noise: two of them, large and
+/// opposite, make a lag and a latency of nothing. So delays are then tried as the catalogue has them, and no other way.
+#[must_use]
+pub fn catalogue(has_climb_rate: bool) -> Vec<Candidate> {
+    let smoothings_s = if has_climb_rate { SMOOTHINGS_S.as_slice() } else { &SMOOTHINGS_S[..1] };
+    let mut candidates = Vec::new();
+    for id in EffectId::ALL {
+        let mut add = |time_constant_s, since, smoothing_s| {
+            candidates.push(Candidate { regressor: Regressor { id, time_constant_s, since }, smoothing_s });
+        };
+        if id.has_time_constant() {
+            for since in [Clock::Launch, Clock::Start] {
+                for time_constant_s in TIME_CONSTANTS_S {
+                    add(time_constant_s, since, 0.0);
+                }
+            }
+        } else if matches!(id, EffectId::BaroLag | EffectId::GpsLatency) {
+            for smoothing_s in smoothings_s {
+                add(0.0, Clock::Launch, *smoothing_s);
+            }
+        } else {
+            add(0.0, Clock::Launch, 0.0);
+        }
+    }
+    candidates
+}

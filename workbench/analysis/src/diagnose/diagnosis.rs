@@ -1,0 +1,312 @@
+//! What a diagnosis found: the keys of `pylon diagnose --json`.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::name::Name;
+use replay::{Unused, Usage};
+
+/// What is known about a misfit. Ordered by how much it asks of the user.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// The model fits as well as the noise allows, and the flight would have shown what it lacks.
+    #[default]
+    NoSignificantMisfit,
+    /// The model fits, but the flight would not have shown what it lacks.
+    InsufficientExcitation,
+    /// Effects of the catalogue are missing, and nothing else in it could stand in their place.
+    Identified,
+    /// An effect is missing, and it is one of a set that this flight can't tell apart.
+    Indistinguishable,
+    /// A misfit that nothing in the catalogue explains.
+    UnknownEffect,
+}
+
+impl Verdict {
+    /// The word in JSON.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::NoSignificantMisfit => "no_significant_misfit",
+            Self::InsufficientExcitation => "insufficient_excitation",
+            Self::Identified => "identified",
+            Self::Indistinguishable => "indistinguishable",
+            Self::UnknownEffect => "unknown_effect",
+        }
+    }
+}
+
+/// A diagnosis of one or more flights with one model.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Diagnosis {
+    /// Version of what these keys mean: a new one where a key changes its meaning or goes.
+    pub version: u32,
+    /// Over all sensors: that of the sensor with the largest misfit.
+    pub verdict: Verdict,
+    /// By sensor; effects of the reference are under `gps`.
+    pub sensors: BTreeMap<Name, SensorDiagnosis>,
+    /// The model's name: a preset or a file.
+    pub model: String,
+    /// The flights learned from.
+    pub flights: Vec<DiagnosedFlight>,
+    /// The flights held out, if any; without, stretches of the flights are held out in turn.
+    pub hold_outs: Vec<String>,
+    /// The noise that was found beside the effects.
+    pub noise: NoiseFacts,
+    /// Effects that could not be tested, because the flights lack a signal.
+    pub untested: Vec<Untested>,
+    /// What was remarkable about the input.
+    pub warnings: Vec<String>,
+}
+
+impl Diagnosis {
+    /// The version that is written.
+    pub const VERSION: u32 = 1;
+
+    /// Ids of the effects that are missing for sure, sensor by sensor.
+    pub fn missing(&self) -> impl Iterator<Item = &str> {
+        self.sensors.values().flat_map(|sensor| &sensor.missing).map(|effect| &**effect)
+    }
+
+    /// Ids of the effects of all sets that can't be told apart.
+    pub fn suspects(&self) -> impl Iterator<Item = &str> {
+        self.sensors
+            .values()
+            .flat_map(|sensor| sensor.indistinguishable.iter().flatten())
+            .map(|effect| &**effect)
+    }
+}
+
+/// One sensor, or the reference.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SensorDiagnosis {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Ids of the effects that are missing for sure, the strongest first.
+    pub missing: Vec<Name>,
+    /// Sets of ids: of each set, one acts, and the flights can't tell which. The most probable comes first; where the
+    /// climb rate is not measured, those below 5 % are not listed, but for the second.
+    pub indistinguishable: Vec<Vec<Name>>,
+    /// How probable each of a set is to be the one that acts, in the order of `indistinguishable`; together one.
+    pub probabilities: Vec<Vec<f64>>,
+    /// Every effect that was tried, the chosen ones first and then by their p-value.
+    pub candidates: Vec<CandidateFacts>,
+    /// What to do next, in words; empty where nothing is to be done.
+    pub advice: String,
+    /// Signals that an unexplained residual follows, the closest first.
+    pub follows: Vec<Follows>,
+    /// How many times larger the sensor's own wander is in free flight than in captive flight, once
+    /// everything that was found is taken off.
+    pub free_flight_factor: Option<f64>,
+}
+
+impl SensorDiagnosis {
+    /// Whether an effect is missing for sure.
+    #[must_use]
+    pub fn lacks(&self, effect: &str) -> bool {
+        self.missing.iter().any(|missing| missing == effect)
+    }
+}
+
+/// One candidate.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CandidateFacts {
+    /// Its id.
+    pub effect: Name,
+    /// Estimated coefficient: beside the other effects found, or alone if it was not.
+    pub coefficient: f64,
+    /// One sigma of it, its autocorrelated noise and its spread over the manoeuvres accounted for.
+    pub sigma: f64,
+    /// Its unit.
+    pub unit: Name,
+    /// Chance of as strong a fit if the effect did not act, times the number of effects tried.
+    pub p_value: f64,
+    /// Root mean square of the held-out errors without it, m.
+    pub rms_before_m: Option<f64>,
+    /// With it, m; neither is there where most of the error would be the coefficient's own, which what is held out alone shows.
+    pub rms_after_m: Option<f64>,
+    /// Whether it is part of the explanation.
+    pub chosen: bool,
+    /// Time constant of its regressor, s, where it has one.
+    pub time_constant_s: Option<f64>,
+    /// Time constant of the low pass that fits a lag better than a shift of the slope does, seconds, if one does.
+    pub smoothing_s: Option<f64>,
+    /// When that regressor's clock starts, where it has a time constant: `launch` or `start`.
+    pub since: Option<Name>,
+    /// How much of the residual it makes in free flight, rms, m.
+    pub size_m: f64,
+    /// The range of its regressor in these flights, m per unit.
+    pub envelope_m: [f64; 2],
+}
+
+/// A signal that the unexplained residual follows.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Follows {
+    /// The signal, and what of it.
+    pub signal: String,
+    /// How far the residual lags behind it, s.
+    pub lag_s: f64,
+    /// How much of the residual it would explain, rms, m.
+    pub size_m: f64,
+    /// What it gains in twice the log likelihood.
+    pub evidence: f64,
+}
+
+/// One flight.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(from = "FlatFlight")]
+pub struct DiagnosedFlight {
+    /// The file.
+    pub file: String,
+    /// Where captive flight ends and free flight begins, and why.
+    pub calibration: String,
+    /// Which part of the log was worked on.
+    #[serde(flatten)]
+    pub usage: Usage,
+    /// Blocks of residuals that were worked on.
+    pub blocks: usize,
+    /// Their length, s.
+    pub block_s: f64,
+    /// Stretches in which the reference jumped away and came back; they were left out. Seconds.
+    pub glitches_s: Vec<(f64, f64)>,
+    /// Readings left out because the reference was lost around them.
+    pub unreferenced_readings: u64,
+    /// Readings that are no measurements, to the mission neither: not finite, implausible, or of a sensor that is stuck.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub refused_readings: u64,
+    /// What is wrong with a sensor for the whole flight, which was left out for it: one that is stuck, or a copy of the receiver.
+    pub fault: Option<String>,
+}
+
+/// The noise that was found.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct NoiseFacts {
+    /// The reference's wander: sigma, m.
+    pub reference_wander_m: f64,
+    /// Its correlation time, s.
+    pub reference_time_s: f64,
+    /// White noise of one fix, m.
+    pub fix_sigma_m: f64,
+    /// Each sensor's own wander (captive flight): sigma, m, and correlation time, s.
+    pub sensor_wander: BTreeMap<Name, (f64, f64)>,
+}
+
+/// An effect that could not be tested.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Untested {
+    /// Its id.
+    pub effect: Name,
+    /// The columns that it needs.
+    pub needs: Vec<Name>,
+    /// Why no column would help, where none would.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+const fn is_none(count: &u64) -> bool {
+    *count == 0
+}
+
+/// A flight as it is read: serde's `flatten` does not read numbers where a dependency has `serde_json` keep their digits
+/// (serde_json's issue 505).
+#[derive(Deserialize)]
+struct FlatFlight {
+    file: String,
+    calibration: String,
+    has_launch: bool,
+    flights: usize,
+    flight: Option<usize>,
+    take_off_s: Option<f64>,
+    landing_s: Option<f64>,
+    used_share: f64,
+    unused: Vec<Unused>,
+    remarks: Vec<String>,
+    blocks: usize,
+    block_s: f64,
+    glitches_s: Vec<(f64, f64)>,
+    unreferenced_readings: u64,
+    #[serde(default)]
+    refused_readings: u64,
+    fault: Option<String>,
+}
+
+impl From<FlatFlight> for DiagnosedFlight {
+    fn from(flat: FlatFlight) -> Self {
+        Self {
+            file: flat.file,
+            calibration: flat.calibration,
+            usage: Usage {
+                has_launch: flat.has_launch,
+                flights: flat.flights,
+                flight: flat.flight,
+                take_off_s: flat.take_off_s,
+                landing_s: flat.landing_s,
+                used_share: flat.used_share,
+                unused: flat.unused,
+                remarks: flat.remarks,
+            },
+            blocks: flat.blocks,
+            block_s: flat.block_s,
+            glitches_s: flat.glitches_s,
+            unreferenced_readings: flat.unreferenced_readings,
+            refused_readings: flat.refused_readings,
+            fault: flat.fault,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_diagnosis_reads_what_it_wrote() {
+        let unused = Unused { from_s: 0.0, to_s: 61.25, share: 0.1, reason: "on the ground".to_owned() };
+        let usage = Usage { flight: Some(2), used_share: 0.9, unused: vec![unused], ..Usage::default() };
+        let candidate = CandidateFacts {
+            effect: "an.effect_of_ones_own".into(),
+            coefficient: 0.1,
+            sigma: 1e-9,
+            unit: "s".into(),
+            p_value: 3e-269,
+            rms_before_m: Some(2.0),
+            rms_after_m: None,
+            chosen: true,
+            time_constant_s: None,
+            smoothing_s: Some(4.0),
+            since: Some("launch".into()),
+            size_m: 26.870_493_240_356_446,
+            envelope_m: [-1.0, 1.5],
+        };
+        let sensor = SensorDiagnosis {
+            verdict: Verdict::Indistinguishable,
+            indistinguishable: vec![vec!["baro.lag".into(), candidate.effect.clone()]],
+            probabilities: vec![vec![0.75, 0.25]],
+            candidates: vec![candidate],
+            follows: vec![Follows { signal: "flap".to_owned(), lag_s: 2.0, size_m: 0.5, evidence: 20.0 }],
+            free_flight_factor: Some(1.25),
+            ..SensorDiagnosis::default()
+        };
+        let flight = DiagnosedFlight {
+            usage,
+            glitches_s: vec![(1.0, 2.5)],
+            refused_readings: 3,
+            ..DiagnosedFlight::default()
+        };
+        let untested =
+            Untested { effect: "baro.propwash".into(), needs: vec!["throttle".into()], reason: None };
+        let written = Diagnosis {
+            version: Diagnosis::VERSION,
+            verdict: Verdict::Indistinguishable,
+            sensors: BTreeMap::from([("baro".into(), sensor)]),
+            flights: vec![flight],
+            untested: vec![untested],
+            ..Diagnosis::default()
+        };
+        let json = serde_json::to_string(&written).unwrap();
+        assert_eq!(serde_json::from_str::<Diagnosis>(&json).unwrap(), written, "{json}");
+    }
+}

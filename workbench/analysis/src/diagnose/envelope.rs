@@ -1,0 +1,30 @@
+//! The range of a regressor in a flight, tick by tick as the mission meets it.
+
+use kf_core::effect::Regressor;
+
+use super::follower::Follower;
+use replay::Replay;
+
+/// The least and the largest value of a regressor in some flights, captive and free, metres per unit of the
+/// coefficient; `None` where it never had one.
+///
+/// Of the models only the reference and the settling time are looked at.
+#[must_use]
+pub fn envelope_m<'a>(
+    replays: impl IntoIterator<Item = &'a Replay<'a>>,
+    regressor: Regressor,
+) -> Option<[f32; 2]> {
+    let mut range = None;
+    for replay in replays {
+        let mut follower = Follower::new(replay.model());
+        for input in replay.inputs() {
+            follower.take(&input);
+            let value = follower.tracker.regressor_m(regressor).filter(|metres| metres.is_finite());
+            if let Some(value) = value {
+                let [least, largest] = range.unwrap_or([value; 2]);
+                range = Some([value.min(least), value.max(largest)]);
+            }
+        }
+    }
+    range
+}

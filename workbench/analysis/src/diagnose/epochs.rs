@@ -1,0 +1,25 @@
+//! A flight as block means of residuals and regressors, and what is known of them.
+
+use super::series::Series;
+
+/// A flight ready to be diagnosed.
+#[derive(Clone, Debug)]
+pub struct Epochs {
+    /// Residuals, and one column a candidate (all zero where it is not available).
+    pub series: Series,
+    /// Which candidates' signals the flight has.
+    pub available: Vec<bool>,
+    /// Variance of the noise in every candidate's block means, m^2 per squared unit of the coefficient: a
+    /// regressor is made of measured signals.
+    pub column_noise_m2: Vec<f64>,
+    /// Means of the signals in each block, by [`super::signals::NAMES`] and then the unknown columns.
+    pub signals: Vec<Vec<f64>>,
+    /// Names of the signals.
+    pub signal_names: Vec<String>,
+    /// Intervals in which the reference was off and came back, seconds.
+    pub glitches_s: Vec<(f64, f64)>,
+    /// Readings left out because the reference was lost around them.
+    pub unreferenced: u64,
+    /// Readings that the mission refuses as well: not finite, implausible, or of a sensor that is stuck.
+    pub refused: u64,
+}

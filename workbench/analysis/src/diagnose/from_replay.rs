@@ -1,0 +1,53 @@
+//! A replay's ticks made into [`Epochs`].
+
+use kf_core::effect::EffectSubject;
+use kf_core::sensor::SENSORS;
+use model::Model;
+
+use super::blocks::Builder;
+use super::candidates::Candidate;
+use super::epochs::Epochs;
+use super::follower::Follower;
+use super::glitches;
+use super::reference_path::{Fix, ReferencePath};
+use super::residuals::known_m;
+use replay::Replay;
+
+/// Makes block means of a flight.
+#[must_use]
+pub fn epochs(replay: &Replay<'_>, candidates: &[Candidate]) -> Epochs {
+    let model = replay.model();
+    let (fixes, paths) = measured(replay, model);
+    let (fixes, glitches_us) = glitches::split(fixes, &paths);
+    let lost_after_s = f64::from(model.reference.lost_after_s);
+    let path = ReferencePath::new(fixes, lost_after_s);
+    let mut builder = Builder::new(replay, candidates, path);
+    builder.run(replay, model, candidates);
+    let mut epochs = builder.finish();
+    epochs.glitches_s = glitches_us.iter().map(|(a, b)| (*a as f64 * 1e-6, *b as f64 * 1e-6)).collect();
+    epochs
+}
+
+/// One sensor's readings: `(time, metres)`.
+type Path = Vec<(u64, f64)>;
+
+/// The fixes that are measurements, and every sensor's own readings.
+fn measured(replay: &Replay<'_>, model: &Model) -> (Vec<Fix>, [Path; SENSORS]) {
+    let mut follower = Follower::new(model);
+    let mut fixes = Vec::new();
+    let mut paths = [const { Vec::new() }; SENSORS];
+    for input in replay.inputs() {
+        let taken = follower.take(&input);
+        if let (true, Some(fix)) = (taken.has_fix, input.gps) {
+            fixes.push(Fix {
+                time_us: input.time_us,
+                altitude_m: f64::from(fix.altitude_m) - known_m(model, &follower.tracker, EffectSubject::Gps),
+                climb_mps: fix.velocity_down_mps.map(|down| -f64::from(down)),
+            });
+        }
+        for (path, reading) in paths.iter_mut().zip(taken.readings_m) {
+            path.extend(reading.map(|metres| (input.time_us, metres)));
+        }
+    }
+    (fixes, paths)
+}

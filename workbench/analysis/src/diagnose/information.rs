@@ -1,0 +1,215 @@
+//! Normal equations of a whitened regression with the biases projected out, and what subsets of its
+//! columns explain.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::matrix::product;
+
+/// A column whose projection keeps less than this share of its square can't be told from the biases.
+const COLLINEAR: f64 = 1e-10;
+
+/// Normal equations of one or several flights: column 0 is the residual, the others the regressors.
+#[derive(Clone, Debug)]
+pub struct Information {
+    /// Products of the columns after the biases were projected out.
+    gram: DMatrix<f64>,
+    /// Before: what of a column is left says whether it can be told from a bias.
+    raw: Vec<f64>,
+    /// Whitened readings.
+    pub rows: usize,
+    /// Twice the part of the (restricted) log likelihood that does not depend on the columns.
+    log_determinant: f64,
+}
+
+/// A least-squares fit on some of the columns.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solution {
+    /// Coefficients, in the order of the columns asked for.
+    pub coefficients: Vec<f64>,
+    /// Their covariance, row after row.
+    pub covariance: Vec<f64>,
+    /// Sum of squares that is left.
+    pub rest: f64,
+}
+
+impl Information {
+    /// Of `width` columns (the residual and the regressors), nothing yet.
+    #[must_use]
+    pub fn new(width: usize) -> Self {
+        Self { gram: DMatrix::zeros(width, width), raw: vec![0.0; width], rows: 0, log_determinant: 0.0 }
+    }
+
+    /// Adds a flight's normal equations; its columns are the residual, `own` columns of its own (biases,
+    /// and what else is estimated flight by flight), and the regressors. Own columns without a reading are
+    /// left out.
+    pub fn add_flight(&mut self, products: &DMatrix<f64>, own: usize, rows: usize, log_determinant: f64) {
+        let width = self.raw.len();
+        let present: Vec<usize> = (1..=own).filter(|b| products[(*b, *b)] > 0.0).collect();
+        let kept: Vec<usize> = std::iter::once(0).chain(1 + own..own + width).collect();
+        let inner = products.select_rows(&present).select_columns(&present);
+        let cross = products.select_rows(&present).select_columns(&kept);
+        let mut outer = products.select_rows(&kept).select_columns(&kept);
+        for (j, raw) in self.raw.iter_mut().enumerate() {
+            *raw += outer[(j, j)];
+        }
+        self.log_determinant += log_determinant;
+        if let Some(factor) = inner.cholesky() {
+            outer -= product(&cross.transpose(), &factor.solve(&cross));
+            let diagonal = factor.l_dirty().diagonal();
+            self.log_determinant += 2.0 * diagonal.iter().map(|entry| libm::log(*entry)).sum::<f64>();
+        }
+        self.gram += outer;
+        self.rows += rows - present.len().min(rows);
+    }
+
+    /// Whether a column is anything but a combination of the biases.
+    #[must_use]
+    pub fn is_excited(&self, column: usize) -> bool {
+        let at = column + 1;
+        self.raw[at] > 0.0 && self.gram[(at, at)] > COLLINEAR * self.raw[at]
+    }
+
+    /// Sum of squares of the residual.
+    #[must_use]
+    pub fn total(&self) -> f64 {
+        self.gram[(0, 0)]
+    }
+
+    /// The fit on some columns; `None` where they can't be told apart.
+    #[must_use]
+    pub fn solve(&self, columns: &[usize]) -> Option<Solution> {
+        if columns.is_empty() {
+            return Some(Solution { coefficients: Vec::new(), covariance: Vec::new(), rest: self.total() });
+        }
+        let at: Vec<usize> = columns.iter().map(|column| column + 1).collect();
+        if !columns.iter().all(|column| self.is_excited(*column)) {
+            return None;
+        }
+        let scale: Vec<f64> = at.iter().map(|j| self.gram[(*j, *j)].sqrt()).collect();
+        let n = at.len();
+        let inner = DMatrix::from_fn(n, n, |r, c| self.gram[(at[r], at[c])] / (scale[r] * scale[c]));
+        let right = DVector::from_fn(n, |r, _| self.gram[(at[r], 0)] / scale[r]);
+        let factor = inner.cholesky()?;
+        if factor.l_dirty().diagonal().iter().any(|entry| *entry < 1e-5) {
+            return None;
+        }
+        let scaled = factor.solve(&right);
+        let inverse = factor.inverse();
+        Some(Solution {
+            coefficients: scaled.iter().zip(&scale).map(|(value, scale)| value / scale).collect(),
+            covariance: (0..n * n).map(|k| inverse[(k / n, k % n)] / (scale[k / n] * scale[k % n])).collect(),
+            rest: self.total() - scaled.dot(&right),
+        })
+    }
+
+    /// As [`Self::solve`], with what is believed of each column's coefficient beforehand, as a sigma about zero.
+    #[must_use]
+    pub fn solve_with_prior(&self, columns: &[usize], sigmas: &[f64]) -> Option<Solution> {
+        let mut with = self.clone();
+        for (column, sigma) in columns.iter().zip(sigmas) {
+            let (at, believed) = (column + 1, 1.0 / (sigma * sigma));
+            with.gram[(at, at)] += believed;
+            with.raw[at] += believed;
+        }
+        with.solve(columns)
+    }
+
+    /// Twice the log likelihood with some columns, up to a constant that all fits of the same data share.
+    #[must_use]
+    pub fn twice_log_likelihood(&self, columns: &[usize]) -> Option<f64> {
+        self.solve(columns).map(|solution| -self.log_determinant - solution.rest)
+    }
+
+    /// Square of the correlation of two columns after others are projected out of both.
+    #[must_use]
+    pub fn shared(&self, a: usize, b: usize, others: &[usize]) -> Option<f64> {
+        let alone = |column: usize| {
+            let columns: Vec<usize> = others.iter().copied().chain([column]).collect();
+            let solution = self.solve(&columns)?;
+            // The last diagonal of the covariance is the inverse of what is left of the column.
+            solution.covariance.last().map(|variance| 1.0 / variance)
+        };
+        let left = alone(a)?;
+        let columns: Vec<usize> = others.iter().copied().chain([b, a]).collect();
+        let Some(both) = self.solve(&columns) else { return Some(1.0) };
+        let beside = both.covariance.last().map(|variance| 1.0 / variance)?;
+        Some((1.0 - beside / left).clamp(0.0, 1.0))
+    }
+}
+
+/// The own coefficients of a flight (biases first) given the common ones; zero where there is no reading.
+#[must_use]
+pub fn own_coefficients(products: &DMatrix<f64>, own: usize, common: &[f64]) -> Vec<f64> {
+    let present: Vec<usize> = (1..=own).filter(|b| products[(*b, *b)] > 0.0).collect();
+    let inner = products.select_rows(&present).select_columns(&present);
+    let right = DVector::from_fn(present.len(), |r, _| {
+        let explained: f64 =
+            common.iter().enumerate().map(|(k, value)| products[(present[r], 1 + own + k)] * value).sum();
+        products[(present[r], 0)] - explained
+    });
+    let mut coefficients = vec![0.0; own];
+    if let Some(factor) = inner.cholesky() {
+        for (at, value) in present.iter().zip(factor.solve(&right).iter()) {
+            coefficients[at - 1] = *value;
+        }
+    }
+    coefficients
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Products of the rows `[y, 1, x, z]` with y = 5 + 2 x - 3 z and a remainder.
+    fn products(rest: impl Fn(i32) -> f64) -> (DMatrix<f64>, usize) {
+        let mut products = DMatrix::zeros(4, 4);
+        for k in 0..50 {
+            let (x, z) = (f64::from(k), f64::from(k * k % 17));
+            let row = DVector::from_column_slice(&[5.0 + 2.0 * x - 3.0 * z + rest(k), 1.0, x, z]);
+            products += &row * row.transpose();
+        }
+        (products, 50)
+    }
+
+    #[test]
+    fn finds_coefficients_beside_a_bias_and_the_bias_itself() {
+        let (products, rows) = products(|_| 0.0);
+        let mut information = Information::new(3);
+        information.add_flight(&products, 1, rows, 0.0);
+        let solution = information.solve(&[0, 1]).unwrap();
+        assert!((solution.coefficients[0] - 2.0).abs() < 1e-9, "{solution:?}");
+        assert!((solution.coefficients[1] + 3.0).abs() < 1e-9);
+        assert!(solution.rest.abs() < 1e-6);
+        let own = own_coefficients(&products, 1, &solution.coefficients);
+        assert!((own[0] - 5.0).abs() < 1e-9, "{own:?}");
+    }
+
+    #[test]
+    fn a_column_that_is_a_bias_is_not_excited_and_two_equal_ones_can_not_be_solved() {
+        let mut products = DMatrix::zeros(4, 4);
+        for k in 0..20 {
+            let x = f64::from(k * k);
+            let row = DVector::from_column_slice(&[x, 1.0, 7.0, x]);
+            products += &row * row.transpose();
+        }
+        let mut information = Information::new(3);
+        information.add_flight(&products, 1, 20, 0.0);
+        assert!(!information.is_excited(0) && information.is_excited(1));
+        assert_eq!(information.solve(&[0]), None);
+        assert!(information.solve(&[1, 1]).is_none());
+        assert!(information.shared(1, 1, &[]).is_some_and(|shared| shared > 0.999_999));
+    }
+
+    #[test]
+    fn two_flights_share_coefficients_and_not_biases() {
+        let (first, rows) = products(|_| 0.0);
+        // The second flight's bias is 100 m off; its coefficients are the same.
+        let (second, _) = products(|_| 100.0);
+        let mut information = Information::new(3);
+        information.add_flight(&first, 1, rows, 0.0);
+        information.add_flight(&second, 1, rows, 0.0);
+        let solution = information.solve(&[0, 1]).unwrap();
+        assert!(solution.rest.abs() < 1e-5, "{solution:?}");
+        assert!((solution.coefficients[0] - 2.0).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,140 @@
+//! What to fly or to record next.
+
+use kf_core::effect::EffectId;
+use kf_core::sensor::Sensor;
+
+use super::{Findings, Judge};
+use crate::diagnose::advice;
+use crate::diagnose::diagnosis::{SensorDiagnosis, Verdict};
+use crate::diagnose::manoeuvres::Trim;
+
+impl Judge<'_> {
+    pub(super) fn advise(
+        &self,
+        findings: &Findings,
+        subject: Option<Sensor>,
+        diagnosis: &SensorDiagnosis,
+    ) -> String {
+        let noise = &findings.explanation.fit.noise;
+        let trim = self.trim();
+        match diagnosis.verdict {
+            Verdict::NoSignificantMisfit => String::new(),
+            Verdict::Identified => {
+                let first = diagnosis.missing.first().map_or("", |first| &**first);
+                format!("Add {first} to the model (pylon add {first}) and check it on another flight.")
+            }
+            Verdict::Indistinguishable => self.advise_separation(findings, subject, &trim),
+            Verdict::InsufficientExcitation => {
+                let unseen = self.excitation(findings, subject).unseen;
+                let names: Vec<&str> =
+                    unseen.iter().take(4).map(|column| self.candidates[*column].effect().name()).collect();
+                let found = advice::to_see(self.problem, noise, self.candidates, &unseen, &trim);
+                found.map_or_else(String::new, |advice| {
+                    format!("This flight could not show {} ... Fly {}.", names.join(", "), advice.manoeuvre)
+                })
+            }
+            Verdict::UnknownEffect => match diagnosis.follows.first() {
+                Some(first) => format!(
+                    "Nothing in the catalogue explains this sensor. Its residual follows {} (lag {:.0} s): look for a cause there.",
+                    first.signal, first.lag_s
+                ),
+                None => "Nothing in the catalogue explains this sensor, and its residual follows no recorded signal: look at the installation, and record more signals.".to_owned(),
+            },
+        }
+    }
+
+    fn advise_separation(&self, findings: &Findings, subject: Option<Sensor>, trim: &Trim) -> String {
+        let name = subject.map_or("gps", Sensor::name);
+        let explanation = &findings.explanation;
+        for (k, rivals) in findings.rivals.iter().enumerate() {
+            let set: Vec<EffectId> = self.set(rivals).into_iter().map(|(effect, _)| effect).collect();
+            if set.len() < 2 || !set.iter().any(|effect| effect.subject().name() == name) {
+                continue;
+            }
+            let is_listed = |column: &usize| set.contains(&self.candidates[*column].effect());
+            let columns: Vec<usize> = std::iter::once(rivals.column)
+                .chain(rivals.others.iter().copied())
+                .filter(is_listed)
+                .collect();
+            let hidden: Vec<&str> = set
+                .iter()
+                .filter(|effect| !columns.iter().any(|column| self.candidates[*column].effect() == **effect))
+                .flat_map(|effect| effect.needs().iter().copied())
+                .collect();
+            let record = if hidden.is_empty() {
+                String::new()
+            } else {
+                format!(" Record {} as well.", hidden.join(" and "))
+            };
+            let chosen = &explanation.columns;
+            let sizes: Option<Vec<f64>> = columns
+                .iter()
+                .map(|column| {
+                    let others = chosen.iter().copied().filter(|other| *other != chosen[k]);
+                    let picks: Vec<usize> = others.chain([*column]).collect();
+                    findings.information.solve(&self.suspects.positions(&picks))?.coefficients.last().copied()
+                })
+                .collect();
+            let shared = rivals.others.first().and_then(|other| {
+                let others = chosen.iter().copied().filter(|c| *c != chosen[k]).collect::<Vec<_>>();
+                findings.information.shared(
+                    self.suspects.position(rivals.column)?,
+                    self.suspects.position(*other)?,
+                    &self.suspects.positions(&others),
+                )
+            });
+            let why = shared.map_or_else(String::new, |shared| {
+                format!(" Their regressors are correlated by {:.3} on these flights.", shared.sqrt())
+            });
+            let found = sizes.filter(|_| columns.len() > 1).and_then(|sizes| {
+                advice::to_separate(
+                    self.problem,
+                    &explanation.fit.noise,
+                    self.candidates,
+                    &columns,
+                    &sizes,
+                    trim,
+                )
+            });
+            let names: Vec<&str> = set.iter().map(|effect| effect.name()).collect();
+            let fly = found.map_or_else(String::new, |advice| {
+                if advice.sigmas >= 3.0 {
+                    format!(
+                        " To separate them fly {} (they would differ by {:.0} sigma).",
+                        advice.manoeuvre, advice.sigmas
+                    )
+                } else if advice.sigmas >= 0.5 {
+                    format!(
+                        " No manoeuvre separates them well; the best is {} ({:.1} sigma).",
+                        advice.manoeuvre, advice.sigmas
+                    )
+                } else {
+                    " No manoeuvre separates them.".to_owned()
+                }
+            });
+            // What one sensor alone shows may be its own or the reference's.
+            let is_of_reference = |effect: &&EffectId| effect.subject().name() == "gps";
+            let sensors = Sensor::ALL.iter().filter(|s| self.epochs.iter().any(|e| e.series.has(s.index())));
+            let other = if sensors.count() == 1 && set.iter().any(|effect| is_of_reference(&effect)) {
+                " Record another altitude sensor: an error that both show is the reference's."
+            } else {
+                ""
+            };
+            return format!("One of {} acts.{why}{fly}{other}{record}", names.join(", "));
+        }
+        String::new()
+    }
+
+    fn trim(&self) -> Trim {
+        let mean = |signal: usize| {
+            let values = self.epochs.iter().flat_map(|e| e.signals.iter()).map(|block| block[signal]);
+            let known: Vec<f64> = values.filter(|value| value.is_finite()).collect();
+            (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64)
+        };
+        Trim {
+            speed_mps: mean(0).or(mean(18)).filter(|speed| *speed > 5.0).unwrap_or(40.0),
+            altitude_m: mean(2).unwrap_or(1000.0),
+            angle_of_attack_rad: mean(8).filter(|angle| angle.abs() > 0.005).unwrap_or(0.05),
+        }
+    }
+}

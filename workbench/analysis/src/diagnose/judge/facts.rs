@@ -1,0 +1,166 @@
+//! The figures that go with the verdicts.
+
+use kf_core::sensor::{SENSORS, Sensor};
+
+use super::{Findings, Judge};
+use crate::diagnose::diagnosis::{CandidateFacts, NoiseFacts};
+use crate::diagnose::held_out::{self, HeldOut};
+use crate::diagnose::roughness::scale;
+
+impl Judge<'_> {
+    /// How much of the residual a chosen effect makes in free flight, rms, metres.
+    pub(super) fn size_m(&self, findings: &Findings, k: usize) -> f64 {
+        let columns = &findings.explanation.columns;
+        let solution = findings.information.solve(&self.suspects.positions(columns));
+        let coefficient = solution.map_or(0.0, |solution| solution.coefficients[k]);
+        coefficient.abs() * self.spread_m(columns[k]).0
+    }
+
+    /// Spread (about its captive value where there is one) and range of a column in free flight.
+    fn spread_m(&self, column: usize) -> (f64, [f64; 2]) {
+        let mut sum = 0.0;
+        let mut count = 0_u32;
+        let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+        let sensor = self.candidates[column].sensor();
+        let sign = if sensor.is_none() { -1.0 } else { 1.0 };
+        for epochs in self.epochs {
+            let series = &epochs.series;
+            let value = |block: usize| {
+                let by_sensor = (0..SENSORS).find(|i| {
+                    series.readings[block][*i] > 0 && sensor.is_none_or(|sensor| sensor.index() == *i)
+                });
+                by_sensor.map(|i| sign * series.columns[column][block][i])
+            };
+            let captive: Vec<f64> =
+                (0..series.len()).filter(|block| !series.free[*block]).filter_map(value).collect();
+            let free: Vec<f64> =
+                (0..series.len()).filter(|block| series.free[*block]).filter_map(value).collect();
+            let base = if captive.is_empty() { &free } else { &captive };
+            let origin = base.iter().sum::<f64>() / base.len().max(1) as f64;
+            for value in free {
+                sum += (value - origin) * (value - origin);
+                count += 1;
+                range = [range[0].min(value), range[1].max(value)];
+            }
+        }
+        ((sum / f64::from(count.max(1))).sqrt(), range)
+    }
+
+    pub(super) fn candidate_facts(
+        &self,
+        findings: &Findings,
+        subject: Option<Sensor>,
+    ) -> Vec<CandidateFacts> {
+        let explanation = &findings.explanation;
+        // Chosen effects are listed in the order in which they count, each on top of those before it.
+        let mut chosen: Vec<(f64, usize)> =
+            (0..explanation.columns.len()).map(|k| (self.size_m(findings, k), k)).collect();
+        chosen.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let chosen: Vec<usize> = chosen.into_iter().map(|(_, k)| explanation.columns[k]).collect();
+        let mut facts = Vec::new();
+        for (k, column) in chosen.iter().enumerate() {
+            if self.candidates[*column].sensor() == subject {
+                let fact = self.candidate(findings, *column, &chosen[..k], &chosen[..=k]);
+                facts.extend(fact);
+            }
+        }
+        let mut others = Vec::new();
+        for column in self.one_an_effect(findings, subject) {
+            if !chosen.iter().any(|other| self.suspects.same_effect(*other, column)) {
+                let with: Vec<usize> = chosen.iter().copied().chain([column]).collect();
+                if self.is_suspect(findings, column) {
+                    others.extend(self.candidate(findings, column, &chosen, &with));
+                }
+            }
+        }
+        others.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
+        facts.append(&mut others);
+        facts
+    }
+
+    /// Whether what a candidate would have to be beside the chosen ones is what nature allows.
+    fn is_suspect(&self, findings: &Findings, column: usize) -> bool {
+        let others =
+            findings.explanation.columns.iter().filter(|other| !self.suspects.same_effect(**other, column));
+        let set: Vec<usize> = others.copied().chain([column]).collect();
+        let solution = findings.information.solve(&self.suspects.positions(&set));
+        solution.is_none_or(|solution| self.suspects.is_possible(&set, &solution))
+    }
+
+    pub(in crate::diagnose) fn candidate(
+        &self,
+        findings: &Findings,
+        column: usize,
+        without: &[usize],
+        with: &[usize],
+    ) -> Option<CandidateFacts> {
+        let candidate = &self.candidates[column];
+        let picks = self.beside(findings, column);
+        let solution = findings.information.solve(&picks)?;
+        let n = picks.len();
+        let coefficient = *solution.coefficients.last()?;
+        let at = findings.explanation.columns.iter().position(|chosen| *chosen == column);
+        let inflation = at.and_then(|at| findings.inflation.get(at)).copied().unwrap_or(1.0);
+        let scale = scale(self.epochs, candidate.effect());
+        let of_altitudes = at.and_then(|at| findings.of_altitudes.get(at)).copied().unwrap_or(0.0);
+        let variance = solution.covariance[n * n - 1] * inflation + of_altitudes;
+        let sigma = (variance + (scale * coefficient) * (scale * coefficient)).sqrt();
+        let rms = |errors: HeldOut| match candidate.sensor() {
+            Some(sensor) => errors.rms_m(sensor.index()),
+            None => errors.rms_all_m(),
+        };
+        let noise = &findings.explanation.fit.noise;
+        let prior = |picks: &[usize]| self.suspects.prior(picks);
+        let held_out = |picks: &[usize]| match self.held {
+            Some(held) => held_out::flights(self.problem, held, noise, picks, &prior(picks)),
+            None => held_out::manoeuvres(self.problem, noise, picks, &prior(picks)),
+        };
+        let (spread_m, envelope_m) = self.spread_m(column);
+        let effect = candidate.effect();
+        let has_time = effect.has_time_constant();
+        Some(CandidateFacts {
+            effect: effect.name().into(),
+            coefficient,
+            sigma,
+            unit: effect.unit().into(),
+            p_value: self.chance(coefficient, variance),
+            rms_before_m: rms(held_out(without)),
+            rms_after_m: rms(held_out(with)),
+            chosen: at.is_some(),
+            time_constant_s: has_time.then(|| f64::from(candidate.regressor.time_constant_s)),
+            smoothing_s: (candidate.smoothing_s > 0.0).then(|| f64::from(candidate.smoothing_s)),
+            since: has_time.then(|| candidate.regressor.since.name().into()),
+            size_m: coefficient.abs() * spread_m,
+            envelope_m,
+        })
+    }
+
+    /// Variance of the noise that the regressors of the effects found bring to a sensor's blocks, m^2.
+    pub(super) fn regressors_noise_m2(&self, findings: &Findings, sensor: Sensor) -> f64 {
+        let columns = &findings.explanation.columns;
+        let solution = findings.information.solve(&self.suspects.positions(columns));
+        let coefficients = solution.map(|solution| solution.coefficients).unwrap_or_default();
+        let own = columns
+            .iter()
+            .zip(coefficients)
+            .filter(|(column, _)| self.candidates[**column].sensor().is_none_or(|other| other == sensor));
+        own.map(|(column, coefficient)| coefficient * coefficient * self.suspects.column_noise_m2(*column))
+            .sum()
+    }
+
+    pub(super) fn noise_facts(&self, findings: &Findings) -> NoiseFacts {
+        let noise = &findings.explanation.fit.noise;
+        let sensors = Sensor::ALL.into_iter().filter(|s| self.epochs.iter().any(|e| e.series.has(s.index())));
+        NoiseFacts {
+            reference_wander_m: noise.reference.sigma_m,
+            reference_time_s: noise.reference.time_s,
+            fix_sigma_m: noise.fix_sigma_m,
+            sensor_wander: sensors
+                .map(|sensor| {
+                    let wander = noise.sensors[sensor.index()].wander;
+                    (sensor.name().into(), (wander.sigma_m, wander.time_s))
+                })
+                .collect(),
+        }
+    }
+}

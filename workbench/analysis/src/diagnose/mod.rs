@@ -1,0 +1,80 @@
+//! Which physical effect a model lacks.
+//!
+//! The residuals of all sensors are one likelihood: the reference's wander is in all of them, each has
+//! its own wander and white noise besides, and all of these are estimated together with the effects, anew
+//! for every set of effects that is looked at. That likelihood is a Kalman filter's innovations
+//! (`whitener`), so it is linear in the length of the flight.
+//!
+//! `work` does it:
+//!
+//! 1. `prepare`: `from_replay` makes block means of a flight's ticks, of residuals and of every candidate's regressor.
+//! 2. `search`: the most probable set of effects among the `suspects`; `simplicity`: whether fewer do.
+//! 3. `repeatability`: whether its coefficients repeat from part to part of the flight.
+//! 4. `rivals`: what could act in its place.
+//! 5. `unknown`: what nothing in the catalogue explains.
+//! 6. `excitation`, `advice`: what the flight could not have shown, and what to fly.
+//! 7. `judge`: the verdicts, and the `lesson` that one effect's coefficient is learned from.
+//!
+//! `study` is a diagnosis that ends in a lesson, for `crate::learn`.
+
+mod advice;
+mod blocks;
+mod candidates;
+mod column_noise;
+mod diagnosis;
+mod dump;
+mod envelope;
+mod epochs;
+mod errors_in_variables;
+mod evidence;
+mod excitation;
+mod follower;
+mod from_replay;
+mod glitches;
+mod held_out;
+mod held_out_verdict;
+mod information;
+mod judge;
+mod lesson;
+mod long_run;
+mod manoeuvres;
+mod matrix;
+mod named_replay;
+mod noise;
+mod physical_range;
+mod prepare;
+mod problem;
+mod quasi_newton;
+mod reference_path;
+mod repeatability;
+mod residuals;
+mod rivals;
+mod roughness;
+mod search;
+mod series;
+mod signals;
+mod simplicity;
+mod smoothed_climb;
+mod study;
+mod suspects;
+mod unknown;
+mod unknown_columns;
+mod whitener;
+mod wind;
+mod wish;
+mod work;
+
+pub use diagnosis::{
+    CandidateFacts, DiagnosedFlight, Diagnosis, Follows, NoiseFacts, SensorDiagnosis, Untested, Verdict,
+};
+pub use dump::dump;
+pub use envelope::envelope_m;
+pub use evidence::{Evidence, Folds};
+pub use held_out_verdict::HeldOutVerdict;
+pub use lesson::{Lesson, Nuisance, Term};
+pub use named_replay::NamedReplay;
+pub use noise::{GaussMarkov, Noise, SensorNoise};
+pub use series::{BySensor, Series};
+pub use study::study;
+pub use wish::Wish;
+pub use work::diagnose;

@@ -1,0 +1,210 @@
+//! What the residuals are made of besides effects: the reference's wander, which is common to all
+//! sensors, and every sensor's own.
+
+use kf_core::config::{ReferenceConfig, SensorConfig};
+use kf_core::sensor::SENSORS;
+
+use super::series::Series;
+
+/// A first-order Gauss-Markov process.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GaussMarkov {
+    /// Stationary standard deviation, metres.
+    pub sigma_m: f64,
+    /// Correlation time, seconds.
+    pub time_s: f64,
+}
+
+/// One sensor's own noise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SensorNoise {
+    /// What keeps its sign over many blocks.
+    pub wander: GaussMarkov,
+    /// White noise of the mean of a full block in captive flight, metres: the mother ship's flow is in it.
+    pub captive_white_m: f64,
+    /// White noise of the mean of a full block in free flight, metres.
+    pub free_white_m: f64,
+    /// How many times larger the wander is in free flight than in captive flight. An error that is
+    /// there only in free flight, and that no effect explains, shows here.
+    pub free_flight_factor: f64,
+}
+
+/// Noise of one flight's residuals.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Noise {
+    /// The reference's wander: in every residual at once.
+    pub reference: GaussMarkov,
+    /// White noise of one fix, metres.
+    pub fix_sigma_m: f64,
+    /// The sensors' own.
+    pub sensors: [SensorNoise; SENSORS],
+}
+
+/// Which of a noise's numbers a parameter is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Part {
+    ReferenceSigma,
+    ReferenceTime,
+    FixSigma,
+    WanderSigma(usize),
+    WanderTime(usize),
+    CaptiveWhite(usize),
+    FreeWhite(usize),
+    WhiteFactor(usize),
+    FreeFlightFactor(usize),
+}
+
+impl Part {
+    /// What the number can't be below. A wander that is faster than these is white noise of the blocks;
+    /// without a bound, a fit would call fast noise wander, and have none left for the slow errors that
+    /// a bias and an effect have to be told from.
+    const fn least(self) -> f64 {
+        match self {
+            Self::ReferenceTime => 8.0,
+            Self::WanderTime(_) => 3.0,
+            _ => 0.0,
+        }
+    }
+}
+
+/// A parameter: the logarithm of one of the noise's numbers over its least, with a normal prior.
+#[derive(Clone, Copy, Debug)]
+struct Parameter {
+    part: Part,
+    mean: f64,
+    sigma: f64,
+}
+
+/// Which numbers of the noise are estimated, and what is believed of them beforehand.
+///
+/// The priors are weak: a factor of two to five either way (1 sigma). They keep a number that a flight
+/// says nothing about (a correlation time longer than the flight) where the model file has it.
+#[derive(Clone, Debug)]
+pub struct NoisePrior {
+    parameters: Vec<Parameter>,
+    start: Noise,
+}
+
+/// Sigma of the logarithm of a size of which only the order is known: a factor of four.
+const ORDER: f64 = 1.4;
+/// Of a wander's size: a factor of 2.7. A wander of nothing would make a step of anything significant.
+const WANDER_ORDER: f64 = 1.0;
+/// Of a correlation time: a factor of two.
+const TIME_ORDER: f64 = 0.7;
+/// Of the ratio of the white noise after launch to that before: a factor of two. The mother ship's flow is
+/// gone, the sensor's own propeller and angle of attack are new.
+const WHITE_ORDER: f64 = 0.7;
+/// Of a factor that is held at one.
+const HELD: f64 = 0.02;
+/// Of the free-flight factor: a healthy sensor is not noisier after launch by more than some 30 %.
+const FACTOR_ORDER: f64 = 0.25;
+
+impl NoisePrior {
+    /// The prior for flights of these sensors with a model's noise.
+    #[must_use]
+    pub fn new(flights: &[Series], reference: &ReferenceConfig, sensors: &[SensorConfig; SENSORS]) -> Self {
+        let or = |value: f32, default: f64| if value > 0.0 { f64::from(value) } else { default };
+        let start = Noise {
+            reference: GaussMarkov {
+                sigma_m: or(reference.sigma_m, 2.0),
+                time_s: or(reference.correlation_time_s, 60.0),
+            },
+            fix_sigma_m: 0.2 * or(reference.sigma_m, 2.0),
+            sensors: sensors.map(|sensor| SensorNoise {
+                wander: GaussMarkov { sigma_m: 0.6 * or(sensor.sigma_m, 1.0), time_s: 30.0 },
+                captive_white_m: 0.3 * or(sensor.sigma_m, 1.0),
+                free_white_m: 0.3 * or(sensor.sigma_m, 1.0),
+                free_flight_factor: 1.0,
+            }),
+        };
+        let mut parameters = Vec::new();
+        let mut add = |part: Part, value: f64, sigma| {
+            parameters.push(Parameter { part, mean: libm::log(value - part.least()), sigma });
+        };
+        add(Part::ReferenceSigma, start.reference.sigma_m, WANDER_ORDER);
+        add(Part::ReferenceTime, start.reference.time_s.max(2.0 * Part::ReferenceTime.least()), TIME_ORDER);
+        add(Part::FixSigma, start.fix_sigma_m, ORDER);
+        let has = |sensor: usize, free: bool| {
+            flights.iter().any(|flight| {
+                let mut blocks = flight.free.iter().zip(&flight.residual_m);
+                blocks.any(|(is_free, residuals)| *is_free == free && residuals[sensor].is_finite())
+            })
+        };
+        for (i, noise) in start.sensors.iter().enumerate() {
+            let (captive, free) = (has(i, false), has(i, true));
+            if captive || free {
+                add(Part::WanderSigma(i), noise.wander.sigma_m, WANDER_ORDER);
+                add(Part::WanderTime(i), noise.wander.time_s, TIME_ORDER);
+            }
+            if captive {
+                add(Part::CaptiveWhite(i), noise.captive_white_m, ORDER);
+            }
+            if free && !captive {
+                add(Part::FreeWhite(i), noise.free_white_m, ORDER);
+            }
+            if captive && free {
+                add(Part::WhiteFactor(i), 1.0, WHITE_ORDER);
+                add(Part::FreeFlightFactor(i), 1.0, FACTOR_ORDER);
+            }
+        }
+        Self { parameters, start }
+    }
+
+    /// The prior's means: where a search starts.
+    #[must_use]
+    pub fn means(&self) -> Vec<f64> {
+        self.parameters.iter().map(|parameter| parameter.mean).collect()
+    }
+
+    /// Logarithm of the prior's density but for a constant.
+    #[must_use]
+    pub fn log_density(&self, values: &[f64]) -> f64 {
+        let terms = self.parameters.iter().zip(values).map(|(parameter, value)| {
+            let z = (value - parameter.mean) / parameter.sigma;
+            -0.5 * z * z
+        });
+        terms.sum()
+    }
+
+    /// The noise of these parameters.
+    #[must_use]
+    pub fn noise(&self, values: &[f64]) -> Noise {
+        let mut noise = self.start;
+        // A factor comes after what it multiplies.
+        for (parameter, value) in self.parameters.iter().zip(values) {
+            let value = parameter.part.least() + libm::exp(*value);
+            match parameter.part {
+                Part::ReferenceSigma => noise.reference.sigma_m = value,
+                Part::ReferenceTime => noise.reference.time_s = value,
+                Part::FixSigma => noise.fix_sigma_m = value,
+                Part::WanderSigma(i) => noise.sensors[i].wander.sigma_m = value,
+                Part::WanderTime(i) => noise.sensors[i].wander.time_s = value,
+                Part::CaptiveWhite(i) => noise.sensors[i].captive_white_m = value,
+                Part::FreeWhite(i) => noise.sensors[i].free_white_m = value,
+                Part::WhiteFactor(i) => {
+                    noise.sensors[i].free_white_m = value * noise.sensors[i].captive_white_m
+                }
+                Part::FreeFlightFactor(i) => noise.sensors[i].free_flight_factor = value,
+            }
+        }
+        noise
+    }
+
+    /// The prior with a sensor's wander the same before and after launch; `None` where it is that already.
+    #[must_use]
+    pub fn with_steady_wander(&self, sensor: usize) -> Option<Self> {
+        self.held(Part::FreeFlightFactor(sensor))
+    }
+
+    /// The same for its white noise.
+    #[must_use]
+    pub fn with_steady_white(&self, sensor: usize) -> Option<Self> {
+        self.held(Part::WhiteFactor(sensor))
+    }
+
+    fn held(&self, part: Part) -> Option<Self> {
+        let mut held = self.clone();
+        held.parameters.iter_mut().find(|parameter| parameter.part == part)?.sigma = HELD;
+        Some(held)
+    }
+}

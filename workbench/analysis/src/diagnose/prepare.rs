@@ -1,0 +1,119 @@
+//! Flights made ready for the search: candidates, block means, and what stands beside the effects.
+
+use kf_core::effect::EffectId;
+use kf_core::sensor::Sensor;
+use model::Model;
+
+use super::candidates::{Candidate, catalogue};
+use super::epochs::Epochs;
+use super::errors_in_variables::{Reversed, reversed};
+use super::from_replay::epochs;
+use super::named_replay::NamedReplay;
+use super::physical_range::{measures_climb_rate, range};
+use super::problem::{Known, Problem};
+use super::roughness::is_rough;
+use super::series::Series;
+use super::suspects::{Regressors, Suspects};
+use super::wind::wind;
+use super::wish::Wish;
+use replay::barometer;
+
+/// What a search works on.
+pub(super) struct Prepared {
+    /// What is tried, and after it the effects that the model has already; the columns of every series are theirs.
+    pub candidates: Vec<Candidate>,
+    /// The flights.
+    pub epochs: Vec<Epochs>,
+    /// Their block means.
+    pub series: Vec<Series>,
+    /// Those of the flights held out.
+    pub held: Vec<Series>,
+    /// Columns of the effects that the model has already, and of the wind.
+    pub known: Vec<Known>,
+    /// The height's scale by the sensor's own altitude, where the climb rate is not measured.
+    pub reversed: Option<Reversed>,
+    /// Whether the climb rate is measured in all flights.
+    pub has_climb_rate: bool,
+    /// Columns that are tried, all flights having their signals.
+    tried: Vec<usize>,
+}
+
+impl Prepared {
+    /// `wish`: the one effect whose coefficient is wanted, with the time constants to try.
+    pub(super) fn new(
+        flights: &[NamedReplay<'_>],
+        hold_outs: &[NamedReplay<'_>],
+        model: &Model,
+        wish: Option<(Wish, &[f32])>,
+    ) -> Self {
+        let has_climb_rate = flights.iter().all(|named| measures_climb_rate(&named.replay));
+        let mut candidates = catalogue(has_climb_rate);
+        if let Some((wish, time_constants_s)) = wish {
+            wish.narrow(&mut candidates, time_constants_s);
+        }
+        let known_ids: Vec<EffectId> = model.effects.iter().map(|effect| effect.term.regressor.id).collect();
+        candidates.retain(|candidate| !known_ids.contains(&candidate.effect()));
+        let tried = candidates.len();
+        let mut known = Vec::new();
+        for effect in model.effects.iter().filter(|effect| effect.term.sigma > 0.0) {
+            known.push(Known { column: candidates.len(), sigma: f64::from(effect.term.sigma) });
+            candidates.push(Candidate { regressor: effect.term.regressor, smoothing_s: 0.0 });
+        }
+        let prepare = |named: &NamedReplay<'_>| epochs(&named.replay, &candidates);
+        let mut epochs: Vec<Epochs> = flights.iter().map(prepare).collect();
+        let mut held: Vec<Epochs> = hold_outs.iter().map(prepare).collect();
+        let wind = wind(&mut epochs, &mut held);
+        let reversed =
+            if has_climb_rate { None } else { reversed(&mut epochs, &mut held, &candidates[..tried]) };
+        for (named, epochs) in flights.iter().chain(hold_outs).zip(epochs.iter_mut().chain(&mut held)) {
+            if barometer::check(named.replay.flight()).is_some() {
+                leave_out(epochs, Sensor::Baro.index());
+            }
+        }
+        let available = |column: usize| epochs.iter().all(|epochs| epochs.available[column]);
+        known.retain(|known| available(known.column));
+        known.extend(wind);
+        Self {
+            tried: (0..tried).filter(|column| available(*column)).collect(),
+            held: held.into_iter().map(|epochs| epochs.series).collect(),
+            series: epochs.iter().map(|epochs| epochs.series.clone()).collect(),
+            candidates,
+            epochs,
+            known,
+            reversed,
+            has_climb_rate,
+        }
+    }
+
+    /// The candidates that a search is to look at: those whose regressor moves.
+    pub(super) fn suspects(&self, problem: &Problem<'_>) -> Suspects<'_> {
+        let first_look = problem.information(&problem.prior.noise(&problem.prior.means()), &self.tried);
+        let usable = self.tried.iter().enumerate();
+        let usable: Vec<usize> = usable
+            .filter(|(position, _)| first_look.is_excited(*position))
+            .map(|(_, column)| *column)
+            .collect();
+        let mut noise_m2 = vec![0.0_f64; self.candidates.len()];
+        for epochs in &self.epochs {
+            for (most, noise_m2) in noise_m2.iter_mut().zip(&epochs.column_noise_m2) {
+                *most = most.max(*noise_m2);
+            }
+        }
+        let effects = || self.candidates.iter().map(Candidate::effect);
+        let regressors = Regressors {
+            noise_m2,
+            is_rough: effects().map(|effect| is_rough(&self.epochs, effect)).collect(),
+            ranges: effects().map(|effect| range(effect, self.has_climb_rate)).collect(),
+        };
+        Suspects::new(&self.candidates, regressors, usable)
+    }
+}
+
+/// Takes a sensor that did not measure out of a flight.
+fn leave_out(epochs: &mut Epochs, sensor: usize) {
+    let series = &mut epochs.series;
+    for (residuals, readings) in series.residual_m.iter_mut().zip(&mut series.readings) {
+        residuals[sensor] = f64::NAN;
+        readings[sensor] = 0;
+    }
+}

@@ -1,0 +1,130 @@
+//! Minimisation without derivatives given: BFGS with differences (Nocedal and Wright, "Numerical
+//! Optimization", 2nd edition, algorithm 6.1).
+
+use executor::Executor;
+use nalgebra::{DMatrix, DVector};
+
+use super::matrix::product;
+
+/// Step of the differences; the arguments are logarithms, so it is relative.
+const DIFFERENCE: f64 = 1e-4;
+const ITERATIONS: usize = 40;
+/// A longest step: a factor of e^2 in any number.
+const LONGEST: f64 = 2.0;
+
+/// What is minimised. Its differences are taken side by side, by the executor.
+pub type Function<'a> = dyn Fn(&[f64]) -> f64 + Sync + 'a;
+
+/// Where a search ended.
+#[derive(Clone, Debug)]
+pub struct Minimum {
+    /// The arguments.
+    pub at: Vec<f64>,
+    /// The function's value there.
+    pub value: f64,
+}
+
+/// Searches a minimum from `start` on until an iteration gains less than `tolerance`.
+pub fn minimise(function: &Function<'_>, start: &[f64], tolerance: f64, executor: &dyn Executor) -> Minimum {
+    let n = start.len();
+    let mut at = DVector::from_column_slice(start);
+    let mut value = function(at.as_slice());
+    let mut slope = gradient(function, &at, value, executor);
+    let mut inverse = DMatrix::<f64>::identity(n, n) * 0.05;
+    let mut fresh = true;
+    let mut settled = false;
+    for _ in 0..ITERATIONS {
+        let mut direction = -(&inverse * &slope);
+        if direction.dot(&slope) >= 0.0 {
+            inverse = DMatrix::identity(n, n) * 0.05;
+            fresh = true;
+            direction = -(&inverse * &slope);
+        }
+        let longest = direction.amax();
+        if longest > LONGEST {
+            direction *= LONGEST / longest;
+        }
+        let Some((step, next)) = line_search(function, &at, value, &direction, &slope) else {
+            if fresh {
+                break;
+            }
+            inverse = DMatrix::identity(n, n) * 0.05;
+            fresh = true;
+            continue;
+        };
+        let gained = value - next;
+        let moved = direction * step;
+        at += &moved;
+        value = next;
+        let next_slope = gradient(function, &at, value, executor);
+        let bent = &next_slope - &slope;
+        slope = next_slope;
+        let curvature = bent.dot(&moved);
+        if curvature > 1e-10 {
+            if fresh {
+                inverse = DMatrix::identity(n, n) * (curvature / bent.norm_squared());
+                fresh = false;
+            }
+            let rho = 1.0 / curvature;
+            // Of a column and a row no entry is a sum.
+            let left = DMatrix::identity(n, n) - &moved * bent.transpose() * rho;
+            inverse =
+                product(&product(&left, &inverse), &left.transpose()) + &moved * moved.transpose() * rho;
+        }
+        if gained < tolerance {
+            // A step that gains little may be a poor metric's: only a fresh one's is the end.
+            if fresh || settled {
+                break;
+            }
+            settled = true;
+        } else {
+            settled = false;
+        }
+    }
+    Minimum { at: at.as_slice().to_vec(), value }
+}
+
+fn gradient(function: &Function<'_>, at: &DVector<f64>, value: f64, executor: &dyn Executor) -> DVector<f64> {
+    let slope = |k: usize| {
+        move || {
+            let mut probe = at.clone();
+            probe[k] += DIFFERENCE;
+            (function(probe.as_slice()) - value) / DIFFERENCE
+        }
+    };
+    DVector::from_vec(executor::map(executor, (0..at.len()).map(slope)))
+}
+
+/// Backtracking until the decrease is a tenth of a thousandth of what the slope promises (Armijo).
+fn line_search(
+    function: &Function<'_>,
+    at: &DVector<f64>,
+    value: f64,
+    direction: &DVector<f64>,
+    slope: &DVector<f64>,
+) -> Option<(f64, f64)> {
+    let promised = direction.dot(slope);
+    let mut step = 1.0;
+    for _ in 0..12 {
+        let next = function((at + direction * step).as_slice());
+        if next.is_finite() && next <= value + 1e-4 * step * promised {
+            return Some((step, next));
+        }
+        step *= 0.4;
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn finds_the_bottom_of_a_bent_valley() {
+        // Rosenbrock's function, its minimum at (1, 1), less steep: the differences are not exact.
+        let valley = |x: &[f64]| (1.0 - x[0]).powi(2) + 10.0 * (x[1] - x[0] * x[0]).powi(2);
+        let minimum = minimise(&valley, &[-1.2, 1.0], 1e-12, &executor::Inline);
+        assert!(minimum.value < 1e-3, "{minimum:?}");
+        assert!((minimum.at[0] - 1.0).abs() < 0.05);
+    }
+}

@@ -1,0 +1,172 @@
+//! Which effects act: the set of columns with the most probable explanation, the noise fitted anew for
+//! every set that is looked at.
+
+use std::collections::BTreeMap;
+
+use super::information::Information;
+use super::problem::{NoiseFit, Problem};
+use super::suspects::Suspects;
+use crate::progress::{Cancelled, Progress, step};
+
+/// Most effects that are looked for at once.
+pub const MOST_EFFECTS: usize = 5;
+/// Sets kept at every size while subsets are looked through.
+pub(super) const BEAM: usize = 12;
+/// Subsets proposed in one round.
+const PROPOSALS: usize = 5;
+/// Neighbours of the best set proposed for every change of it.
+const NEIGHBOURS: usize = 3;
+const ROUNDS: usize = 8;
+/// A set of effects with the noise that goes with it.
+#[derive(Clone, Debug)]
+pub struct Explanation {
+    /// Columns of the candidates, ascending.
+    pub columns: Vec<usize>,
+    /// The noise that goes with them.
+    pub fit: NoiseFit,
+}
+
+/// The search and what it has looked at.
+pub struct Search<'a> {
+    problem: &'a Problem<'a>,
+    suspects: &'a Suspects<'a>,
+    seen: BTreeMap<Vec<usize>, NoiseFit>,
+}
+
+impl<'a> Search<'a> {
+    /// A search among the suspects.
+    #[must_use]
+    pub const fn new(problem: &'a Problem<'a>, suspects: &'a Suspects<'a>) -> Self {
+        Self { problem, suspects, seen: BTreeMap::new() }
+    }
+
+    /// The noise fitted beside a set of columns.
+    pub fn fit(&mut self, columns: &[usize], start: &[f64]) -> NoiseFit {
+        match self.seen.get(columns) {
+            Some(fit) => fit.clone(),
+            None => self.fit_again(columns, start),
+        }
+    }
+
+    /// The better of the noise known for a set of columns and of a fit from another start.
+    fn fit_again(&mut self, columns: &[usize], start: &[f64]) -> NoiseFit {
+        let fit = self.problem.fit_noise(&self.problem.prior, columns, start);
+        let known =
+            self.seen.get(columns).filter(|known| known.twice_log_posterior >= fit.twice_log_posterior);
+        let best = known.cloned().unwrap_or(fit);
+        self.seen.insert(columns.to_vec(), best.clone());
+        best
+    }
+
+    fn score(&self, columns: &[usize], fit: &NoiseFit) -> f64 {
+        self.suspects.penalty() * columns.len() as f64 - fit.twice_log_posterior
+    }
+
+    /// Looks for the most probable set.
+    ///
+    /// # Errors
+    /// [`Cancelled`] when `progress` says so.
+    pub fn run(&mut self, progress: &mut Progress<'_>) -> Result<Explanation, Cancelled> {
+        let start = self.problem.prior.means();
+        let mut best = Explanation { columns: Vec::new(), fit: self.fit(&[], &start) };
+        // Under the null's noise a slow effect looks like wander; under the prior's it stands out.
+        let prior_noise = NoiseFit {
+            noise: self.problem.prior.noise(&start),
+            values: start,
+            twice_log_posterior: f64::NEG_INFINITY,
+        };
+        let mut proposals = self.proposals(&prior_noise, &best.columns);
+        for _ in 0..ROUNDS {
+            proposals.extend(self.proposals(&best.fit, &best.columns));
+            proposals.sort();
+            proposals.dedup();
+            let mut next = best.clone();
+            for columns in std::mem::take(&mut proposals) {
+                let fit = self.fit(&columns, &best.fit.values);
+                step(progress)?;
+                if self.score(&columns, &fit) < self.score(&next.columns, &next.fit) {
+                    next = Explanation { columns, fit };
+                }
+            }
+            if next.columns == best.columns {
+                // The smaller sets may have ended in a worse maximum of their likelihood: start where
+                // the best one is.
+                for left_out in &best.columns {
+                    let columns: Vec<usize> =
+                        best.columns.iter().copied().filter(|column| column != left_out).collect();
+                    let fit = self.fit_again(&columns, &best.fit.values);
+                    step(progress)?;
+                    if self.score(&columns, &fit) < self.score(&next.columns, &next.fit) {
+                        next = Explanation { columns, fit };
+                    }
+                }
+                if next.columns == best.columns {
+                    break;
+                }
+            }
+            best = next;
+        }
+        Ok(best)
+    }
+
+    /// Sets worth a fit of their own: the best subsets under this noise, and the neighbours of a set.
+    fn proposals(&self, fit: &NoiseFit, near: &[usize]) -> Vec<Vec<usize>> {
+        let information = self.suspects.information(self.problem, &fit.noise);
+        let mut sets: Vec<(f64, Vec<usize>)> = Vec::new();
+        let mut level = vec![Vec::new()];
+        for _ in 0..MOST_EFFECTS {
+            let mut next = extended(self.suspects, &information, &level);
+            next.truncate(BEAM);
+            sets.extend(next.iter().cloned());
+            level = next.into_iter().map(|(_, set)| set).collect();
+        }
+        sets.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sets.truncate(PROPOSALS);
+
+        let best = |set: &[usize]| {
+            extended(self.suspects, &information, &[set.to_vec()]).into_iter().take(NEIGHBOURS)
+        };
+        if near.len() < MOST_EFFECTS {
+            sets.extend(best(near));
+        }
+        for left_out in near {
+            let without: Vec<usize> = near.iter().copied().filter(|column| column != left_out).collect();
+            sets.extend(best(&without));
+            sets.push((0.0, without));
+        }
+        let mut sets: Vec<Vec<usize>> = sets.into_iter().map(|(_, set)| set).collect();
+        sets.retain(|set| !self.seen.contains_key(set));
+        sets
+    }
+}
+
+/// The sets with one more column of another effect, the best first.
+pub(super) fn extended(
+    suspects: &Suspects<'_>,
+    information: &Information,
+    sets: &[Vec<usize>],
+) -> Vec<(f64, Vec<usize>)> {
+    let mut found: Vec<(f64, Vec<usize>)> = Vec::new();
+    for set in sets {
+        for column in suspects.usable() {
+            let effect = suspects.candidate(*column).effect();
+            if set.iter().any(|other| suspects.candidate(*other).effect() == effect) {
+                continue;
+            }
+            let mut larger = set.clone();
+            larger.push(*column);
+            larger.sort_unstable();
+            if found.iter().any(|(_, seen)| *seen == larger) {
+                continue;
+            }
+            let at: Vec<usize> = larger.iter().filter_map(|column| suspects.position(*column)).collect();
+            if let Some(solution) = information.solve(&at)
+                && suspects.is_possible(&larger, &solution)
+            {
+                found.push((solution.rest + suspects.penalty() * larger.len() as f64, larger));
+            }
+        }
+    }
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    found
+}

@@ -1,0 +1,139 @@
+//! The candidates that take part in a search, and what is known of each of their regressors.
+
+use super::candidates::Candidate;
+use super::information::{Information, Solution};
+use super::noise::Noise;
+use super::physical_range::is_possible;
+use super::problem::Problem;
+use super::series::BySensor;
+
+/// What an effect must gain in twice the log likelihood beyond what the best of so many candidates gains
+/// by chance (which is 2 ln of their number). 16 is a chance of 1 in 10,000 for one of them, which leaves room for
+/// noise that is not quite what the likelihood takes it for.
+const EVIDENCE: f64 = 16.0;
+
+/// What is known of each candidate's regressor.
+#[derive(Clone, Debug)]
+pub struct Suspects<'a> {
+    candidates: &'a [Candidate],
+    noise_m2: Vec<f64>,
+    is_rough: Vec<bool>,
+    ranges: Vec<[f64; 2]>,
+    usable: Vec<usize>,
+    penalty: f64,
+}
+
+/// What is known of every candidate's regressor, in the candidates' order.
+#[derive(Clone, Debug)]
+pub struct Regressors {
+    /// Variance of the noise in each one's block means, m^2 per squared unit of its coefficient.
+    pub noise_m2: Vec<f64>,
+    /// Those that are only roughly known.
+    pub is_rough: Vec<bool>,
+    /// What nature allows of the coefficients.
+    pub ranges: Vec<[f64; 2]>,
+}
+
+impl<'a> Suspects<'a> {
+    /// The candidates whose columns are in `usable`.
+    #[must_use]
+    pub fn new(candidates: &'a [Candidate], regressors: Regressors, usable: Vec<usize>) -> Self {
+        let mut effects: Vec<_> = usable.iter().map(|column| candidates[*column].effect()).collect();
+        effects.dedup();
+        let penalty = 2.0 * libm::log(effects.len().max(1) as f64) + EVIDENCE;
+        let Regressors { noise_m2, is_rough, ranges } = regressors;
+        Self { candidates, noise_m2, is_rough, ranges, usable, penalty }
+    }
+
+    /// A column's candidate.
+    #[must_use]
+    pub fn candidate(&self, column: usize) -> &'a Candidate {
+        &self.candidates[column]
+    }
+
+    /// Normal equations of all usable columns under a noise.
+    #[must_use]
+    pub fn information(&self, problem: &Problem<'_>, noise: &Noise) -> Information {
+        problem.information(noise, &self.usable)
+    }
+
+    /// The candidates' columns that take part.
+    #[must_use]
+    pub fn usable(&self) -> &[usize] {
+        &self.usable
+    }
+
+    /// Where a candidate's column stands among the usable ones.
+    #[must_use]
+    pub fn position(&self, column: usize) -> Option<usize> {
+        self.usable.iter().position(|usable| *usable == column)
+    }
+
+    /// Positions of several.
+    #[must_use]
+    pub fn positions(&self, columns: &[usize]) -> Vec<usize> {
+        columns.iter().filter_map(|column| self.position(*column)).collect()
+    }
+
+    /// Whether two columns are of the same effect.
+    #[must_use]
+    pub fn same_effect(&self, a: usize, b: usize) -> bool {
+        self.candidates[a].effect() == self.candidates[b].effect()
+    }
+
+    /// Whether every coefficient of a fit of these columns is what nature allows.
+    #[must_use]
+    pub fn is_possible(&self, set: &[usize], solution: &Solution) -> bool {
+        let ranges: Vec<[f64; 2]> = set.iter().map(|column| self.ranges[*column]).collect();
+        is_possible(&ranges, solution)
+    }
+
+    /// The range of a column's coefficient.
+    #[must_use]
+    pub fn range(&self, column: usize) -> [f64; 2] {
+        self.ranges[column]
+    }
+
+    /// Sigmas of what is believed of columns' coefficients before a flight: half of their range's width.
+    #[must_use]
+    pub fn prior(&self, columns: &[usize]) -> Vec<f64> {
+        columns.iter().map(|column| self.range(*column)).map(|[least, most]| 0.5 * (most - least)).collect()
+    }
+
+    /// What another effect must gain in twice the log likelihood to be taken in.
+    #[must_use]
+    pub const fn penalty(&self) -> f64 {
+        self.penalty
+    }
+
+    /// Whether a candidate's regressor is only roughly known.
+    #[must_use]
+    pub fn is_rough(&self, column: usize) -> bool {
+        self.is_rough.get(column) == Some(&true)
+    }
+
+    /// Variance of the noise in a candidate's block means.
+    #[must_use]
+    pub fn column_noise_m2(&self, column: usize) -> f64 {
+        self.noise_m2.get(column).copied().unwrap_or(0.0)
+    }
+
+    /// The sum of squares that a set leaves, less what the noise in its regressors must leave if it is right.
+    #[must_use]
+    pub fn rest_but_noise(
+        &self,
+        information: &Information,
+        weights: &BySensor,
+        set: &[usize],
+    ) -> Option<f64> {
+        let solution = information.solve(&self.positions(set))?;
+        let noise = set.iter().zip(&solution.coefficients).map(|(column, coefficient)| {
+            let weight = match self.candidates[*column].sensor() {
+                Some(sensor) => weights[sensor.index()],
+                None => weights.iter().sum(),
+            };
+            coefficient * coefficient * self.noise_m2[*column] * weight
+        });
+        Some(solution.rest - noise.sum::<f64>())
+    }
+}

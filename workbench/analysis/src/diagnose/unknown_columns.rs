@@ -1,0 +1,176 @@
+//! What a rest may follow: functions of signals with a lag, a play on the altitude, jumps; and their columns.
+
+use super::epochs::Epochs;
+use super::series::BySensor;
+use super::signals::CLIMBED;
+
+/// Lags of the low passes that are tried, seconds.
+pub const LAGS_S: [f64; 3] = [0.0, 2.0, 8.0];
+/// Half-widths of the plays that are tried, metres: what aneroids and pressure cells have (some metres), and what a
+/// sticking capsule or a kinked hose makes of it.
+pub const PLAYS_M: [f64; 4] = [4.0, 10.0, 25.0, 60.0];
+
+/// What is tested: a function of a signal with a lag, a play on the altitude, or a jump that stays.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Test {
+    /// A function of a signal, through a low pass.
+    Signal { signal: usize, shape: Shape, lag_s: f64 },
+    /// Elastic hysteresis: the sensor follows only when the altitude has gone on by the half-width.
+    Play { half_width_m: f64 },
+    /// A jump that stays, in that block of that flight.
+    Jump { flight: usize, block: usize },
+}
+
+/// A function of a signal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
+    Value,
+    Magnitude,
+    Square,
+    Rate,
+}
+
+impl Shape {
+    pub const ALL: [Self; 4] = [Self::Value, Self::Magnitude, Self::Square, Self::Rate];
+
+    fn say(self, signal: &str) -> String {
+        match self {
+            Self::Value => signal.to_owned(),
+            Self::Magnitude => format!("|{signal} - its mean|"),
+            Self::Square => format!("({signal} - its mean)^2"),
+            Self::Rate => format!("rate of {signal}"),
+        }
+    }
+}
+
+impl Test {
+    /// Whether it has a second column: a jump within a block is the block's own share, and the rest.
+    pub const fn width(self) -> usize {
+        match self {
+            Self::Signal { .. } | Self::Play { .. } => 1,
+            Self::Jump { .. } => 2,
+        }
+    }
+
+    pub fn say(self, epochs: &[Epochs]) -> (String, f64) {
+        match self {
+            Self::Signal { signal, shape, lag_s } => {
+                let name = epochs.first().and_then(|first| first.signal_names.get(signal));
+                (shape.say(name.map_or("?", String::as_str)), lag_s)
+            }
+            Self::Play { half_width_m } => {
+                (format!("altitude with a play of +-{half_width_m:.0} m (hysteresis)"), 0.0)
+            }
+            Self::Jump { flight, block } => {
+                let time_s =
+                    epochs.get(flight).and_then(|e| e.series.time_s.get(block)).copied().unwrap_or(0.0);
+                (format!("a jump at {time_s:.0} s that stays"), 0.0)
+            }
+        }
+    }
+}
+
+/// Extra columns, by flight: one a test.
+pub type Extra = Vec<Vec<Vec<BySensor>>>;
+
+/// The columns of tests on one sensor.
+pub fn extra_columns(epochs: &[Epochs], tests: &[Test], sensor: usize) -> Extra {
+    let of_flight = |(flight, epochs): (usize, &Epochs)| {
+        let values = |test: &Test| match *test {
+            Test::Signal { signal, shape, lag_s } => vec![signal_values(epochs, signal, shape, lag_s)],
+            Test::Play { half_width_m } => {
+                let altitudes_m = epochs.signals.iter().map(|block| block[CLIMBED]);
+                vec![play(altitudes_m, half_width_m)]
+            }
+            Test::Jump { flight: jumps, block } => {
+                let from = |first: usize| {
+                    (0..epochs.series.len())
+                        .map(|b| f64::from(u8::from(flight == jumps && b >= first)))
+                        .collect()
+                };
+                vec![from(block + 1), from(block)]
+            }
+        };
+        let on_sensor = |value: f64| std::array::from_fn(|i| if i == sensor { value } else { 0.0 });
+        let columns = tests.iter().flat_map(values);
+        columns.map(|column: Vec<f64>| column.into_iter().map(on_sensor).collect()).collect()
+    };
+    epochs.iter().enumerate().map(of_flight).collect()
+}
+
+/// A function of a signal about its mean; zero where a flight lacks the signal.
+fn signal_values(epochs: &Epochs, signal: usize, shape: Shape, lag_s: f64) -> Vec<f64> {
+    let times = &epochs.series.time_s;
+    let values: Vec<f64> = epochs.signals.iter().map(|block| block[signal]).collect();
+    let known: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
+    if known.len() * 10 < values.len() * 9 {
+        return vec![0.0; values.len()];
+    }
+    let mean = known.iter().sum::<f64>() / known.len().max(1) as f64;
+    let centred: Vec<f64> =
+        values.iter().map(|value| if value.is_finite() { value - mean } else { 0.0 }).collect();
+    let slow = low_pass(times, &centred, lag_s);
+    let shaped = centred.iter().zip(&slow).map(|(now, slow)| match shape {
+        Shape::Value => *slow,
+        Shape::Magnitude => slow.abs(),
+        Shape::Square => slow * slow,
+        Shape::Rate => (now - slow) / lag_s,
+    });
+    shaped.collect()
+}
+
+/// What a play adds to altitudes, metres; nothing where there is no altitude.
+fn play(altitudes_m: impl Iterator<Item = f64>, half_width_m: f64) -> Vec<f64> {
+    let mut centre_m = None;
+    let lags = altitudes_m.map(|altitude_m| {
+        if !altitude_m.is_finite() {
+            return 0.0;
+        }
+        let centre_m: &mut f64 = centre_m.get_or_insert(altitude_m);
+        *centre_m = centre_m.clamp(altitude_m - half_width_m, altitude_m + half_width_m);
+        *centre_m - altitude_m
+    });
+    lags.collect()
+}
+
+/// First-order low pass.
+fn low_pass(times: &[f64], values: &[f64], time_s: f64) -> Vec<f64> {
+    let mut state = values.first().copied().unwrap_or(0.0);
+    let mut last_s = times.first().copied().unwrap_or(0.0);
+    let filtered = times.iter().zip(values).map(|(now_s, value)| {
+        let keep = if time_s > 0.0 { libm::exp(-(now_s - last_s) / time_s) } else { 0.0 };
+        last_s = *now_s;
+        state = keep * state + (1.0 - keep) * value;
+        state
+    });
+    filtered.collect()
+}
+
+/// Standard deviation of an extra column over all blocks of all flights.
+pub fn spread(columns: &Extra, k: usize) -> f64 {
+    let values: Vec<f64> = columns
+        .iter()
+        .flat_map(|flight| flight[k].iter().map(|by| by.iter().copied().fold(0.0, pick)))
+        .collect();
+    let n = values.len().max(1) as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    (values.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / n).sqrt()
+}
+
+/// The value of the sensor that has one.
+fn pick(a: f64, b: f64) -> f64 {
+    if a == 0.0 { b } else { a }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_play_follows_only_when_the_altitude_has_gone_on_by_its_half_width() {
+        let up_and_down = [100.0, 105.0, 110.0, 130.0, 125.0, 112.0, 105.0, f64::NAN, 110.0];
+        let lags = play(up_and_down.into_iter(), 10.0);
+        // Up to 110 within the play; dragged to 120 at 130; at 110 again from 110 on down; dragged to 115 at 105.
+        assert_eq!(lags, [0.0, -5.0, -10.0, -10.0, -5.0, 8.0, 10.0, 0.0, 5.0]);
+    }
+}

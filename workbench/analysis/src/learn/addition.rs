@@ -1,0 +1,430 @@
+//! One effect more in a model: learned, flown before and after, and what speaks against it.
+
+use std::collections::BTreeMap;
+
+use kf_core::effect::{EffectId, EffectTerm, Regressor};
+use model::{Effect, Model, ModelError};
+use serde::Serialize;
+use thiserror::Error;
+use time::Date;
+
+use super::document::{DocumentError, RevisionErrors, with_effect, with_revision};
+use super::filter::{LearnError, learn};
+use super::score::{Scores, SensorScore, pooled_rms_m, score};
+use crate::diagnose::{Diagnosis, HeldOutVerdict, NamedReplay, Verdict, Wish, envelope_m, study};
+use crate::progress::{Cancelled, Progress, step};
+use executor::Executor;
+use flight_data::Flight;
+use replay::{CalibrationWindow, Replay, ReplayError, missing_columns};
+
+/// A coefficient nearer to zero than so many of its sigmas may be none.
+const SIGNIFICANT_SIGMAS: f64 = 3.0;
+
+/// A flight and what the user calls it.
+pub type NamedFlight<'a> = (String, &'a Flight);
+
+/// What is to be added to what.
+#[derive(Clone, Debug)]
+pub struct Request<'a> {
+    /// The model file's text.
+    pub text: &'a str,
+    /// What of the effect is wished for.
+    pub wish: Wish,
+    /// Whether the coefficient is to be a state of the filter; an effect that is one already stays one.
+    pub estimate: bool,
+    /// The day to write down.
+    pub date: Date,
+    /// Flights to learn from.
+    pub learning: Vec<NamedFlight<'a>>,
+    /// Flights to judge by.
+    pub held_out: Vec<NamedFlight<'a>>,
+    /// Where to calibrate, if the flights do not say.
+    pub window: Option<CalibrationWindow>,
+}
+
+/// What the errors before and after are of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum JudgedOn {
+    /// The held-out flights, by the mission; where one of them has nothing to calibrate on, all of them about
+    /// biases fitted to them.
+    HeldOutFlights,
+    /// Stretches of the learning flights, each predicted from the rest.
+    HeldOutManoeuvres,
+}
+
+/// A sensor on a flight without and with the effect.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct SensorChange {
+    /// With the model as it was.
+    pub before: SensorScore,
+    /// With the new one.
+    pub after: SensorScore,
+}
+
+/// A flight without and with the effect.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FlightChange {
+    /// The file.
+    pub file: String,
+    /// Every sensor by name.
+    pub sensors: BTreeMap<&'static str, SensorChange>,
+}
+
+/// An effect added: the keys of `pylon add --json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Addition {
+    /// Its id.
+    pub effect: &'static str,
+    /// The learned coefficient, as it was written.
+    pub coefficient: f32,
+    /// Its sigma.
+    pub sigma: f32,
+    /// Unit of both.
+    pub unit: &'static str,
+    /// Root mean square error of the sensors concerned before, on what `judged_on` says, metres.
+    pub rms_before_m: Option<f64>,
+    /// And after, metres.
+    pub rms_after_m: Option<f64>,
+    /// What these two, and the verdict, are of.
+    pub judged_on: JudgedOn,
+    /// What decides, rather than these two: the likelihood of what was held out, which knows the wander.
+    pub held_out_verdict: HeldOutVerdict,
+    /// Root mean square error of the sensors concerned on the learning flights, before and after, metres.
+    pub learning_rms_m: [Option<f64>; 2],
+    /// The coefficient by the diagnosis' own fit, in double precision, and its sigma.
+    pub diagnosed: [f64; 2],
+    /// Time constant of its regressor, seconds, where it has one.
+    pub time_constant_s: Option<f64>,
+    /// When that regressor's clock starts.
+    pub since: Option<&'static str>,
+    /// The range of its regressor in the learning flights, metres per unit of coefficient.
+    pub envelope_m: Option<[f32; 2]>,
+    /// Whether it is a state of the filter.
+    pub estimate: bool,
+    /// The coefficient that it takes the place of.
+    pub replaced_coefficient: Option<f32>,
+    /// The revision's number.
+    pub revision: u32,
+    /// The learning flights, before and after.
+    pub learning: Vec<FlightChange>,
+    /// The held-out flights, before and after.
+    pub held_out: Vec<FlightChange>,
+    /// What speaks against it: without being told to go on all the same, nothing should be written.
+    pub concerns: Vec<String>,
+    /// What else the user should know.
+    pub warnings: Vec<String>,
+    /// The model's new text.
+    #[serde(skip)]
+    pub text: String,
+}
+
+/// Why an effect can not be added at all.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum AddError {
+    /// A flight has not got what the regressor is made of.
+    #[error("{file}: {effect} can't be learned, the flight has no {}", columns.join(", "))]
+    Lacks {
+        /// The flight.
+        file: String,
+        /// The effect.
+        effect: &'static str,
+        /// The columns that it needs and the flight lacks.
+        columns: Vec<&'static str>,
+    },
+    /// The flights say nothing of it.
+    #[error(
+        "{effect} can't be learned: what it acts on has no reading, or its regressor does not move or has gaps, in {files}; \
+         `pylon diagnose` says what to fly"
+    )]
+    NotExcited {
+        /// The effect.
+        effect: &'static str,
+        /// The flights.
+        files: String,
+    },
+    /// The caller wanted no more.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// The filter refused.
+    #[error(transparent)]
+    Learn(#[from] LearnError),
+    /// The text can not be changed.
+    #[error(transparent)]
+    Document(#[from] DocumentError),
+    /// It is no model, or would not be one with the effect.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// A flight can not be flown.
+    #[error("{file}: {error}")]
+    Replay {
+        /// The flight.
+        file: String,
+        /// Why.
+        error: ReplayError,
+    },
+}
+
+/// Learns an effect's coefficient and makes the model's new text; writes nothing.
+///
+/// # Errors
+/// See [`AddError`].
+pub fn add(
+    request: &Request<'_>,
+    progress: &mut Progress<'_>,
+    executor: &dyn Executor,
+) -> Result<Addition, AddError> {
+    let id = request.wish.effect;
+    let before = Model::parse(request.text)?;
+    let old = before.effects.iter().find(|effect| effect.term.id() == id).cloned();
+    for (file, flight) in request.learning.iter().chain(&request.held_out) {
+        let columns = missing_columns(flight, id);
+        if !columns.is_empty() {
+            return Err(AddError::Lacks { file: file.clone(), effect: id.name(), columns });
+        }
+    }
+
+    let mut without = before.clone();
+    without.effects.retain(|effect| effect.term.id() != id);
+    let flown = |flights| replays(flights, &without, request.window, Replay::calibrated_or_not);
+    let (flown_learning, flown_held_out) = (flown(&request.learning)?, flown(&request.held_out)?);
+    let not_flown = not_flown(flown_learning.iter().chain(&flown_held_out));
+    let is_held_out_flown = flown_held_out.iter().all(|named| named.replay.is_calibrated());
+    // What `pylon diagnose` found on all of a flight is learned from all of it.
+    let learning = replays(&request.learning, &without, request.window, Replay::to_diagnose)?;
+    let held_out = replays(&request.held_out, &without, request.window, Replay::to_diagnose)?;
+    let (diagnosis, lesson) = study(&learning, &held_out, request.wish, progress, executor)?;
+    let files = || {
+        let names: Vec<&str> = request.learning.iter().map(|(file, _)| file.as_str()).collect();
+        names.join(", ")
+    };
+    let lesson = lesson.ok_or_else(|| AddError::NotExcited { effect: id.name(), files: files() })?;
+    let learned = learn(&lesson)?;
+    let regressor = lesson.terms.first().map_or_else(|| Regressor::new(id), |term| term.regressor);
+
+    // Digits beyond a hundredth of sigma are noise.
+    let term = EffectTerm {
+        regressor,
+        coefficient: rounded(learned.coefficient, learned.sigma),
+        sigma: rounded(learned.sigma, learned.sigma),
+        envelope_m: envelope_m(learning.iter().map(|named| &named.replay), regressor),
+    };
+    let effect = Effect {
+        term,
+        estimate: request.estimate || old.as_ref().is_some_and(|old| old.estimate),
+        learned_from: Some(files()),
+        date: Some(request.date.to_string()),
+    };
+    let text = with_effect(request.text, &effect, request.date)?;
+    let after = Model::parse(&text)?;
+
+    let learning = changes(&request.learning, [&before, &after], request.window, progress)?;
+    let held_out = changes(&request.held_out, [&before, &after], request.window, progress)?;
+    let rms = |flights: &[FlightChange]| -> [Option<f64>; 2] {
+        [
+            pooled_rms_m(&scores(flights, |change| change.before), id.subject()),
+            pooled_rms_m(&scores(flights, |change| change.after), id.subject()),
+        ]
+    };
+    let learning_rms_m = rms(&learning);
+    let of_fit_m = [lesson.facts.rms_before_m, lesson.facts.rms_after_m];
+    let (judged_on, judged_m, verdict) = match &lesson.held_out {
+        None => (JudgedOn::HeldOutManoeuvres, of_fit_m, HeldOutVerdict::on_stretches(&lesson.folds)),
+        Some(evidence) => {
+            let judged_m = if is_held_out_flown { rms(&held_out) } else { of_fit_m };
+            let verdict = HeldOutVerdict::on_flights(evidence, f64::from(term.coefficient));
+            (JudgedOn::HeldOutFlights, judged_m, verdict)
+        }
+    };
+    let replaced_coefficient = old.as_ref().map(|old| old.term.coefficient);
+    let revision = before.next_revision();
+    let errors = RevisionErrors { learning: learning_rms_m, held_out: judged_m };
+    let text = with_revision(&text, revision, &effect, request.date, replaced_coefficient, &errors)?;
+    // What is written must be a model, and this one.
+    let warnings = Model::parse(&text)?.warnings();
+    let concerns = concerns(&diagnosis, &effect, judged_on, judged_m, &verdict);
+    let remarks = doubts(&diagnosis, id).into_iter().chain(untold(judged_on, &verdict)).chain(not_flown);
+    let has_time = id.has_time_constant();
+    Ok(Addition {
+        effect: id.name(),
+        coefficient: term.coefficient,
+        sigma: term.sigma,
+        unit: id.unit(),
+        rms_before_m: judged_m[0],
+        rms_after_m: judged_m[1],
+        judged_on,
+        held_out_verdict: verdict,
+        learning_rms_m,
+        diagnosed: [lesson.facts.coefficient, lesson.facts.sigma],
+        time_constant_s: has_time.then(|| f64::from(regressor.time_constant_s)),
+        since: has_time.then(|| regressor.since.name()),
+        envelope_m: term.envelope_m,
+        estimate: effect.estimate,
+        replaced_coefficient,
+        revision,
+        learning,
+        held_out,
+        concerns,
+        warnings: warnings.into_iter().chain(remarks).collect(),
+        text,
+    })
+}
+
+/// A number to the hundredth of the first digit of its sigma.
+fn rounded(value: f64, sigma: f64) -> f32 {
+    let quantum = libm::pow(10.0, libm::log10(sigma).floor() - 2.0);
+    let digits = -libm::log10(quantum).round();
+    let rounded = if sigma > 0.0 && (0.0..=15.0).contains(&digits) {
+        format!("{value:.0$}", digits as usize).parse().unwrap_or(value)
+    } else {
+        value
+    };
+    rounded as f32
+}
+
+/// How a replay is made of a flight.
+type Making<'a> = fn(&'a Flight, &Model, Option<CalibrationWindow>) -> Result<Replay<'a>, ReplayError>;
+
+/// The flights, ready to be replayed.
+fn replays<'a>(
+    flights: &[NamedFlight<'a>],
+    model: &Model,
+    window: Option<CalibrationWindow>,
+    make: Making<'a>,
+) -> Result<Vec<NamedReplay<'a>>, AddError> {
+    let named = flights.iter().map(|(file, flight)| {
+        let replay =
+            make(flight, model, window).map_err(|error| AddError::Replay { file: file.clone(), error })?;
+        Ok(NamedReplay { file: file.clone(), replay })
+    });
+    named.collect()
+}
+
+/// The flights that no mission is flown over.
+fn not_flown<'a>(replays: impl Iterator<Item = &'a NamedReplay<'a>>) -> Vec<String> {
+    let uncalibrated = replays.filter(|named| !named.replay.is_calibrated());
+    uncalibrated
+        .map(|named| {
+            format!(
+                "{}: no launch column and no quiet stretch to calibrate on, so its errors are about biases fitted to \
+                 it and no mission was flown over it; give one by --calibrate START..END (seconds)",
+                named.file
+            )
+        })
+        .collect()
+}
+
+fn changes(
+    flights: &[NamedFlight<'_>],
+    models: [&Model; 2],
+    window: Option<CalibrationWindow>,
+    progress: &mut Progress<'_>,
+) -> Result<Vec<FlightChange>, AddError> {
+    let [before, after] = models.map(|model| replays(flights, model, window, Replay::calibrated_or_not));
+    let mut changes = Vec::new();
+    for (before, after) in before?.iter().zip(&after?).filter(|(before, _)| before.replay.is_calibrated()) {
+        let failed = |error| AddError::Replay { file: before.file.clone(), error };
+        let was = score(&before.replay).map_err(failed)?;
+        step(progress)?;
+        let is = score(&after.replay).map_err(failed)?;
+        step(progress)?;
+        let sensors = was.iter().filter_map(|(name, before)| {
+            Some((*name, SensorChange { before: *before, after: *is.get(name)? }))
+        });
+        changes.push(FlightChange { file: before.file.clone(), sensors: sensors.collect() });
+    }
+    Ok(changes)
+}
+
+fn scores(flights: &[FlightChange], side: impl Fn(&SensorChange) -> SensorScore) -> Vec<Scores> {
+    let of = |flight: &FlightChange| {
+        flight.sensors.iter().map(|(name, change)| (*name, side(change))).collect::<Scores>()
+    };
+    flights.iter().map(of).collect()
+}
+
+/// What speaks against an effect.
+fn concerns(
+    diagnosis: &Diagnosis,
+    effect: &Effect,
+    judged_on: JudgedOn,
+    judged_m: [Option<f64>; 2],
+    verdict: &HeldOutVerdict,
+) -> Vec<String> {
+    let mut concerns = Vec::new();
+    let term = &effect.term;
+    let name = term.id().name();
+    let sigmas = f64::from(term.coefficient.abs()) / f64::from(term.sigma);
+    if sigmas < SIGNIFICANT_SIGMAS || sigmas.is_nan() {
+        concerns.push(format!(
+            "these flights can't identify it: the coefficient {} is within {SIGNIFICANT_SIGMAS} sigma ({}) of zero",
+            term.coefficient, term.sigma
+        ));
+    }
+    let mut sets = diagnosis.sensors.values().flat_map(|sensor| &sensor.indistinguishable);
+    if let Some(set) = sets.find(|set| set.iter().any(|other| other == name)) {
+        let others: Vec<&str> = set.iter().map(|other| &**other).filter(|other| *other != name).collect();
+        concerns.push(format!(
+            "these flights can't identify it: they can't tell it from {} (`pylon diagnose` says what to fly)",
+            others.join(", ")
+        ));
+    }
+    if verdict.is_worse {
+        let [before, after] =
+            judged_m.map(|rms_m| rms_m.map_or_else(|| "-".to_owned(), |m| format!("{m:.3}")));
+        concerns.push(format!(
+            "the held-out {} are less likely with it, beyond chance: twice the log likelihood changes by {:.1}, chance is \
+             {:.1} (1 sigma); raw rms {before} m before, {after} m after",
+            held_out_name(judged_on),
+            verdict.gain,
+            verdict.gain_sigma
+        ));
+    }
+    concerns
+}
+
+/// What was held out, in the plural.
+pub(super) const fn held_out_name(judged_on: JudgedOn) -> &'static str {
+    match judged_on {
+        JudgedOn::HeldOutFlights => "flights",
+        JudgedOn::HeldOutManoeuvres => "manoeuvres",
+    }
+}
+
+/// What a test that can not tell leaves open.
+fn untold(judged_on: JudgedOn, verdict: &HeldOutVerdict) -> Option<String> {
+    (!verdict.can_tell && !verdict.is_worse).then(|| {
+        format!(
+            "the held-out {} can't tell whether it acts there: it would move them by less than chance hides",
+            held_out_name(judged_on)
+        )
+    })
+}
+
+/// What of a diagnosis the user should know beside the concerns.
+fn doubts(diagnosis: &Diagnosis, effect: EffectId) -> Vec<String> {
+    let mut doubts = Vec::new();
+    let subject = effect.subject().name();
+    if let Some(sensor) = diagnosis.sensors.get(subject) {
+        if sensor.verdict == Verdict::UnknownEffect {
+            doubts.push(format!("nothing in the catalogue explains all of {subject}'s misfit: this effect may stand in for another"));
+        }
+        let others: Vec<&str> =
+            sensor.missing.iter().map(|other| &**other).filter(|other| *other != effect.name()).collect();
+        if !others.is_empty() {
+            doubts.push(format!("the model lacks {} as well", others.join(", ")));
+        }
+    }
+    doubts
+}
+
+/// The effects whose ids are nearest to a name, best first.
+#[must_use]
+pub fn nearest_effects(name: &str) -> Vec<&'static str> {
+    const SHOWN: usize = 3;
+    let mut ranked: Vec<(f64, &str)> =
+        EffectId::ALL.iter().map(|id| (strsim::jaro_winkler(name, id.name()), id.name())).collect();
+    ranked.sort_by(|left, right| right.0.total_cmp(&left.0));
+    ranked.into_iter().take(SHOWN).map(|(_, name)| name).collect()
+}

@@ -1,0 +1,77 @@
+//! Every revision of a model on every flight.
+
+use kf_core::effect::EffectId;
+use model::Model;
+use serde::Serialize;
+
+use super::addition::NamedFlight;
+use super::score::{Scores, score};
+use replay::{CalibrationWindow, Replay, ReplayError};
+
+/// The keys of `pylon ladder --json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Ladder {
+    /// The model's name.
+    pub model: String,
+    /// Its revisions, oldest first; the first is before all of them.
+    pub revisions: Vec<Rung>,
+}
+
+/// One revision.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Rung {
+    /// Its number; 0 is before all revisions.
+    pub number: u32,
+    /// The effect that it added or learned anew.
+    pub effect: Option<&'static str>,
+    /// The day.
+    pub date: Option<String>,
+    /// The effects of the model as it left it.
+    pub effects: Vec<&'static str>,
+    /// Every flight.
+    pub flights: Vec<RungFlight>,
+}
+
+/// One flight with one revision.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RungFlight {
+    /// The file.
+    pub file: String,
+    /// Every sensor by name.
+    pub sensors: Scores,
+}
+
+/// Flies every revision of a model over every flight; `progress` is told how many of these are done.
+///
+/// # Errors
+/// The file of a flight that can not be flown, and why.
+pub fn ladder(
+    model: &Model,
+    flights: &[NamedFlight<'_>],
+    window: Option<CalibrationWindow>,
+    progress: &mut dyn FnMut(u64),
+) -> Result<Ladder, (String, ReplayError)> {
+    let mut revisions = Vec::new();
+    let mut done = 0;
+    for number in std::iter::once(0).chain(model.revision_numbers().into_iter().filter(|number| *number > 0))
+    {
+        let left = model.at_revision(number);
+        let mut rung = Vec::new();
+        for (file, flight) in flights {
+            let sensors = Replay::new(flight, &left, window).and_then(|replay| score(&replay));
+            let sensors = sensors.map_err(|error| (file.clone(), error))?;
+            rung.push(RungFlight { file: file.clone(), sensors });
+            done += 1;
+            progress(done);
+        }
+        let revision = model.revisions.iter().find(|revision| revision.number == number && number > 0);
+        revisions.push(Rung {
+            number,
+            effect: revision.and_then(|revision| revision.effect).map(EffectId::name),
+            date: revision.and_then(|revision| revision.date.clone()),
+            effects: left.effects.iter().map(|effect| effect.term.id().name()).collect(),
+            flights: rung,
+        });
+    }
+    Ok(Ladder { model: String::new(), revisions })
+}

@@ -1,0 +1,20 @@
+//! Adding an effect to a model.
+//!
+//! 1. `crate::diagnose::study` says what the effect's coefficient is to be learned from.
+//! 2. `filter` learns it with the core's own filter.
+//! 3. `document` writes it into the model's text, which stays as it was but for that.
+//! 4. `score` flies the mission before and after.
+//! 5. `addition` puts these together and says what speaks against it.
+//! 6. `ladder` scores every revision of a model.
+
+mod addition;
+mod document;
+mod filter;
+mod ladder;
+mod score;
+
+pub use addition::{AddError, Addition, FlightChange, JudgedOn, NamedFlight, Request, add, nearest_effects};
+pub use document::DocumentError;
+pub use filter::{LearnError, Learned, learn};
+pub use ladder::{Ladder, Rung, RungFlight, ladder};
+pub use score::{Scores, SensorScore, pooled_rms_m, score};

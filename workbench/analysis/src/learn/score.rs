@@ -1,0 +1,127 @@
+//! A mission's errors on a flight: what a model is worth, without the rest of a comparison.
+
+use std::collections::BTreeMap;
+
+use kf_core::effect::EffectSubject;
+use kf_core::output::{Phase, Trust};
+use kf_core::sensor::{SENSORS, Sensor};
+use serde::Serialize;
+
+use replay::{Replay, ReplayError};
+
+/// One sensor's errors on one flight (eq. 16), and its flags.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct SensorScore {
+    /// Root mean square error in captive flight, by the latched bias, metres; `None` without a reading.
+    pub captive_rms_m: Option<f64>,
+    /// Root mean square error in free flight, metres; `None` without a reading.
+    pub free_flight_rms_m: Option<f64>,
+    /// When it became doubtful, seconds after launch; `None`: never.
+    pub doubtful_after_s: Option<f64>,
+    /// When it became untrustworthy, seconds after launch; `None`: never.
+    pub untrustworthy_after_s: Option<f64>,
+    /// How long it flew free: from launch to the flight's last tick, seconds; `None` without launch.
+    pub free_flight_s: Option<f64>,
+    /// Ticks of free flight with an error.
+    #[serde(skip)]
+    pub ticks: u64,
+}
+
+/// The scores of a flight's sensors by name; those without a single reading are left out.
+pub type Scores = BTreeMap<&'static str, SensorScore>;
+
+/// Sums over one sensor's ticks.
+#[derive(Clone, Copy, Default)]
+struct Tally {
+    captive: [f64; 3],
+    free: [f64; 2],
+    doubtful_us: Option<u64>,
+    untrustworthy_us: Option<u64>,
+}
+
+/// Flies a replay's model over its flight and scores every sensor.
+///
+/// # Errors
+/// A model that no mission can be made of.
+pub fn score(replay: &Replay<'_>) -> Result<Scores, ReplayError> {
+    let mut tallies = [Tally::default(); SENSORS];
+    let mut launch_us = None;
+    let mut last_us = None;
+    let summary = replay.run(&mut |_, output| {
+        if output.out_of_order {
+            return;
+        }
+        if output.latched_now {
+            launch_us = Some(output.time_us);
+        }
+        last_us = Some(output.time_us);
+        for (tally, sensor) in tallies.iter_mut().zip(&output.sensors) {
+            match (output.phase, sensor.error_m) {
+                (Phase::Calibrating, Some(error_m)) => {
+                    // Freed of the bias as it stands: the latched one is only known at the end.
+                    let raw_m = f64::from(error_m) + f64::from(sensor.bias_m);
+                    tally.captive[0] += 1.0;
+                    tally.captive[1] += raw_m;
+                    tally.captive[2] += raw_m * raw_m;
+                }
+                (Phase::FreeFlight, Some(error_m)) => {
+                    tally.free[0] += 1.0;
+                    tally.free[1] += f64::from(error_m) * f64::from(error_m);
+                }
+                _ => {}
+            }
+            if output.phase == Phase::FreeFlight {
+                if matches!(sensor.trust, Trust::Doubtful | Trust::Untrustworthy) {
+                    tally.doubtful_us.get_or_insert(output.time_us);
+                }
+                if sensor.trust == Trust::Untrustworthy {
+                    tally.untrustworthy_us.get_or_insert(output.time_us);
+                }
+            }
+        }
+    })?;
+    let after_s = |time_us: Option<u64>| {
+        let (time_us, launch_us) = time_us.zip(launch_us)?;
+        Some(time_us.saturating_sub(launch_us) as f64 * 1e-6)
+    };
+    let scores = Sensor::ALL.into_iter().zip(&tallies).filter_map(|(sensor, tally)| {
+        let [captive, sum, squares] = tally.captive;
+        let [free, free_squares] = tally.free;
+        if captive + free == 0.0 {
+            return None;
+        }
+        let latched_m = summary.latch.as_ref().map(|latch| f64::from(latch.sensors[sensor.index()].bias_m));
+        let captive_rms = |bias_m: f64| {
+            (squares / captive - 2.0 * bias_m * sum / captive + bias_m * bias_m).max(0.0).sqrt()
+        };
+        let score = SensorScore {
+            captive_rms_m: (captive > 0.0).then(|| captive_rms(latched_m.unwrap_or(sum / captive))),
+            free_flight_rms_m: (free > 0.0).then(|| (free_squares / free).sqrt()),
+            doubtful_after_s: after_s(tally.doubtful_us),
+            untrustworthy_after_s: after_s(tally.untrustworthy_us),
+            free_flight_s: after_s(last_us),
+            ticks: free as u64,
+        };
+        Some((sensor.name(), score))
+    });
+    Ok(scores.collect())
+}
+
+/// Root mean square error in free flight over some flights, of the sensors that an effect acts on (of the
+/// reference: all that fly free), metres; `None` without a reading.
+#[must_use]
+pub fn pooled_rms_m<'a>(scores: impl IntoIterator<Item = &'a Scores>, subject: EffectSubject) -> Option<f64> {
+    let mut sum = 0.0;
+    let mut ticks = 0;
+    for (name, score) in scores.into_iter().flatten() {
+        let concerns = match subject {
+            EffectSubject::Gps => true,
+            EffectSubject::Sensor(sensor) => sensor.name() == *name,
+        };
+        if let Some(rms_m) = score.free_flight_rms_m.filter(|_| concerns) {
+            sum += rms_m * rms_m * score.ticks as f64;
+            ticks += score.ticks;
+        }
+    }
+    (ticks > 0).then(|| (sum / ticks as f64).sqrt())
+}

@@ -1,0 +1,8 @@
+//! What the estimator says of a flight, held against it: where a model holds, which effect it lacks, and what that effect's
+//! coefficient is.
+
+pub mod compare;
+pub mod diagnose;
+pub mod learn;
+pub mod name;
+pub mod progress;

@@ -1,0 +1,186 @@
+//! MCAP (<https://mcap.dev/spec>), which Foxglove Studio and ROS tools read.
+//!
+//! One topic a device (`/gps`, `/baro`, `/imu`, ...), one JSON message for every row in which the
+//! device has a new sample; keys are the columns' names, which say the units. A sample that is not a
+//! finite number is null. The flight's header is a metadata record named `pylon-flight`. Chunks are
+//! not compressed.
+
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+
+use mcap::records::{MessageHeader, Metadata};
+use mcap::write::NoSeek;
+use mcap::{McapError, WriteOptions, Writer};
+use serde_json::{Map, Value, json};
+
+use flight_data::{Channel, Column, Flight};
+
+/// How much was written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct McapSummary {
+    /// Topics.
+    pub topics: usize,
+    /// Messages of all topics.
+    pub messages: u64,
+}
+
+/// The device that a channel belongs to.
+const fn topic(channel: Channel) -> &'static str {
+    use Channel as C;
+    match channel {
+        C::Launch | C::LaunchDoubt => "/launch",
+        C::GpsAltM | C::GpsVnMps | C::GpsVeMps | C::GpsVdMps | C::GpsVaccM | C::GpsSats | C::GpsTimeS => {
+            "/gps"
+        }
+        C::BaroPa | C::BaroAltM | C::BaroTempC => "/baro",
+        C::ImuMasterAltM => "/imu_master",
+        C::ImuSlaveAltM => "/imu_slave",
+        C::AccelXMps2 | C::AccelYMps2 | C::AccelZMps2 | C::GyroXRadps | C::GyroYRadps | C::GyroZRadps => {
+            "/imu"
+        }
+        C::RollRad | C::PitchRad | C::YawRad => "/attitude",
+        C::TasMps | C::AoaRad | C::SideslipRad | C::OatC => "/air",
+        C::Throttle => "/throttle",
+    }
+}
+
+/// Columns of one topic.
+struct Device<'a> {
+    channel_id: u16,
+    columns: Vec<(&'a str, &'a Column)>,
+    sequence: u32,
+}
+
+/// Writes a flight.
+///
+/// # Errors
+/// Whatever `out` refuses.
+pub fn write(out: &mut dyn Write, flight: &Flight) -> io::Result<McapSummary> {
+    write_all(out, flight).map_err(|error| match error {
+        McapError::Io(error) => error,
+        other => io::Error::other(other),
+    })
+}
+
+fn write_all(out: &mut dyn Write, flight: &Flight) -> Result<McapSummary, McapError> {
+    let library = format!("pylon {}", env!("CARGO_PKG_VERSION"));
+    let options = WriteOptions::new().library(library).compression(None).disable_seeking(true);
+    let mut writer: Writer<NoSeek<&mut dyn Write>> = options.create(NoSeek::new(out))?;
+    writer.write_metadata(&Metadata { name: "pylon-flight".to_owned(), metadata: header(flight) })?;
+    let mut devices = devices(&mut writer, flight)?;
+    let mut summary = McapSummary { topics: devices.len(), messages: 0 };
+    for (row, time_s) in flight.time_s.iter().enumerate() {
+        let time_ns = (time_s * 1e9).round() as u64;
+        for device in &mut devices {
+            let cells = device.columns.iter().filter_map(|(name, column)| Some((*name, column.get(row)?)));
+            let message: Map<String, Value> =
+                cells.map(|(name, value)| (name.to_owned(), number(value))).collect();
+            if message.is_empty() {
+                continue;
+            }
+            let header = MessageHeader {
+                channel_id: device.channel_id,
+                sequence: device.sequence,
+                log_time: time_ns,
+                publish_time: time_ns,
+            };
+            writer.write_to_known_channel(&header, Value::Object(message).to_string().as_bytes())?;
+            device.sequence = device.sequence.wrapping_add(1);
+            summary.messages += 1;
+        }
+    }
+    writer.finish()?;
+    Ok(summary)
+}
+
+/// The shortest decimal that reads back as the same f32.
+fn number(value: f32) -> Value {
+    value
+        .to_string()
+        .parse::<f64>()
+        .ok()
+        .filter(|value| value.is_finite())
+        .map_or(Value::Null, |value| json!(value))
+}
+
+fn header(flight: &Flight) -> BTreeMap<String, String> {
+    let header = &flight.header;
+    let mut keys: BTreeMap<String, String> =
+        header.other.iter().filter(|(key, _)| !key.is_empty()).cloned().collect();
+    keys.insert("vehicle".to_owned(), header.vehicle.clone());
+    keys.insert("source".to_owned(), header.source.clone());
+    keys.insert("altitude_datum".to_owned(), header.altitude_datum.name().to_owned());
+    keys
+}
+
+fn devices<'a>(
+    writer: &mut Writer<NoSeek<&mut dyn Write>>,
+    flight: &'a Flight,
+) -> Result<Vec<Device<'a>>, McapError> {
+    let mut by_topic: BTreeMap<&str, Vec<(&str, &Column)>> = BTreeMap::new();
+    for (channel, column) in &flight.channels {
+        by_topic.entry(topic(*channel)).or_default().push((channel.name(), column));
+    }
+    for (name, column) in &flight.extra {
+        by_topic.entry("/extra").or_default().push((name, column));
+    }
+    by_topic
+        .into_iter()
+        .map(|(topic, columns)| {
+            let properties: Map<String, Value> = columns
+                .iter()
+                .map(|(name, _)| ((*name).to_owned(), json!({ "type": ["number", "null"] })))
+                .collect();
+            let schema = json!({ "type": "object", "properties": properties }).to_string();
+            let name = format!("pylon{}", topic.replace('/', "."));
+            let schema_id = writer.add_schema(&name, "jsonschema", schema.as_bytes())?;
+            let channel_id = writer.add_channel(schema_id, topic, "json", &BTreeMap::new())?;
+            Ok(Device { channel_id, columns, sequence: 0 })
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_sample_is_read_back() {
+        let text = "# pylon-flight: 1\n# vehicle: test\n# source: made for a test\n# campaign: x\n\
+            time_s,launch,gps_alt_m,gps_sats,baro_alt_m,flap_deg\n\
+            0,0,100.125,9,101.1,\n0.005,,,,nan,3\n0.01,1,,,102.3,\n";
+        let flight = flight_data::parse(text.as_bytes()).unwrap().0;
+        let mut bytes = Vec::new();
+        let summary = write(&mut bytes, &flight).unwrap();
+        assert_eq!(summary, McapSummary { topics: 4, messages: 7 });
+        let messages: Vec<(String, u64, Value)> = mcap::MessageStream::new(&bytes)
+            .unwrap()
+            .map(|message| {
+                let message = message.unwrap();
+                let data = serde_json::from_slice(&message.data).unwrap();
+                (message.channel.topic.clone(), message.log_time, data)
+            })
+            .collect();
+        let of = |topic: &str| -> Vec<(u64, Value)> {
+            messages
+                .iter()
+                .filter(|(t, _, _)| t == topic)
+                .map(|(_, time, data)| (*time, data.clone()))
+                .collect()
+        };
+        assert_eq!(of("/gps"), vec![(0, json!({"gps_alt_m": 100.125, "gps_sats": 9.0}))]);
+        assert_eq!(
+            of("/baro"),
+            vec![
+                (0, json!({"baro_alt_m": 101.1})),
+                (5_000_000, json!({"baro_alt_m": null})),
+                (10_000_000, json!({"baro_alt_m": 102.3})),
+            ]
+        );
+        assert_eq!(of("/extra"), vec![(5_000_000, json!({"flap_deg": 3.0}))]);
+        assert_eq!(of("/launch").len(), 2);
+        let read = mcap::Summary::read(&bytes).unwrap().unwrap();
+        assert_eq!(read.stats.unwrap().message_count, 7);
+        assert_eq!(read.metadata_indexes[0].name, "pylon-flight");
+    }
+}

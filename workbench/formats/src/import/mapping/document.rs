@@ -1,0 +1,316 @@
+//! A mapping file.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+
+use super::quantity::Quantity;
+use super::table::{Layout, Separator};
+use flight_data::{AltitudeDatum, unit_slip};
+
+/// What a mapping file says (TOML).
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Mapping {
+    /// The format's version; 1.
+    #[serde(rename = "pylon-mapping")]
+    version: u32,
+    /// How the file is laid out; what is not said is found out.
+    #[serde(default)]
+    file: FileSection,
+    /// What is said about the flight.
+    #[serde(default)]
+    pub flight: FlightSection,
+    /// The time base.
+    pub time: Option<TimeBase>,
+    /// Signals of the flight by their names.
+    #[serde(default)]
+    pub signals: BTreeMap<String, Signal>,
+}
+
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FileSection {
+    separator: Option<String>,
+    decimal: Option<String>,
+    names_line: Option<usize>,
+    first_line: Option<usize>,
+}
+
+/// What a mapping says about the flight.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FlightSection {
+    /// The vehicle.
+    #[serde(default)]
+    pub vehicle: String,
+    /// `msl` or `ellipsoid`.
+    altitude_datum: Option<String>,
+}
+
+/// A column by its name, or by its place from 1.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(untagged)]
+pub enum ColumnName {
+    /// From 1.
+    Place(usize),
+    /// As the line of names has it.
+    Name(String),
+}
+
+/// Where time comes from.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TimeBase {
+    /// The column; times of day and dates are known as such.
+    pub column: Option<ColumnName>,
+    /// Its unit, where it is a number.
+    pub unit: Option<String>,
+    /// Without a column: so many rows a second.
+    pub rate_hz: Option<f64>,
+}
+
+/// Where a signal comes from. Its value is the cell times `scale` plus `offset`, in `unit`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Signal {
+    /// The column.
+    pub column: ColumnName,
+    /// Its unit; without, the signal's own.
+    pub unit: Option<String>,
+    /// Times this, before the unit.
+    pub scale: Option<f64>,
+    /// Plus this, before the unit.
+    pub offset: Option<f64>,
+    /// Whether the column repeats a sample until the next one; then only what differs from the row before is a sample.
+    #[serde(default)]
+    pub held: bool,
+}
+
+impl Mapping {
+    /// Reads a mapping file's text.
+    ///
+    /// # Errors
+    /// What is wrong with it, with the line where there is one.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let mapping: Self = toml::from_str(text).map_err(|error| {
+            let line = error.span().map(|span| text.get(..span.start).unwrap_or(text).matches('\n').count() + 1);
+            let line = line.map_or_else(String::new, |line| format!("line {line}: "));
+            let message = error.message();
+            if message.contains("missing field `pylon-mapping`") {
+                return "no 'pylon-mapping = 1' in it, expected a mapping file ('pylon import LOG --guess -o mapping.toml' \
+                        drafts one)"
+                    .to_owned();
+            }
+            format!("{line}{message}")
+        })?;
+        mapping.check()?;
+        Ok(mapping)
+    }
+
+    fn check(&self) -> Result<(), String> {
+        if self.version != 1 {
+            return Err(format!("pylon-mapping version {}, this program reads version 1", self.version));
+        }
+        self.datum()?;
+        match &self.time {
+            None => {
+                return Err("no [time], expected one: column = \"...\" and unit = \"s\", or rate_hz = 100 for a table \
+                            without a time"
+                    .to_owned());
+            }
+            Some(TimeBase { column: None, rate_hz: None, .. }) => {
+                return Err("[time] has neither column nor rate_hz, expected one of them".to_owned());
+            }
+            Some(TimeBase { column: Some(_), rate_hz: Some(_), .. }) => {
+                return Err("[time] has both column and rate_hz, expected one of them".to_owned());
+            }
+            Some(TimeBase { rate_hz: Some(rate_hz), .. }) if !(*rate_hz > 0.0 && *rate_hz <= 1e5) => {
+                return Err(format!("[time] rate_hz is {rate_hz}, expected rows a second, above 0"));
+            }
+            Some(TimeBase { unit: Some(unit), .. }) if Quantity::Time.unit(unit).is_none() => {
+                return Err(format!("[time] unit '{unit}', expected one of {}", Quantity::Time.unit_names()));
+            }
+            Some(_) => {}
+        }
+        for (name, signal) in &self.signals {
+            signal.check(name)?;
+        }
+        Ok(())
+    }
+
+    /// What the altitudes are measured from.
+    ///
+    /// # Errors
+    /// Another name than one of the two.
+    pub fn datum(&self) -> Result<AltitudeDatum, String> {
+        match self.flight.altitude_datum.as_deref() {
+            None | Some("msl") => Ok(AltitudeDatum::Msl),
+            Some("ellipsoid") => Ok(AltitudeDatum::Ellipsoid),
+            Some(other) => {
+                Err(format!("[flight] altitude_datum is '{other}', expected \"msl\" or \"ellipsoid\""))
+            }
+        }
+    }
+
+    /// Whether it says how the text is laid out.
+    pub const fn says_layout(&self) -> bool {
+        let file = &self.file;
+        file.separator.is_some()
+            || file.decimal.is_some()
+            || file.names_line.is_some()
+            || file.first_line.is_some()
+    }
+
+    /// The layout that was found, but for what the mapping says itself.
+    ///
+    /// # Errors
+    /// A separator or decimal sign that there is not; nothing found and nothing said.
+    pub fn layout(&self, found: Option<Layout>) -> Result<Layout, String> {
+        let file = &self.file;
+        let separator = match file.separator.as_deref() {
+            Some(name) => Some(Separator::from_name(name).ok_or_else(|| {
+                format!("[file] separator is '{name}', expected \",\", \";\", \"tab\", \"|\" or \"spaces\"")
+            })?),
+            None => None,
+        };
+        let decimal_comma = match file.decimal.as_deref() {
+            Some(",") => Some(true),
+            Some(".") => Some(false),
+            Some(other) => return Err(format!("[file] decimal is '{other}', expected \".\" or \",\"")),
+            None => None,
+        };
+        let names_line = file.names_line;
+        let first_line = file.first_line.or_else(|| names_line.map(|line| line + 1));
+        if names_line.zip(first_line).is_some_and(|(names, first)| names >= first) {
+            return Err(
+                "[file] names_line is not above first_line, expected it there (0: no names)".to_owned()
+            );
+        }
+        let layout = found.map(|found| Layout {
+            separator: separator.unwrap_or(found.separator),
+            decimal_comma: decimal_comma.unwrap_or(found.decimal_comma),
+            names_line: names_line.unwrap_or(found.names_line),
+            first_line: if file.first_line.is_some() || found.first_line <= names_line.unwrap_or(0) {
+                first_line.unwrap_or(found.first_line)
+            } else {
+                found.first_line
+            },
+        });
+        let said = || {
+            Some(Layout {
+                separator: separator?,
+                decimal_comma: decimal_comma.unwrap_or(false),
+                names_line: names_line.unwrap_or(0),
+                first_line: first_line?,
+            })
+        };
+        layout.or_else(said).ok_or_else(|| {
+            "no table of numbers was found in the log, expected lines of cells with the same separator; if it is one, say \
+             separator, names_line and first_line under [file]"
+                .to_owned()
+        })
+    }
+}
+
+impl Signal {
+    fn check(&self, name: &str) -> Result<(), String> {
+        if name == "time_s" {
+            return Err("[signals] time_s: the time base is said under [time]".to_owned());
+        }
+        if name.trim() != name || name.is_empty() || name.contains(['\n', '\r', '\0']) {
+            return Err(format!("[signals] '{}': no name for a signal", name.escape_debug()));
+        }
+        let quantity = Quantity::of(name);
+        if let (None, Some(known)) = (quantity, unit_slip(name)) {
+            return Err(format!(
+                "[signals] {name}: looks like {known} in another unit; write {known} = {{ column = ..., unit = \"...\" }}, \
+                 and the values are converted"
+            ));
+        }
+        if let Some(unit) = &self.unit {
+            match quantity {
+                None => {
+                    return Err(format!(
+                        "[signals] {name}: a signal of your own is kept in its own unit; expected scale and offset in place \
+                         of unit"
+                    ));
+                }
+                Some(Quantity::Count) => {
+                    return Err(format!("[signals] {name}: is a number without a unit, expected no unit"));
+                }
+                Some(quantity) if quantity.unit(unit).is_none() => {
+                    return Err(format!(
+                        "[signals] {name}: unit '{unit}', expected one of {}",
+                        quantity.unit_names()
+                    ));
+                }
+                Some(_) => {}
+            }
+        }
+        for (what, value) in [("scale", self.scale), ("offset", self.offset)] {
+            if value.is_some_and(|value| !value.is_finite() || (what == "scale" && value == 0.0)) {
+                return Err(format!(
+                    "[signals] {name}: {what} is {}, expected a number{}",
+                    value.unwrap_or(0.0),
+                    if what == "scale" { " other than 0" } else { "" }
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// Factor and offset from a cell to the signal of that name.
+    pub fn conversion(&self, name: &str) -> (f64, f64) {
+        let unit =
+            Quantity::of(name).zip(self.unit.as_deref()).and_then(|(quantity, unit)| quantity.unit(unit));
+        let (factor, more) = unit.map_or((1.0, 0.0), |unit| (unit.factor, unit.offset));
+        (self.scale.unwrap_or(1.0) * factor, self.offset.unwrap_or(0.0) * factor + more)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GOOD: &str = "pylon-mapping = 1\n[time]\ncolumn = \"t\"\nunit = \"ms\"\n[signals]\n";
+
+    #[test]
+    fn a_mapping_is_read_and_its_conversions_are_right() {
+        let text = format!(
+            "{GOOD}baro_pa = {{ column = 3, unit = \"hPa\", scale = 2.0, offset = 1.0 }}\noat_c = {{ column = \"T\", unit = \
+             \"K\" }}\nflap = {{ column = \"F\" }}\n"
+        );
+        let mapping = Mapping::parse(&text).unwrap();
+        assert_eq!(mapping.signals["baro_pa"].column, ColumnName::Place(3));
+        assert_eq!(mapping.signals["baro_pa"].conversion("baro_pa"), (200.0, 100.0));
+        assert_eq!(mapping.signals["oat_c"].conversion("oat_c"), (1.0, -273.15));
+        assert_eq!(mapping.signals["flap"].conversion("flap"), (1.0, 0.0));
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_what_was_expected() {
+        for (text, words) in [
+            ("", "no 'pylon-mapping = 1' in it"),
+            ("pylon-mapping = 2\n", "version 2"),
+            ("pylon-mapping = 1\n", "no [time]"),
+            ("pylon-mapping = 1\n[time]\n", "neither column nor rate_hz"),
+            ("pylon-mapping = 1\n[time]\nrate_hz = 0\n", "expected rows a second"),
+            ("pylon-mapping = 1\n[time]\ncolumn = \"t\"\nunit = \"m\"\n", "unit 'm', expected one of s, ms"),
+            ("pylon-mapping = 1\n[tme]\n", "line 2: unknown field `tme`"),
+            (&format!("{GOOD}baro_hpa = {{ column = 1 }}\n"), "looks like baro_pa in another unit"),
+            (&format!("{GOOD}baro_pa = {{ column = 1, unit = \"m\" }}\n"), "expected one of Pa, hPa"),
+            (&format!("{GOOD}flap = {{ column = 1, unit = \"m\" }}\n"), "expected scale and offset"),
+            (&format!("{GOOD}gps_sats = {{ column = 1, unit = \"1\" }}\n"), "expected no unit"),
+            (
+                &format!("{GOOD}flap = {{ column = 1, scale = 0 }}\n"),
+                "scale is 0, expected a number other than 0",
+            ),
+            (&format!("{GOOD}flap = {{ columm = 1 }}\n"), "line 6: "),
+            (&format!("{GOOD}time_s = {{ column = 1 }}\n"), "said under [time]"),
+        ] {
+            let error = Mapping::parse(text).unwrap_err();
+            assert!(error.contains(words), "{text}: {error}");
+        }
+    }
+}

@@ -1,0 +1,212 @@
+//! Logs of other programs as flights.
+//!
+//! What a log is, is told by its content, never by its name. An importer turns what it finds into
+//! [`flight_data`]'s units and axes and says in [`Note`]s what it inferred, left out or could not read.
+
+mod airspeed;
+pub mod altus;
+pub use replay::barometer;
+pub mod clock_offset;
+mod damage;
+pub mod dataflash;
+mod error;
+mod fixes;
+mod gps_time;
+pub mod guess;
+pub mod igc;
+mod leap;
+pub mod mapping;
+pub mod mcap;
+mod own_header;
+pub mod parquet;
+pub mod record;
+pub mod signs;
+mod stamps;
+mod table;
+#[cfg(test)]
+mod testing;
+pub mod tlog;
+pub mod ulog;
+mod unit_check;
+mod words;
+
+use executor::Executor;
+use flight_data::{Flight, Note};
+
+pub use error::{ImportError, OpenError};
+
+/// One kind of log.
+pub trait Importer: Sync {
+    /// What users call the kind.
+    fn name(&self) -> &'static str;
+
+    /// Whether these bytes look like the beginning of such a log. Cheap, and never wrong about a
+    /// flight's CSV.
+    fn recognises(&self, log: &[u8]) -> bool;
+
+    /// The flight that is in the log.
+    ///
+    /// # Errors
+    /// [`ImportError`] if nothing of use is left after everything unreadable.
+    fn import(&self, log: &[u8]) -> Result<(Flight, Vec<Note>), ImportError>;
+}
+
+/// Every importer. Those whose beginning is the surest are asked first. The record is asked before the tlog: its frames
+/// have a check of 32 bits, and a MAVLink frame, whose check has 16, may be found in any long file.
+pub static IMPORTERS: &[&dyn Importer] = &[
+    &ulog::Ulog,
+    &mcap::Mcap,
+    &parquet::Parquet,
+    &altus::Altus,
+    &dataflash::DataFlash,
+    &dataflash::DataFlashText,
+    &igc::Igc,
+    &record::Record,
+    &tlog::Tlog,
+];
+
+/// Imports a log from its bytes.
+///
+/// # Errors
+/// [`ImportError`].
+pub fn import(log: &[u8]) -> Result<(Flight, Vec<Note>), ImportError> {
+    let (mut flight, mut notes) = as_logged(log)?;
+    turn_and_check(&mut flight, &mut notes, &[])?;
+    Ok((flight, notes))
+}
+
+/// Turns the signs of columns, by their names, and says what contradicts what.
+///
+/// # Errors
+/// [`ImportError::NothingToTurn`] for a column that the flight does not have.
+pub fn turn_and_check(
+    flight: &mut Flight,
+    notes: &mut Vec<Note>,
+    turned: &[String],
+) -> Result<(), ImportError> {
+    for name in turned {
+        if !signs::turn(flight, name) {
+            return Err(ImportError::NothingToTurn { name: name.clone() });
+        }
+    }
+    notes.extend(signs::notes(flight));
+    notes.extend(unit_check::notes(flight));
+    notes.extend(barometer::note(flight));
+    Ok(())
+}
+
+/// Imports a log without what [`turn_and_check`] does: the checks need memory of their own, and no byte of the log.
+///
+/// # Errors
+/// As [`import`].
+pub fn as_logged(log: &[u8]) -> Result<(Flight, Vec<Note>), ImportError> {
+    if log.is_empty() {
+        return Err(ImportError::Empty);
+    }
+    match IMPORTERS.iter().find(|importer| importer.recognises(log)) {
+        Some(importer) => importer.import(log),
+        None if parquet::is_cut(log) => Err(ImportError::Parquet(parquet::ParquetError::Cut)),
+        None if is_utf16(log) => Err(ImportError::Utf16),
+        None => Err(archive(log).map_or(ImportError::UnknownFormat, |kind| ImportError::Packed { kind })),
+    }
+}
+
+/// What kind of archive this is, by its first bytes.
+fn archive(log: &[u8]) -> Option<&'static str> {
+    const KINDS: [(&[u8], &str); 4] = [
+        (b"PK\x03\x04", "ZIP archive"),
+        (b"\x1f\x8b", "gzip archive"),
+        (b"7z\xbc\xaf\x27\x1c", "7-Zip archive"),
+        (b"BZh", "bzip2 archive"),
+    ];
+    KINDS.iter().find(|(magic, _)| log.starts_with(magic)).map(|(_, kind)| *kind)
+}
+
+/// Text of two bytes a letter, as some programs of Windows save it: by its mark, or by zeros in every other place.
+fn is_utf16(log: &[u8]) -> bool {
+    let head = log.get(..64).unwrap_or(log);
+    let (even, odd): (Vec<_>, Vec<_>) = head.iter().enumerate().partition(|(place, _)| place % 2 == 0);
+    let all = |bytes: &[(usize, &u8)], is: fn(u8) -> bool| bytes.iter().all(|(_, byte)| is(**byte));
+    let is_letter = |byte: u8| byte.is_ascii_graphic() || byte.is_ascii_whitespace();
+    let is_zero = |byte: u8| byte == 0;
+    head.starts_with(b"\xff\xfe")
+        || head.starts_with(b"\xfe\xff")
+        || (head.len() >= 8
+            && ((all(&even, is_letter) && all(&odd, is_zero))
+                || (all(&even, is_zero) && all(&odd, is_letter))))
+}
+
+/// A flight from the bytes of its CSV, or of any log that can be imported. A long CSV is read in as many parts as the executor
+/// can do at a time. `name` is the file's, for advice.
+///
+/// # Errors
+/// As [`flight_data::parse`] for a CSV, as [`import`] for a log; [`flight_data::CsvProblem::NoVersion`] for what is neither.
+pub fn open(bytes: &[u8], name: &str, executor: &dyn Executor) -> Result<(Flight, Vec<Note>), OpenError> {
+    let is_csv = is_flight(bytes);
+    if !is_csv && is_log(bytes) {
+        return Ok(import(bytes)?);
+    }
+    if let Some(kind) = archive(bytes).filter(|_| !is_csv) {
+        return Err(ImportError::Packed { kind }.into());
+    }
+    if !is_csv && is_utf16(bytes) {
+        return Err(ImportError::Utf16.into());
+    }
+    if parquet::is_cut(bytes) {
+        return Err(ImportError::Parquet(parquet::ParquetError::Cut).into());
+    }
+    if !is_csv && !has_flights_names(bytes) && mapping::is_table(bytes) {
+        return Err(ImportError::Table { file: name.to_owned() }.into());
+    }
+    if !is_csv && !bytes.is_empty() && !is_text(bytes) {
+        return Err(ImportError::UnknownFormat.into());
+    }
+    let (mut flight, mut notes) = flight_data::parse_with(bytes, executor)?;
+    notes.extend(leap::leave_out(&mut flight));
+    notes.extend(leap::backward(&flight));
+    notes.extend(unit_check::notes(&flight));
+    Ok((flight, notes))
+}
+
+/// What kind of log or flight this is, of those that [`open`] reads, in the words of who has it.
+#[must_use]
+pub fn format_name(bytes: &[u8]) -> &'static str {
+    match IMPORTERS.iter().find(|importer| importer.recognises(bytes)) {
+        Some(importer) if !is_flight(bytes) => importer.name(),
+        _ => "Pylon's own CSV",
+    }
+}
+
+/// Whether [`open`] knows how to read this: a flight's CSV or a log, by what is in it.
+#[must_use]
+pub fn is_known(bytes: &[u8]) -> bool {
+    is_flight(bytes) || is_log(bytes)
+}
+
+fn is_log(bytes: &[u8]) -> bool {
+    IMPORTERS.iter().any(|importer| importer.recognises(bytes))
+}
+
+/// Whether the beginning may be text: without a zero, and nearly all of it UTF-8.
+fn is_text(bytes: &[u8]) -> bool {
+    let head = bytes.get(..4_096).unwrap_or(bytes);
+    let lost =
+        String::from_utf8_lossy(head).chars().filter(|letter| *letter == char::REPLACEMENT_CHARACTER).count();
+    !head.contains(&0) && lost * 20 <= head.len()
+}
+
+/// Whether the beginning has the names that every flight has: what is missing then is the flight's own first line.
+fn has_flights_names(bytes: &[u8]) -> bool {
+    let head = bytes.get(..4_096).unwrap_or(bytes);
+    [&b"time_s"[..], b"gps_alt_m"].iter().all(|name| memchr::memmem::find(head, name).is_some())
+}
+
+/// Whether this is a flight's CSV: it begins with header lines, one of which says so.
+#[must_use]
+pub fn is_flight(bytes: &[u8]) -> bool {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
+    let mut header = bytes.split(|byte| matches!(byte, b'\n' | b'\r')).map(<[u8]>::trim_ascii);
+    header.by_ref().take_while(|line| line.is_empty() || line.starts_with(b"#")).any(|line| {
+        line.trim_ascii_start().get(1..).is_some_and(|key| key.trim_ascii().starts_with(b"pylon-flight"))
+    })
+}

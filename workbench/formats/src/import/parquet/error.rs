@@ -1,0 +1,50 @@
+//! Why a Parquet file could not be read.
+
+use thiserror::Error;
+
+/// Why a Parquet file could not be read; displays as one line, without the file's name.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum ParquetError {
+    /// The end is missing, where all that is in it is listed.
+    #[error(
+        "Parquet that is cut off, or still being written: its end is missing, where its columns are listed; without it nothing \
+         of it can be read, so copy or export it again"
+    )]
+    Cut,
+    /// It is encrypted.
+    #[error("an encrypted Parquet file, expected one that is not")]
+    Encrypted,
+    /// The list of columns is damaged.
+    #[error(
+        "Parquet whose list of columns is damaged ({what}): nothing of it can be read, so copy or export it again"
+    )]
+    Footer {
+        /// What is wrong with it.
+        what: String,
+    },
+    /// It says that it has more than there can be in so few bytes.
+    #[error(
+        "Parquet of {bytes} bytes that says it has {rows} rows of {columns} columns, expected at most {most} cells in so few \
+         bytes: it is damaged, or of nothing but repetitions"
+    )]
+    TooMany {
+        /// The file's length.
+        bytes: usize,
+        /// Rows that it says it has.
+        rows: i64,
+        /// Columns.
+        columns: usize,
+        /// Cells that it may have.
+        most: usize,
+    },
+    /// There is no row, or no column that has one value a row.
+    #[error("Parquet without a row of numbers, expected columns with a value a row")]
+    Nothing,
+    /// A flight of Pylon's without what every flight has.
+    #[error("Pylon's Parquet without {what}, expected a flight of 'pylon export FLIGHT --format parquet'")]
+    NoFlight {
+        /// What is missing.
+        what: &'static str,
+    },
+}

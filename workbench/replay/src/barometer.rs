@@ -1,0 +1,114 @@
+//! Whether what is in the barometer's column was measured by a barometer.
+
+use kf_core::atmosphere::pressure_altitude_m;
+
+use flight_data::{Channel, Flight, Note};
+
+/// A barometer that follows the receiver's altitude this closely, metres, is no barometer: both show whole metres at best.
+const COPIED_M: f64 = 0.51;
+/// Over less than this an equal barometer may be chance, metres.
+const RANGE_M: f64 = 10.0;
+/// A barometer that moved by less than this while the receiver moved by [`RANGE_M`] is stuck, metres.
+const STUCK_M: f64 = 0.5;
+/// Of fewer samples nothing is said.
+const LEAST_SAMPLES: usize = 20;
+
+/// What is wrong with a barometer for the whole flight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Fault {
+    /// It says one and the same while the vehicle climbs.
+    Stuck,
+    /// It is the receiver's altitude, plus a constant.
+    Copied {
+        /// The constant, metres.
+        apart_m: f64,
+    },
+}
+
+/// Checks the barometer against the receiver.
+#[must_use]
+pub fn check(flight: &Flight) -> Option<Fault> {
+    let pressure = flight.channel(Channel::BaroPa).filter(|column| column.samples().next().is_some());
+    let column = pressure.or_else(|| flight.channel(Channel::BaroAltM))?;
+    let metres = |value: f32| if pressure.is_some() { pressure_altitude_m(value) } else { Some(value) };
+    let receiver = flight.channel(Channel::GpsAltM)?;
+    let pairs: Vec<(f64, f64)> = column
+        .samples()
+        .filter_map(|(row, value)| Some((f64::from(metres(value)?), f64::from(receiver.get(row)?))))
+        .filter(|(own, other)| own.is_finite() && other.is_finite())
+        .collect();
+    // One in fifty may be a wild cell of either.
+    let ends = |values: &dyn Fn(&(f64, f64)) -> f64| {
+        let mut sorted: Vec<f64> = pairs.iter().map(values).collect();
+        sorted.sort_by(f64::total_cmp);
+        let at = |percent: usize| sorted.get(sorted.len() * percent / 100).copied().unwrap_or(0.0);
+        (at(2), at(98))
+    };
+    let range = |(least, most): (f64, f64)| most - least;
+    if pairs.len() < LEAST_SAMPLES || range(ends(&|pair| pair.1)) < RANGE_M {
+        return None;
+    }
+    if range(ends(&|pair| pair.0)) < STUCK_M {
+        return Some(Fault::Stuck);
+    }
+    let apart = ends(&|(own, other)| own - other);
+    (range(apart) <= 2.0 * COPIED_M).then_some(Fault::Copied { apart_m: 0.5 * (apart.0 + apart.1) })
+}
+
+impl Fault {
+    /// What is to be said of it.
+    #[must_use]
+    pub fn sentence(self) -> String {
+        match self {
+            Self::Stuck => {
+                "the barometer is stuck: it says the same for the whole flight while the receiver climbs"
+                    .to_owned()
+            }
+            Self::Copied { apart_m } => format!(
+                "no barometer: what stands in its place is the receiver's altitude, {apart_m:+.0} m, copied"
+            ),
+        }
+    }
+}
+
+/// What is to be said of the barometer.
+#[must_use]
+pub fn note(flight: &Flight) -> Option<Note> {
+    check(flight).map(|fault| Note::new(format!("{}; nothing that is said of baro holds", fault.sentence())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use flight_data::Column;
+
+    fn flight(baro_m: impl Fn(usize, f32) -> f32) -> Flight {
+        let mut flight = Flight::default();
+        let (mut receiver, mut baro) = (Column::default(), Column::default());
+        for row in 0..300 {
+            let altitude_m = 400.0 + (0.7 * row as f32).floor();
+            flight.time_s.push(row as f64);
+            receiver.push(Some(altitude_m));
+            baro.push(Some(baro_m(row, altitude_m)));
+        }
+        flight.set_channel(Channel::GpsAltM, receiver);
+        flight.set_channel(Channel::BaroAltM, baro);
+        flight
+    }
+
+    #[test]
+    fn a_barometer_is_told_from_what_is_none() {
+        assert_eq!(check(&flight(|_, altitude_m| altitude_m + 47.0)), Some(Fault::Copied { apart_m: 47.0 }));
+        let wild = flight(|row, altitude_m| if row % 60 == 0 { 9_000.0 } else { altitude_m });
+        assert_eq!(check(&wild), Some(Fault::Copied { apart_m: 0.0 }));
+        assert_eq!(check(&flight(|_, _| 512.0)), Some(Fault::Stuck));
+        // One that is right but for a drift of 5 m, and one that lags by 3 s.
+        assert_eq!(check(&flight(|row, altitude_m| altitude_m + 47.0 + row as f32 / 60.0)), None);
+        assert_eq!(
+            check(&flight(|row, _| 400.0 + (0.7 * (row as f32 - 3.0) * (row as f32 / 300.0)).floor())),
+            None
+        );
+        assert_eq!(check(&Flight::default()), None);
+        assert!(note(&flight(|_, altitude_m| altitude_m)).unwrap().text().contains("copied"));
+    }
+}

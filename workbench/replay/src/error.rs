@@ -1,0 +1,63 @@
+//! Why a flight can not be replayed.
+
+use kf_core::estimator::ConfigError;
+use model::ModelError;
+use thiserror::Error;
+
+use super::quiet::Calmest;
+use super::window::WindowError;
+use flight_data::CsvProblem;
+
+/// Why a flight can not be replayed; displays as one line, without the flight's name.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ReplayError {
+    /// The flight lacks what every comparison needs.
+    #[error(transparent)]
+    Flight(#[from] CsvProblem),
+    /// The barometer says one and the same for the whole flight, and there is no other altitude.
+    #[error(
+        "the barometer is stuck: it says the same for the whole flight while the receiver climbs, and there is no other altitude \
+         to compare with"
+    )]
+    StuckBarometer,
+    /// The calibration window does not fit the flight.
+    #[error(transparent)]
+    Window(#[from] WindowError),
+    /// The header's latitude is none.
+    #[error("latitude_deg in the header is '{0}', expected degrees from -90 to 90")]
+    Latitude(String),
+    /// The flight does not say when it was launched, and is nowhere quiet.
+    #[error("no launch column and no quiet stretch of {wanted_s:.0} s to calibrate on{}; give one by --calibrate START..END (seconds)", hint(.calmest.as_ref()))]
+    NoQuietStretch {
+        /// How long it would have to be, seconds.
+        wanted_s: f64,
+        /// Where it comes nearest to that.
+        calmest: Option<Calmest>,
+    },
+    /// The model is not valid.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// The estimator refuses the model's numbers.
+    #[error("the estimator refuses the model: {0}")]
+    Config(&'static str),
+}
+
+fn hint(found: Option<&Calmest>) -> String {
+    found.map_or_else(String::new, |Calmest { window, altitude_range_m, speed_range_mps }| {
+        format!(
+            " (the calmest is {window}, where altitude goes over {altitude_range_m:.1} m and speed over \
+             {speed_range_mps:.1} m/s)"
+        )
+    })
+}
+
+impl From<ConfigError> for ReplayError {
+    fn from(error: ConfigError) -> Self {
+        Self::Config(match error {
+            ConfigError::Shape => "its states do not fit the filter's shape",
+            ConfigError::ClimbRateNeedsDenseFilter => "a climb rate needs a filter without head states",
+            ConfigError::OutOfRange => "a number is out of the range that f32 arithmetic can hold",
+        })
+    }
+}

@@ -1,0 +1,161 @@
+//! Which part of a log is analysed: one flight of it, from the ground before its take-off to its landing.
+
+use serde::{Deserialize, Serialize};
+
+use super::window::{CalibrationWindow, WindowError};
+use crate::airborne::{self, Outing};
+use flight_data::Flight;
+
+/// Less than this is not worth a line: a block of a second or two at either end, seconds.
+const NOT_WORTH_SAYING_S: f64 = 5.0;
+
+/// The part of a log that is analysed, and what the rest of it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Extent {
+    /// The log's first and last time, seconds.
+    pub log_s: (f64, f64),
+    /// From when to when is analysed, seconds; a row at the end belongs to it.
+    pub used_s: (f64, f64),
+    /// Every time in the air; empty where the flight says itself when it was launched.
+    pub outings: Vec<Outing>,
+    /// Which of them is analysed.
+    pub chosen: Option<usize>,
+}
+
+/// A part of a log that is not analysed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Unused {
+    /// From when, seconds.
+    pub from_s: f64,
+    /// To when, seconds.
+    pub to_s: f64,
+    /// Share of the whole log.
+    pub share: f64,
+    /// Why.
+    pub reason: String,
+}
+
+impl Unused {
+    /// As a line of text.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let seconds = self.to_s - self.from_s;
+        format!(
+            "not used: {seconds:.0} s ({:.1} %), from {:.0} s to {:.0} s: {}",
+            100.0 * self.share,
+            self.from_s,
+            self.to_s,
+            self.reason
+        )
+    }
+}
+
+impl Extent {
+    /// All of a flight, as of one that says itself when it was launched.
+    pub(super) fn all(flight: &Flight) -> Self {
+        let times = || flight.time_s.iter().copied();
+        let first_s = times().next().unwrap_or(0.0);
+        let log_s = (first_s, times().fold(first_s, f64::max));
+        Self { log_s, used_s: log_s, outings: Vec::new(), chosen: None }
+    }
+
+    /// The longest flight of a log, or the one that the user's window is in.
+    ///
+    /// # Errors
+    /// [`WindowError::AfterLanding`].
+    pub(super) fn of(flight: &Flight, window: Option<CalibrationWindow>) -> Result<Self, WindowError> {
+        let mut extent = Self::all(flight);
+        let found = airborne::find(flight);
+        let chosen = match window {
+            None => found.longest(),
+            Some(window) => {
+                let around = found.around(window.start_s);
+                let landing_s =
+                    |outing: &Outing| outing.landing_s.filter(|landing_s| *landing_s < window.end_s);
+                let landed_s = match (around, found.outings.last()) {
+                    (Some((_, outing)), _) => landing_s(&outing),
+                    (None, last) => last.and_then(|outing| outing.landing_s),
+                };
+                if let Some(landing_s) = landed_s {
+                    return Err(WindowError::AfterLanding { window, landing_s });
+                }
+                around
+            }
+        };
+        extent.outings = found.outings;
+        if let Some((place, outing)) = chosen {
+            extent.chosen = Some(place);
+            let is_first = place == 0;
+            let from_s = match outing.ground_from_s {
+                _ if is_first => extent.log_s.0,
+                Some(ground_s) => ground_s,
+                None => outing.from_s,
+            };
+            extent.used_s = (from_s, outing.landing_s.unwrap_or(extent.end_s(place, &outing)));
+        }
+        Ok(extent)
+    }
+
+    /// Where a flight without a landing ends: the log's end, or where the next one begins.
+    fn end_s(&self, place: usize, outing: &Outing) -> f64 {
+        if place + 1 == self.outings.len() { self.log_s.1 } else { outing.to_s }
+    }
+
+    /// The flight that is analysed, if the log shows one.
+    #[must_use]
+    pub fn outing(&self) -> Option<Outing> {
+        self.chosen.and_then(|chosen| self.outings.get(chosen)).copied()
+    }
+
+    /// What is not analysed, if rows are skipped up to `start_s` (the calibration's beginning).
+    #[must_use]
+    pub fn unused(&self, start_s: f64) -> Vec<Unused> {
+        let whole_s = self.log_s.1 - self.log_s.0;
+        let part = |from_s: f64, to_s: f64, reason: String| {
+            (to_s - from_s >= NOT_WORTH_SAYING_S).then(|| Unused {
+                from_s,
+                to_s,
+                share: (to_s - from_s) / whole_s,
+                reason,
+            })
+        };
+        let flights = |places: std::ops::Range<usize>| match places.len() {
+            0 => String::new(),
+            _ if self.outings.len() == 2 => "the other flight of this log".to_owned(),
+            1 => "another flight of this log".to_owned(),
+            count => format!("{count} other flights of this log"),
+        };
+        let chosen = self.chosen.unwrap_or(0);
+        let earlier = flights(0..chosen);
+        let earlier = part(
+            self.log_s.0,
+            self.used_s.0,
+            if earlier.is_empty() { "before this flight".to_owned() } else { earlier },
+        );
+        let skipped = part(self.used_s.0, start_s, "before the calibration".to_owned());
+        let later = flights(chosen + 1..self.outings.len().max(chosen + 1));
+        let after = match later.as_str() {
+            "" => "on the ground after the landing".to_owned(),
+            later => format!("after the landing: on the ground, and {later}"),
+        };
+        let after = part(self.used_s.1, self.log_s.1, after);
+        [earlier, skipped, after].into_iter().flatten().collect()
+    }
+
+    /// What a user should know of a log with several flights.
+    #[must_use]
+    pub fn several(&self) -> Option<String> {
+        let chosen = self.chosen.filter(|_| self.outings.len() > 1)?;
+        Some(format!(
+            "{} flights in this log: number {} is used, {}",
+            self.outings.len(),
+            chosen + 1,
+            if self.is_longest(chosen) { "the longest" } else { "the one that the calibration window is in" }
+        ))
+    }
+
+    fn is_longest(&self, chosen: usize) -> bool {
+        let own_s = self.outings.get(chosen).map_or(0.0, Outing::duration_s);
+        self.outings.iter().all(|outing| outing.duration_s() <= own_s)
+    }
+}

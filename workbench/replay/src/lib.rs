@@ -1,0 +1,394 @@
+//! A flight through the estimator: the same ticks, in the same order, as the flight computer gets.
+//!
+//! Where the captive flight ends is decided here: by the flight's `launch` column, or, for flights that
+//! have none, by a window given by the user or found in the flight ([`quiet`]). With a window, rows before
+//! it are skipped, launch is said at its end, and nothing is ignored as settling. Of a flight without a `launch` column what
+//! follows its landing is left out as well, and of several flights in one log all but one ([`Extent`]).
+
+pub mod airborne;
+pub mod barometer;
+mod effect_columns;
+mod error;
+mod extent;
+mod inputs;
+mod mission;
+pub mod quiet;
+mod usage;
+mod wild;
+mod window;
+
+use std::fmt;
+use std::sync::Arc;
+
+use kf_core::input::TickInput;
+use kf_core::latch::LatchRecord;
+use kf_core::mission::Counters;
+use kf_core::navigation::NavigationCounts;
+use kf_core::output::TickOutput;
+use kf_core::strapdown;
+use model::Model;
+
+use flight_data::{Channel, Column, Flight};
+
+pub use effect_columns::missing_columns;
+pub use error::ReplayError;
+pub use extent::{Extent, Unused};
+pub use inputs::{InputCounters, TickInputs};
+pub use mission::{AnyMission, mission};
+pub use quiet::{Calmest, QuietStretch};
+pub use usage::{Usage, clock};
+pub use wild::WildCells;
+pub use window::{CalibrationWindow, WindowError};
+
+/// What decided when the captive flight ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CalibrationSource {
+    /// The flight's `launch` column.
+    LaunchColumn,
+    /// A window that the user gave.
+    Given(CalibrationWindow),
+    /// The ground before the take-off, or the flight's first quiet stretch.
+    Quiet(QuietStretch),
+    /// Where the flight is least unquiet, as it is nowhere quiet.
+    Calmest(Calmest),
+    /// Nothing: the whole flight is free flight, from its first row on.
+    Uncalibrated(CalibrationWindow),
+}
+
+impl CalibrationSource {
+    /// The window, if there is one.
+    #[must_use]
+    pub const fn window(&self) -> Option<CalibrationWindow> {
+        match self {
+            Self::LaunchColumn => None,
+            Self::Given(window) | Self::Uncalibrated(window) => Some(*window),
+            Self::Quiet(stretch) => Some(stretch.window),
+            Self::Calmest(calmest) => Some(calmest.window),
+        }
+    }
+}
+
+impl fmt::Display for CalibrationSource {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::LaunchColumn => write!(formatter, "captive flight until the launch column says 1"),
+            Self::Given(window) => {
+                write!(formatter, "calibrated on {window} of the flight's own clock, as given")
+            }
+            Self::Quiet(stretch) => write!(formatter, "calibrated on {stretch}"),
+            Self::Calmest(Calmest {
+                window: CalibrationWindow { start_s, end_s }, altitude_range_m, ..
+            }) => write!(
+                formatter,
+                "calibrated on the calmest stretch, as none is quiet, {start_s:.1}..{end_s:.1} s (altitude over \
+                 {altitude_range_m:.0} m); --calibrate START..END chooses another"
+            ),
+            Self::Uncalibrated(_) => {
+                write!(
+                    formatter,
+                    "not calibrated: the biases are estimated beside everything else, on all of the flight"
+                )
+            }
+        }
+    }
+}
+
+/// A flight, a model and where the one calibrates on the other, ready to run.
+#[derive(Clone, Debug)]
+pub struct Replay<'a> {
+    flight: &'a Flight,
+    model: Model,
+    source: CalibrationSource,
+    extent: Extent,
+    has_barometer: bool,
+    /// Columns that take the flight's own ones' place, and why.
+    tamed: Vec<(Channel, Arc<Column>)>,
+    wild: Vec<WildCells>,
+}
+
+/// What a replay left behind.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReplaySummary {
+    /// Rows before the calibration window, which the estimator never saw.
+    pub skipped_rows: usize,
+    /// Rows after the landing, which it never saw either.
+    pub rows_after: usize,
+    /// What could not be made into a tick's input.
+    pub inputs: InputCounters,
+    /// What the estimator counted: ignored ticks, samples that are not finite, held fixes, and so on.
+    pub counters: Counters,
+    /// What was counted where the strapdown channel made the UAV's inertial altitude; `None` where it did not.
+    pub inertial_altitude: Option<(NavigationCounts, strapdown::Counts)>,
+    /// The latched calibration, if there was a launch.
+    pub latch: Option<LatchRecord>,
+}
+
+impl ReplaySummary {
+    /// Ticks ignored because their time was not after the last one's.
+    #[must_use]
+    pub const fn ignored_rows(&self) -> u32 {
+        self.counters.out_of_order
+    }
+
+    /// Samples that were not finite, or a pressure that is none.
+    #[must_use]
+    pub fn not_finite_samples(&self) -> u32 {
+        let sensors = self.counters.sensors.iter().map(|sensor| sensor.not_finite);
+        sensors.fold(
+            self.counters.gps.not_finite.saturating_add(self.counters.signals_not_finite),
+            u32::saturating_add,
+        )
+    }
+
+    /// Fixes that were the last one, held.
+    #[must_use]
+    pub const fn held_fixes(&self) -> u32 {
+        self.counters.gps.held
+    }
+}
+
+impl<'a> Replay<'a> {
+    /// Decides where the flight calibrates: on `window` if given, else up to launch by the `launch` column, else on the ground
+    /// before the take-off, the first quiet stretch of the flight or, where there is none, the calmest.
+    ///
+    /// # Errors
+    /// A flight without reference or second altitude, or with a stuck barometer in its place, a window outside the flight or after
+    /// its landing, or no launch column and nothing to calibrate on.
+    pub fn new(
+        flight: &'a Flight,
+        model: &Model,
+        window: Option<CalibrationWindow>,
+    ) -> Result<Self, ReplayError> {
+        let has_barometer = has_barometer(flight)?;
+        let has_launch = has_launch(flight);
+        if let Some(window) = window {
+            window.check(flight)?;
+        }
+        let extent = if has_launch { Extent::all(flight) } else { Extent::of(flight, window)? };
+        let source = match window {
+            Some(window) => CalibrationSource::Given(window),
+            None if has_launch => CalibrationSource::LaunchColumn,
+            None => quiet_or_calmest(flight, model, &extent)?,
+        };
+        let mut model = model.clone();
+        if source.window().is_some() {
+            model.settling_s = 0.0;
+        }
+        model.latitude_deg = latitude_deg(flight)?.unwrap_or(model.latitude_deg);
+        Ok(Self { flight, model, source, extent, has_barometer, tamed: Vec::new(), wild: Vec::new() })
+    }
+
+    /// A flight without captive flight: launch is at its first row. What needs no calibration, such as a
+    /// diagnosis, can work on it.
+    ///
+    /// # Errors
+    /// A flight without reference or second altitude, or a header's latitude that is none.
+    pub fn uncalibrated(flight: &'a Flight, model: &Model) -> Result<Self, ReplayError> {
+        let has_barometer = has_barometer(flight)?;
+        let extent = if has_launch(flight) { Extent::all(flight) } else { Extent::of(flight, None)? };
+        let first_s = extent.used_s.0;
+        let window = CalibrationWindow { start_s: first_s, end_s: first_s };
+        let mut model = model.clone();
+        model.latitude_deg = latitude_deg(flight)?.unwrap_or(model.latitude_deg);
+        model.settling_s = 0.0;
+        let source = CalibrationSource::Uncalibrated(window);
+        Ok(Self { flight, model, source, extent, has_barometer, tamed: Vec::new(), wild: Vec::new() })
+    }
+
+    /// As [`Self::new`], but a flight that has nothing quiet to calibrate on is taken as it is, by
+    /// [`Self::uncalibrated`].
+    ///
+    /// # Errors
+    /// As those of both, but for a flight that is nowhere quiet.
+    pub fn calibrated_or_not(
+        flight: &'a Flight,
+        model: &Model,
+        window: Option<CalibrationWindow>,
+    ) -> Result<Self, ReplayError> {
+        match Self::new(flight, model, window) {
+            Err(ReplayError::NoQuietStretch { .. })
+            | Ok(Self { source: CalibrationSource::Calmest(_), .. }) => Self::uncalibrated(flight, model),
+            other => other,
+        }
+    }
+
+    /// As [`Self::calibrated_or_not`], for a diagnosis, which estimates the biases beside everything else: all of a flight is
+    /// worked on, from before its take-off to its landing, but for what lies before a window that was given or the last
+    /// minutes on the ground. What no aircraft does is left out ([`Self::wild`]).
+    ///
+    /// # Errors
+    /// As [`Self::calibrated_or_not`].
+    pub fn to_diagnose(
+        flight: &'a Flight,
+        model: &Model,
+        window: Option<CalibrationWindow>,
+    ) -> Result<Self, ReplayError> {
+        let mut replay = Self::calibrated_or_not(flight, model, window)?;
+        // A stretch in the air would cost what was flown before it.
+        if let CalibrationSource::Quiet(stretch) = replay.source
+            && !stretch.is_on_ground
+            && replay.extent.outing().is_some()
+        {
+            replay = Self::uncalibrated(flight, model)?;
+        }
+        (replay.tamed, replay.wild) = wild::tamed(flight);
+        Ok(replay)
+    }
+
+    /// What a diagnosis leaves out of single columns: cells that no aircraft makes. None where the flight is replayed as the flight computer
+    /// would have it.
+    #[must_use]
+    pub fn wild(&self) -> &[WildCells] {
+        &self.wild
+    }
+
+    /// Whether there is anything to calibrate on.
+    #[must_use]
+    pub const fn is_calibrated(&self) -> bool {
+        !matches!(self.source, CalibrationSource::Uncalibrated(_))
+    }
+
+    /// The flight.
+    #[must_use]
+    pub const fn flight(&self) -> &'a Flight {
+        self.flight
+    }
+
+    /// The model as flown: without settling time where a window was given or found, and at the flight's
+    /// own latitude where its header says one.
+    #[must_use]
+    pub const fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// Which part of the log is analysed.
+    #[must_use]
+    pub const fn extent(&self) -> &Extent {
+        &self.extent
+    }
+
+    /// What of the log is not analysed, and why.
+    #[must_use]
+    pub fn unused(&self) -> Vec<Unused> {
+        self.extent.unused(self.source.window().map_or(f64::NEG_INFINITY, |window| window.start_s))
+    }
+
+    /// Times of the rows that are analysed, and of those skipped before the calibration window: all but what follows the landing.
+    #[must_use]
+    pub fn times_s(&self) -> &'a [f64] {
+        self.flight.time_s.get(..self.end_row()).unwrap_or_default()
+    }
+
+    /// The first row that is not analysed any more.
+    fn end_row(&self) -> usize {
+        let rows = self.flight.rows();
+        if self.extent.used_s.1 >= self.extent.log_s.1 {
+            return rows;
+        }
+        self.flight.time_s.iter().position(|time_s| *time_s > self.extent.used_s.1).unwrap_or(rows)
+    }
+
+    /// What decided when the captive flight ends.
+    #[must_use]
+    pub const fn source(&self) -> &CalibrationSource {
+        &self.source
+    }
+
+    /// The ticks as the mission gets them: [`Self::inputs`], and where the flight has accelerometer and gyro at 50 Hz or more
+    /// but no `imu_slave_alt_m`, the altitude that the flight computer makes of them.
+    #[must_use]
+    pub fn mission_inputs(&self) -> TickInputs<'a> {
+        self.inputs().with_inertial_altitude()
+    }
+
+    /// Whether the UAV's inertial altitude is one that the flight computer makes: what [`Self::mission_inputs`] has and
+    /// [`Self::inputs`] has not.
+    #[must_use]
+    pub fn makes_inertial_altitude(&self) -> bool {
+        self.mission_inputs().inertial_altitude().is_some()
+    }
+
+    /// The ticks as the sensors' own, one a row from the calibration window on.
+    #[must_use]
+    pub fn inputs(&self) -> TickInputs<'a> {
+        TickInputs::new(self.flight, &self.tamed, self.source.window(), self.end_row(), self.has_barometer)
+    }
+
+    /// Runs the flight through a new mission and shows every tick to `on_tick`; memory does not grow
+    /// with the flight.
+    ///
+    /// # Errors
+    /// [`ReplayError::Model`] or [`ReplayError::Config`] for a model that no mission can be made of.
+    pub fn run(
+        &self,
+        on_tick: &mut dyn FnMut(&TickInput, &TickOutput),
+    ) -> Result<ReplaySummary, ReplayError> {
+        let mut mission = mission(&self.model)?;
+        let mut inputs = self.mission_inputs();
+        for input in inputs.by_ref() {
+            let output = mission.tick(&input);
+            on_tick(&input, &output);
+        }
+        Ok(ReplaySummary {
+            skipped_rows: inputs.skipped_rows(),
+            rows_after: self.flight.rows() - self.end_row(),
+            inputs: *inputs.counters(),
+            counters: *mission.counters(),
+            inertial_altitude: inputs
+                .inertial_altitude()
+                .map(|made| (*made.counts(), made.channel().counts())),
+            latch: mission.latch().cloned(),
+        })
+    }
+}
+
+/// Whether the flight says itself when it was launched.
+#[must_use]
+pub fn has_launch(flight: &Flight) -> bool {
+    flight.channel(Channel::Launch).is_some_and(|launch| launch.samples().next().is_some())
+}
+
+/// Where a flight without a launch column can be calibrated.
+fn quiet_or_calmest(
+    flight: &Flight,
+    model: &Model,
+    extent: &Extent,
+) -> Result<CalibrationSource, ReplayError> {
+    let take_off = extent.outing().and_then(|outing| outing.take_off_s);
+    let on_ground = take_off
+        .and_then(|take_off_s| quiet::find_on_ground(flight, &model.quality, (extent.used_s.0, take_off_s)));
+    if let Some(stretch) = on_ground {
+        return Ok(CalibrationSource::Quiet(stretch));
+    }
+    match quiet::find(flight, &model.quality, extent.used_s) {
+        Err(ReplayError::NoQuietStretch { calmest: Some(calmest), .. }) => {
+            Ok(CalibrationSource::Calmest(calmest))
+        }
+        other => other.map(CalibrationSource::Quiet),
+    }
+}
+
+/// The header's free key `latitude_deg`, if there is one.
+fn latitude_deg(flight: &Flight) -> Result<Option<f32>, ReplayError> {
+    let Some((_, text)) = flight.header.other.iter().find(|(key, _)| key == "latitude_deg") else {
+        return Ok(None);
+    };
+    match text.trim().parse::<f32>() {
+        Ok(latitude_deg) if (-90.0..=90.0).contains(&latitude_deg) => Ok(Some(latitude_deg)),
+        _ => Err(ReplayError::Latitude(text.clone())),
+    }
+}
+
+/// Whether there is a barometer to be believed, beside a reference and another altitude.
+fn has_barometer(flight: &Flight) -> Result<bool, ReplayError> {
+    flight.require_altitudes()?;
+    let is_stuck = barometer::check(flight) == Some(barometer::Fault::Stuck);
+    let inertial = [Channel::ImuSlaveAltM, Channel::ImuMasterAltM, Channel::AccelXMps2];
+    if is_stuck && !inertial.into_iter().any(|channel| flight.channel(channel).is_some()) {
+        return Err(ReplayError::StuckBarometer);
+    }
+    Ok(!is_stuck)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,297 @@
+use kf_core::input::{BaroReading, GpsFix, ImuSample, LaunchDoubt};
+use kf_core::mission::Mission;
+use kf_core::output::Phase;
+use kf_core::sensor::Sensor;
+use rand::{RngExt as _, SeedableRng as _};
+
+use super::*;
+use flight_data::parse;
+
+fn read(text: &str) -> Flight {
+    parse(format!("# pylon-flight: 1\n{text}").as_bytes()).unwrap().0
+}
+
+fn inputs(text: &str) -> Vec<TickInput> {
+    let flight = read(text);
+    TickInputs::new(&flight, &[], None, flight.rows(), true).collect()
+}
+
+/// Captive at 2000 m for `captive` seconds, then `free` seconds: gps 5 Hz, the rest 50 Hz; the slave reads
+/// 70 m low, the baro 120 m low, the master 10 m high, each with uniform noise of +-1 m.
+fn noisy_flight(captive: u32, free: u32, with_launch: bool) -> Flight {
+    let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(7);
+    let mut text =
+        String::from("time_s,launch,gps_alt_m,gps_vd_mps,imu_master_alt_m,imu_slave_alt_m,baro_alt_m\n");
+    for row in 0..(captive + free) * 50 {
+        let mut noise = || random.random_range(-1.0..1.0_f32);
+        let launched = row >= captive * 50;
+        let launch = if with_launch { if launched { "1" } else { "0" } } else { "" };
+        let gps = if row % 10 == 0 { format!("{},0", 2000.0 + noise()) } else { ",".into() };
+        let master = if launched { String::new() } else { (2010.0 + noise()).to_string() };
+        text += &format!(
+            "{},{launch},{gps},{master},{},{}\n",
+            f64::from(row) * 0.02,
+            1930.0 + noise(),
+            1880.0 + noise()
+        );
+    }
+    read(&text)
+}
+
+fn run(replay: &Replay<'_>) -> (Vec<TickOutput>, ReplaySummary) {
+    let mut outputs = Vec::new();
+    let summary = replay.run(&mut |_, output| outputs.push(output.clone())).unwrap();
+    (outputs, summary)
+}
+
+#[test]
+fn every_cell_reaches_its_field() {
+    let ticks = inputs(
+        "time_s,launch,gps_alt_m,gps_vn_mps,gps_ve_mps,gps_vd_mps,gps_vacc_m,gps_sats,gps_time_s,baro_pa,baro_alt_m,\
+         baro_temp_c,imu_master_alt_m,imu_slave_alt_m,accel_x_mps2,accel_y_mps2,accel_z_mps2,gyro_x_radps,\
+         gyro_y_radps,gyro_z_radps,roll_rad,pitch_rad,yaw_rad,tas_mps,aoa_rad,sideslip_rad,throttle,oat_c\n\
+         0.0050004,1,1,2,3,4,5,6,7.5,8,9,10,11,12,13,14,15,16,17,18,19,20,21,22,23,24,25,26\n\
+         1,,,,,,,,,,9,,,,,,,,,,,,,,,,,\n\
+         2,0,nan,,,,,,,,,,,,,,,,,,,,,,,,,\n",
+    );
+    assert_eq!(
+        ticks[0],
+        TickInput {
+            time_us: 5000,
+            launch: true,
+            launch_doubt: LaunchDoubt::None,
+            gps: Some(GpsFix {
+                altitude_m: 1.0,
+                velocity_north_mps: Some(2.0),
+                velocity_east_mps: Some(3.0),
+                velocity_down_mps: Some(4.0),
+                vertical_accuracy_m: Some(5.0),
+                satellites: Some(6),
+                fix_time_us: Some(7_500_000),
+            }),
+            baro: Some(BaroReading::PressurePa(8.0)),
+            imu_master_altitude_m: Some(11.0),
+            imu_slave_altitude_m: Some(12.0),
+            imu: Some(ImuSample { accel_mps2: [13.0, 14.0, 15.0], gyro_radps: [16.0, 17.0, 18.0] }),
+            signals: kf_core::input::Signals {
+                true_airspeed_mps: Some(22.0),
+                angle_of_attack_rad: Some(23.0),
+                sideslip_rad: Some(24.0),
+                throttle: Some(25.0),
+                outside_air_temperature_c: Some(26.0),
+                baro_temperature_c: Some(10.0),
+                attitude_rad: Some([19.0, 20.0, 21.0]),
+            },
+        }
+    );
+    assert_eq!(
+        ticks[1],
+        TickInput {
+            time_us: 1_000_000,
+            launch: true,
+            baro: Some(BaroReading::AltitudeM(9.0)),
+            ..TickInput::default()
+        }
+    );
+    assert!(!ticks[2].launch && ticks[2].gps.is_some_and(|fix| fix.altitude_m.is_nan()));
+}
+
+#[test]
+fn what_no_tick_can_carry_is_counted() {
+    let flight = read(
+        "time_s,gps_alt_m,gps_vd_mps,gps_sats,baro_pa,roll_rad,pitch_rad,yaw_rad,accel_x_mps2,accel_y_mps2,\
+         accel_z_mps2,gyro_x_radps,gyro_y_radps,gyro_z_radps\n\
+         0,,1,,,1,,,1,1,1,,,\n\
+         1,5,,256,,1,2,,1,1,1,1,1,\n\
+         2,5,,-1,,1,2,3,1,1,1,1,1,1\n\
+         3,5,,nan,,,,,,,,,,\n",
+    );
+    let mut inputs = TickInputs::new(&flight, &[], None, flight.rows(), true);
+    let ticks: Vec<_> = inputs.by_ref().collect();
+    assert_eq!(
+        *inputs.counters(),
+        InputCounters {
+            fixes_without_altitude: 1,
+            satellites_not_a_count: 3,
+            partial_attitudes: 2,
+            partial_imu_samples: 2
+        }
+    );
+    assert!(ticks[2].imu.is_some() && ticks[2].signals.attitude_rad.is_some());
+    assert!(ticks.iter().skip(1).all(|tick| tick.gps.is_some_and(|fix| fix.satellites.is_none())));
+}
+
+#[test]
+fn the_replay_is_the_mission_itself() {
+    let flight = noisy_flight(40, 5, true);
+    let replay = Replay::new(&flight, &Model::paper(), None).unwrap();
+    assert_eq!(*replay.source(), CalibrationSource::LaunchColumn);
+    let (outputs, summary) = run(&replay);
+    let mut mission = Mission::<3, 1, 0>::new(&Model::paper().mission_config().unwrap()).unwrap();
+    let direct: Vec<_> = replay.inputs().map(|input| mission.tick(&input)).collect();
+    assert_eq!(outputs.len(), flight.rows());
+    assert_eq!(outputs, direct);
+    assert_eq!(summary.latch.as_ref(), mission.latch());
+    assert_eq!(summary.latch.unwrap().time_us, 40_000_000);
+}
+
+/// Both shapes, with and without an estimated effect, see the offsets that are in the flight.
+#[test]
+fn every_shape_calibrates() {
+    let flight = noisy_flight(60, 1, true);
+    for propagate in ["true", "false"] {
+        for effect in ["", "[[effect]]\nid = \"baro.dynamic_pressure\"\nsigma = 0.1\nestimate = true"] {
+            let text = format!("gps.propagate_climb_rate = {propagate}\n{effect}");
+            let replay = Replay::new(&flight, &Model::parse(&text).unwrap(), None).unwrap();
+            let latch = run(&replay).1.latch.unwrap();
+            for (sensor, offset_m) in
+                [(Sensor::ImuMaster, 10.0), (Sensor::ImuSlave, -70.0), (Sensor::Baro, -120.0)]
+            {
+                let bias_m = latch.sensors[sensor.index()].bias_m;
+                // Uniform +-1 m is 0.58 m (1 sigma). The reference's mean over 250 fixes and a wander
+                // that the models allow for leave some 0.1 to 0.2 m.
+                assert!((bias_m - offset_m).abs() < 0.6, "{text}: {} {bias_m}", sensor.name());
+            }
+        }
+    }
+}
+
+#[test]
+fn a_given_window_skips_starts_and_launches() {
+    let flight = noisy_flight(60, 10, false);
+    let window: CalibrationWindow = "5..50".parse().unwrap();
+    let replay = Replay::new(&flight, &Model::default(), Some(window)).unwrap();
+    assert_eq!(replay.model().settling_s, 0.0);
+    assert_eq!(replay.source().to_string(), "calibrated on 5..50 s of the flight's own clock, as given");
+    let mut ticks = Vec::new();
+    let summary = replay
+        .run(&mut |input, output| ticks.push((input.time_us, output.phase, output.latched_now)))
+        .unwrap();
+    assert_eq!(summary.skipped_rows, 250);
+    assert_eq!(ticks[0], (5_000_000, Phase::Calibrating, false));
+    let latched: Vec<_> = ticks.iter().filter(|tick| tick.2).collect();
+    assert_eq!(latched, [&(50_000_000, Phase::FreeFlight, true)]);
+    assert_eq!(summary.latch.unwrap().time_us, 50_000_000);
+}
+
+#[test]
+fn a_given_window_goes_before_the_launch_column() {
+    let flight = noisy_flight(60, 10, true);
+    let replay = Replay::new(&flight, &Model::default(), Some("0..40".parse().unwrap())).unwrap();
+    assert_eq!(run(&replay).1.latch.unwrap().time_us, 40_000_000);
+    let outside = Replay::new(&flight, &Model::default(), Some("0..400".parse().unwrap())).unwrap_err();
+    assert!(outside.to_string().contains("does not lie within the flight, which goes from 0 s to 69.98 s"));
+}
+
+#[test]
+fn without_launch_the_first_quiet_stretch_is_taken() {
+    let flight = noisy_flight(100, 0, false);
+    let replay = Replay::new(&flight, &Model::default(), None).unwrap();
+    let window = replay.source().window().unwrap();
+    assert_eq!(window, CalibrationWindow { start_s: 0.0, end_s: 45.0 });
+    assert_eq!(run(&replay).1.latch.unwrap().time_us, 45_000_000);
+}
+
+#[test]
+fn bad_samples_and_rows_are_summed_up() {
+    let text = "time_s,launch,gps_alt_m,baro_alt_m\n0,0,100,50\n1,0,100,nan\n1,0,101,50\n0.5,0,101,50\n\
+                2,0,inf,51\n3,0,102,52\n4,1,103,53\n5,0,104,54\n6,1,105,55\n";
+    let flight = read(text);
+    let summary = run(&Replay::new(&flight, &Model::default(), None).unwrap()).1;
+    assert_eq!(summary.ignored_rows(), 2);
+    assert_eq!(summary.not_finite_samples(), 2);
+    assert_eq!(summary.held_fixes(), 1);
+    assert_eq!(summary.counters.launch_repeats, 2);
+    assert_eq!(summary.counters.ticks, 7);
+}
+
+#[test]
+fn a_flights_own_latitude_goes_before_the_models() {
+    let mut flight = noisy_flight(20, 1, true);
+    let model = Model::parse("site.latitude_deg = -33.5").unwrap();
+    let latitude =
+        |flight: &Flight| Replay::new(flight, &model, None).map(|replay| replay.model().latitude_deg);
+    assert_eq!(latitude(&flight).unwrap(), -33.5);
+    flight.header.other.push(("latitude_deg".to_owned(), " 47.25".to_owned()));
+    assert_eq!(latitude(&flight).unwrap(), 47.25);
+    for bad in ["91", "nan", "north"] {
+        flight.header.other[0].1 = bad.to_owned();
+        let message = latitude(&flight).unwrap_err().to_string();
+        assert_eq!(
+            message,
+            format!("latitude_deg in the header is '{bad}', expected degrees from -90 to 90")
+        );
+    }
+}
+
+#[test]
+fn refuses_flights_and_models_that_can_not_be_run() {
+    let message = |flight: &Flight, model: &Model| match Replay::new(flight, model, None) {
+        Err(error) => error.to_string(),
+        Ok(replay) => replay.run(&mut |_, _| {}).unwrap_err().to_string(),
+    };
+    assert!(message(&Flight::default(), &Model::default()).contains("no column gps_alt_m"));
+    let mut flight = noisy_flight(1, 1, true);
+    let mut model = Model::default();
+    model.reference.sigma_m = f32::NAN;
+    assert!(message(&flight, &model).starts_with("gps.sigma_m is NaN"));
+    model.reference.sigma_m = 1e30;
+    assert!(message(&flight, &model).starts_with("the estimator refuses the model: "));
+    flight.channels.retain(|(channel, _)| matches!(channel, Channel::GpsAltM | Channel::Launch));
+    assert!(message(&flight, &Model::default()).starts_with("no altitude besides gps_alt_m"));
+}
+
+/// Rest at 2000 m (to a millimetre a second, or the receiver is stuck), 40 s captive and 20 s free, so many inertial samples a second and five fixes; `own` is the cell of
+/// `imu_slave_alt_m`.
+fn inertial_flight(rate_hz: u32, own: &str) -> Flight {
+    let mut text = String::from(
+        "time_s,launch,gps_alt_m,gps_vn_mps,gps_ve_mps,gps_vd_mps,gps_time_s,baro_alt_m,imu_slave_alt_m,accel_x_mps2,accel_y_mps2,\
+         accel_z_mps2,gyro_x_radps,gyro_y_radps,gyro_z_radps\n",
+    );
+    for row in 0..60 * rate_hz {
+        let time_s = f64::from(row) / f64::from(rate_hz);
+        let launch = u8::from(row >= 40 * rate_hz);
+        let gps = if row % (rate_hz / 5) == 0 {
+            format!("2000,20.00{},10,0,{time_s}", row / (rate_hz / 5) % 2)
+        } else {
+            ",,,,".to_owned()
+        };
+        text += &format!("{time_s:.4},{launch},{gps},{},{own},0,0,-9.80665,0,0,0\n", 1900 + row % 2);
+    }
+    read(&text)
+}
+
+#[test]
+fn an_altitude_that_is_not_there_is_made_of_inertial_samples() {
+    let flight = inertial_flight(50, "");
+    let replay = Replay::new(&flight, &Model::default(), None).unwrap();
+    let made: Vec<_> = replay
+        .mission_inputs()
+        .filter_map(|input| input.imu_slave_altitude_m.map(|altitude_m| (input.time_us, altitude_m)))
+        .collect();
+    // From 20 s of alignment on, every third sample (50 ms are two and a half), or the next where that is a fix's own.
+    assert!((20_000_000..20_300_000).contains(&made[0].0), "{:?}", made[0]);
+    let next_us = |time_us: u64| time_us + if (time_us + 60_000) % 200_000 == 0 { 80_000 } else { 60_000 };
+    for pair in made.windows(2) {
+        assert_eq!(pair[1].0, next_us(pair[0].0), "after {} us", pair[0].0);
+    }
+    assert!(made.last().is_some_and(|last| next_us(last.0) >= 60_000_000));
+    // A perfect rest; half the last bit of gravity, for 20 s.
+    assert!(made.iter().all(|(_, altitude_m)| (altitude_m - 2000.0).abs() < 0.01));
+    let (_, summary) = run(&replay);
+    let (counts, channel) = summary.inertial_altitude.unwrap();
+    assert_eq!((counts.delivered as usize, channel.refused), (made.len(), 0));
+    let captive = made.iter().filter(|(time_us, _)| *time_us < 40_000_000).count();
+    assert_eq!(summary.latch.unwrap().sensors[Sensor::ImuSlave.index()].readings as usize, captive);
+    // The sensors' own ticks have none of it.
+    assert!(replay.inputs().all(|input| input.imu_slave_altitude_m.is_none()));
+}
+
+#[test]
+fn what_has_the_altitude_or_too_few_samples_is_flown_as_it_is() {
+    for flight in [inertial_flight(50, "1234.5"), inertial_flight(45, "")] {
+        let replay = Replay::new(&flight, &Model::default(), None).unwrap();
+        assert!(replay.mission_inputs().eq(replay.inputs()));
+        assert_eq!(run(&replay).1.inertial_altitude, None);
+    }
+}

@@ -1,0 +1,80 @@
+//! What of a log is analysed, in words and for other programs.
+
+use serde::{Deserialize, Serialize};
+
+use super::extent::Unused;
+use super::{CalibrationSource, Replay, WildCells};
+
+/// What of a log is analysed.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Usage {
+    /// Whether the flight says itself when it was launched.
+    pub has_launch: bool,
+    /// How many flights are in the log; 0 where it says itself when it was launched, or shows none.
+    pub flights: usize,
+    /// Which of them is analysed, from 1.
+    pub flight: Option<usize>,
+    /// When it took off, seconds; null where that is not in the log.
+    pub take_off_s: Option<f64>,
+    /// When it landed, seconds; null where that is not in the log.
+    pub landing_s: Option<f64>,
+    /// Share of the log's time that is analysed.
+    pub used_share: f64,
+    /// What is not, and why.
+    pub unused: Vec<Unused>,
+    /// What else a user should know, one line each.
+    pub remarks: Vec<String>,
+}
+
+impl Usage {
+    /// Of a replay.
+    #[must_use]
+    pub fn of(replay: &Replay<'_>) -> Self {
+        let extent = replay.extent();
+        let unused = replay.unused();
+        let outing = extent.outing();
+        let mut remarks: Vec<String> = extent.several().into_iter().collect();
+        if let (CalibrationSource::Calmest(_), Some(_)) = (replay.source(), outing) {
+            remarks.push("nowhere quiet: what the calibration is worth is said by its checks".to_owned());
+        }
+        remarks.extend(replay.wild().iter().map(WildCells::sentence));
+        Self {
+            has_launch: super::has_launch(replay.flight()),
+            flights: extent.outings.len(),
+            flight: extent.chosen.map(|chosen| chosen + 1),
+            take_off_s: outing.and_then(|outing| outing.take_off_s),
+            landing_s: outing.and_then(|outing| outing.landing_s),
+            used_share: 1.0 - unused.iter().map(|part| part.share).sum::<f64>(),
+            unused,
+            remarks,
+        }
+    }
+
+    /// What is to be said above a result: a line for each part that is not used, and the remarks.
+    #[must_use]
+    pub fn lines(&self) -> Vec<String> {
+        self.remarks.iter().cloned().chain(self.unused.iter().map(Unused::text)).collect()
+    }
+
+    /// When it took off and landed, by the flight's own clock; `None` where the log does not show a flight.
+    #[must_use]
+    pub fn in_the_air(&self) -> Option<String> {
+        self.flight?;
+        let take_off = self.take_off_s.map_or_else(
+            || "in the air when the log begins".to_owned(),
+            |at_s| format!("take-off at {}", clock(at_s)),
+        );
+        let landing = self.landing_s.map_or_else(
+            || "in the air when it ends".to_owned(),
+            |at_s| format!("landing at {}", clock(at_s)),
+        );
+        Some(format!("{take_off}, {landing}"))
+    }
+}
+
+/// Seconds of the flight's own clock as hours, minutes and seconds, with the seconds that `--calibrate` takes.
+#[must_use]
+pub fn clock(at_s: f64) -> String {
+    let whole = at_s.round().max(0.0) as u64;
+    format!("{:02}:{:02}:{:02} ({at_s:.0} s)", whole / 3600, whole / 60 % 60, whole % 60)
+}

@@ -1,0 +1,57 @@
+//! The workbench's crates for a browser: that they build for it, and that they say there what they say here.
+
+use serde::Deserialize;
+
+use crate::child;
+use crate::steps::Done;
+use crate::workspace;
+
+/// A browser's target, which has no file, terminal, process or thread.
+pub const TARGET: &str = "wasm32-unknown-unknown";
+
+/// The folder of the workbench's crates.
+const WORKBENCH: &str = "workbench";
+/// The one of them that runs programs and talks to boards.
+const NATIVE: &str = "emulate";
+
+#[derive(Deserialize)]
+struct Metadata {
+    packages: Vec<Package>,
+}
+
+#[derive(Deserialize)]
+struct Package {
+    name: String,
+    manifest_path: std::path::PathBuf,
+}
+
+/// The crates that must build for a browser.
+fn portable() -> anyhow::Result<Vec<String>> {
+    let mut metadata = workspace::cargo(["metadata", "--format-version", "1", "--no-deps", "--offline"]);
+    let Metadata { packages } = serde_json::from_str(&child::run(&mut metadata, false)?.stdout)?;
+    let folder = workspace::root().join(WORKBENCH);
+    let ours = packages.into_iter().filter(|package| package.manifest_path.starts_with(&folder));
+    Ok(ours.map(|package| package.name).filter(|name| name != NATIVE).collect())
+}
+
+/// Builds them. What they may call there is another matter, which `workbench/clippy.toml` has an eye on.
+pub fn check(echo: bool) -> anyhow::Result<Done> {
+    let portable = portable()?;
+    let mut check = workspace::cargo(["check", "--target", TARGET]);
+    check.args(portable.iter().flat_map(|name| ["--package", name]));
+    child::run(&mut check, echo)?;
+    Ok(Done::all(format!("{} crates: {}", portable.len(), portable.join(", "))))
+}
+
+/// Runs compare and diagnose there, in Node (which comes with npm), and holds what they say against native code.
+pub fn results(echo: bool) -> anyhow::Result<Done> {
+    child::run(&mut workspace::cargo(["test", "--package", "portable"]), echo)?;
+    Ok(Done::all("the same to the last digit".to_owned()))
+}
+
+#[test]
+fn every_crate_of_the_workbench_but_the_one_with_programs_is_portable() {
+    let portable = portable().unwrap();
+    assert!(portable.iter().any(|name| name == "flight-data"), "{portable:?}");
+    assert!(!portable.iter().any(|name| name == NATIVE || name == "pylon"), "{portable:?}");
+}
