@@ -1,7 +1,8 @@
 //! A replay's ticks made into [`Epochs`].
 
+use executor::Executor;
 use kf_core::effect::EffectSubject;
-use kf_core::sensor::SENSORS;
+use kf_core::sensor::{SENSORS, Sensor};
 use model::Model;
 
 use super::blocks::Builder;
@@ -9,18 +10,29 @@ use super::candidates::Candidate;
 use super::epochs::Epochs;
 use super::follower::Follower;
 use super::glitches;
+use super::latent_path;
+use super::physical_range::measures_climb_rate;
 use super::reference_path::{Fix, ReferencePath};
 use super::residuals::known_m;
 use replay::Replay;
 
+/// Sensors that show the path beside the receiver, the best first.
+const PATH_SENSORS: [Sensor; 2] = [Sensor::Baro, Sensor::ImuSlave];
+
 /// Makes block means of a flight.
 #[must_use]
-pub fn epochs(replay: &Replay<'_>, candidates: &[Candidate]) -> Epochs {
+pub fn epochs(replay: &Replay<'_>, candidates: &[Candidate], executor: &dyn Executor) -> Epochs {
     let model = replay.model();
     let (fixes, paths) = measured(replay, model);
     let (fixes, glitches_us) = glitches::split(fixes, &paths);
     let lost_after_s = f64::from(model.reference.lost_after_s);
-    let path = ReferencePath::new(fixes, lost_after_s);
+    let mut path = ReferencePath::new(fixes, lost_after_s);
+    let readings = PATH_SENSORS.iter().map(|sensor| &paths[sensor.index()]).find(|path| !path.is_empty());
+    if let (false, Some(readings)) = (measures_climb_rate(replay), readings)
+        && let Some(climb_mps) = latent_path::climb_mps(path.fixes(), readings, path.interval_s(), executor)
+    {
+        path.set_slopes(&climb_mps);
+    }
     let mut builder = Builder::new(replay, candidates, path);
     builder.run(replay, model, candidates);
     let mut epochs = builder.finish();

@@ -35,6 +35,7 @@ mod held_out;
 mod held_out_verdict;
 mod information;
 mod judge;
+mod latent_path;
 mod lesson;
 mod long_run;
 mod manoeuvres;

@@ -28,12 +28,23 @@ pub fn range(effect: EffectId, has_climb_rate: bool) -> [f64; 2] {
     }
 }
 
-/// Whether every coefficient of a fit may come from its range.
+/// A coefficient's range, and the share of it that is unsure beside its noise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Least and most.
+    pub range: [f64; 2],
+    /// The share.
+    pub scale: f64,
+}
+
+/// Whether every coefficient of a fit may come from its range: by the sigma that is reported of it.
 #[must_use]
-pub fn is_possible(ranges: &[[f64; 2]], solution: &Solution) -> bool {
+pub fn is_possible(bounds: &[Bounds], solution: &Solution) -> bool {
     let n = solution.coefficients.len();
-    solution.coefficients.iter().zip(ranges).enumerate().all(|(k, (coefficient, [least, most]))| {
-        let slack = SIGMAS * solution.covariance[k * n + k].sqrt();
+    solution.coefficients.iter().zip(bounds).enumerate().all(|(k, (coefficient, bounds))| {
+        let Bounds { range: [least, most], scale } = *bounds;
+        let rough = scale * coefficient;
+        let slack = SIGMAS * (solution.covariance[k * n + k] + rough * rough).sqrt();
         (least - slack..=most + slack).contains(coefficient)
     })
 }

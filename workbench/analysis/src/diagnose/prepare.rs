@@ -1,5 +1,6 @@
 //! Flights made ready for the search: candidates, block means, and what stands beside the effects.
 
+use executor::Executor;
 use kf_core::effect::EffectId;
 use kf_core::sensor::Sensor;
 use model::Model;
@@ -9,9 +10,9 @@ use super::epochs::Epochs;
 use super::errors_in_variables::{Reversed, reversed};
 use super::from_replay::epochs;
 use super::named_replay::NamedReplay;
-use super::physical_range::{measures_climb_rate, range};
+use super::physical_range::{Bounds, measures_climb_rate, range};
 use super::problem::{Known, Problem};
-use super::roughness::is_rough;
+use super::roughness::{is_rough, scale};
 use super::series::Series;
 use super::suspects::{Regressors, Suspects};
 use super::wind::wind;
@@ -45,6 +46,7 @@ impl Prepared {
         hold_outs: &[NamedReplay<'_>],
         model: &Model,
         wish: Option<(Wish, &[f32])>,
+        executor: &dyn Executor,
     ) -> Self {
         let has_climb_rate = flights.iter().all(|named| measures_climb_rate(&named.replay));
         let mut candidates = catalogue(has_climb_rate);
@@ -59,7 +61,7 @@ impl Prepared {
             known.push(Known { column: candidates.len(), sigma: f64::from(effect.term.sigma) });
             candidates.push(Candidate { regressor: effect.term.regressor, smoothing_s: 0.0 });
         }
-        let prepare = |named: &NamedReplay<'_>| epochs(&named.replay, &candidates);
+        let prepare = |named: &NamedReplay<'_>| epochs(&named.replay, &candidates, executor);
         let mut epochs: Vec<Epochs> = flights.iter().map(prepare).collect();
         let mut held: Vec<Epochs> = hold_outs.iter().map(prepare).collect();
         let wind = wind(&mut epochs, &mut held);
@@ -103,7 +105,12 @@ impl Prepared {
         let regressors = Regressors {
             noise_m2,
             is_rough: effects().map(|effect| is_rough(&self.epochs, effect)).collect(),
-            ranges: effects().map(|effect| range(effect, self.has_climb_rate)).collect(),
+            bounds: effects()
+                .map(|effect| Bounds {
+                    range: range(effect, self.has_climb_rate),
+                    scale: scale(&self.epochs, effect),
+                })
+                .collect(),
         };
         Suspects::new(&self.candidates, regressors, usable)
     }

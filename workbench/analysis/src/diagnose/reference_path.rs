@@ -51,6 +51,13 @@ impl ReferencePath {
         Self { fixes, climb_mps, lines, interval_s, gap_s, next: 1 }
     }
 
+    /// Takes a better climb rate at every fix than the slope of the altitudes around it, m/s, for receivers without one.
+    pub fn set_slopes(&mut self, climb_mps: &[f64]) {
+        for ((slope, _), climb_mps) in self.lines.iter_mut().zip(climb_mps) {
+            *slope = *climb_mps;
+        }
+    }
+
     /// Median interval of the fixes, seconds.
     #[must_use]
     pub const fn interval_s(&self) -> f64 {
@@ -100,7 +107,7 @@ impl ReferencePath {
 pub struct Reference {
     /// Altitude, metres.
     pub altitude_m: f64,
-    /// Climb rate, m/s: the receiver's, or the slope of its altitude.
+    /// Climb rate, m/s: the receiver's, or else what [`ReferencePath::set_slopes`] was given, or the slope of its altitude.
     pub climb_mps: f64,
     /// Altitude averaged over some seconds around, metres.
     pub smooth_m: f64,

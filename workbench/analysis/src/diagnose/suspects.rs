@@ -3,7 +3,7 @@
 use super::candidates::Candidate;
 use super::information::{Information, Solution};
 use super::noise::Noise;
-use super::physical_range::is_possible;
+use super::physical_range::{Bounds, is_possible};
 use super::problem::Problem;
 use super::series::BySensor;
 
@@ -18,7 +18,7 @@ pub struct Suspects<'a> {
     candidates: &'a [Candidate],
     noise_m2: Vec<f64>,
     is_rough: Vec<bool>,
-    ranges: Vec<[f64; 2]>,
+    bounds: Vec<Bounds>,
     usable: Vec<usize>,
     penalty: f64,
 }
@@ -31,7 +31,7 @@ pub struct Regressors {
     /// Those that are only roughly known.
     pub is_rough: Vec<bool>,
     /// What nature allows of the coefficients.
-    pub ranges: Vec<[f64; 2]>,
+    pub bounds: Vec<Bounds>,
 }
 
 impl<'a> Suspects<'a> {
@@ -41,8 +41,8 @@ impl<'a> Suspects<'a> {
         let mut effects: Vec<_> = usable.iter().map(|column| candidates[*column].effect()).collect();
         effects.dedup();
         let penalty = 2.0 * libm::log(effects.len().max(1) as f64) + EVIDENCE;
-        let Regressors { noise_m2, is_rough, ranges } = regressors;
-        Self { candidates, noise_m2, is_rough, ranges, usable, penalty }
+        let Regressors { noise_m2, is_rough, bounds } = regressors;
+        Self { candidates, noise_m2, is_rough, bounds, usable, penalty }
     }
 
     /// A column's candidate.
@@ -84,14 +84,14 @@ impl<'a> Suspects<'a> {
     /// Whether every coefficient of a fit of these columns is what nature allows.
     #[must_use]
     pub fn is_possible(&self, set: &[usize], solution: &Solution) -> bool {
-        let ranges: Vec<[f64; 2]> = set.iter().map(|column| self.ranges[*column]).collect();
-        is_possible(&ranges, solution)
+        let bounds: Vec<Bounds> = set.iter().map(|column| self.bounds[*column]).collect();
+        is_possible(&bounds, solution)
     }
 
     /// The range of a column's coefficient.
     #[must_use]
     pub fn range(&self, column: usize) -> [f64; 2] {
-        self.ranges[column]
+        self.bounds[column].range
     }
 
     /// Sigmas of what is believed of columns' coefficients before a flight: half of their range's width.

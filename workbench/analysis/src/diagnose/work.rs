@@ -42,7 +42,7 @@ pub(super) fn work(
 ) -> Result<(Diagnosis, Option<Lesson>), Cancelled> {
     let Some(first) = flights.first() else { return Ok((Diagnosis::default(), None)) };
     let model = first.replay.model();
-    let prepared = Prepared::new(flights, hold_outs, model, wish);
+    let prepared = Prepared::new(flights, hold_outs, model, wish, executor);
     let Prepared { candidates, epochs, .. } = &prepared;
     let prior = NoisePrior::new(&prepared.series, &model.reference, &model.sensors);
     let problem = |series| Problem::new(series, prior.clone(), prepared.known.clone(), executor);

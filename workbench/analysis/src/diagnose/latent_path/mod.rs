@@ -1,0 +1,171 @@
+//! The climb rate of the true path, where no receiver measures it.
+//!
+//! A delay moves an altitude by its time times the climb rate. The slope of the receiver's own altitude is that rate with a noise of
+//! some decimetres a second, and a regressor with noise makes its coefficient too small: by the noise's share of the regressor's
+//! square, once both have been whitened, and what whitens a slow wander amplifies the slope's noise. A delay of 2 s was fitted as 0.4 s.
+//! The expectation of the climb rate given all altitudes of the flight has no such share. What it is off by goes
+//! with none of the data it is made of, itself included, so that a regression on it is not drawn towards zero ("regression calibration":
+//! Carroll, Ruppert, Stefanski and Crainiceanu, "Measurement Error in Nonlinear Models", 2nd edition, chapter 4).
+//!
+//! So the path is a state (`path_model`), receiver and barometer both measure it, and a smoother goes over the whole flight. Before
+//! and after an instant it weighs alike: its climb rate is odd in time, and what it shares with the noise of a residual before an
+//! instant it takes back after it. A flight without a delay gets none from it.
+//!
+//! A delay of seconds is no multiple of the climb rate where a path turns within seconds, and two altitudes that are seconds apart show
+//! no one path; what is left over looks like the dynamic pressure, for which height is exchanged. So they are moved against each other
+//! first, by the delay with which one path explains both best, and the climb rate is the mean over that delay: of a pure delay d,
+//! `h(t - d) - h(t)` is -d times the mean climb rate between the two, exactly.
+
+mod filter;
+mod path_model;
+
+use executor::Executor;
+
+use super::quasi_newton::minimise;
+use super::reference_path::Fix;
+use filter::{Sighting, smoothed_climb_mps, twice_log_likelihood};
+use path_model::{PARAMETERS, PathModel};
+
+/// Sightings that the path's model is fitted to: a flight of more has this many, in stretches all over it.
+const FITTED: usize = 3000;
+/// Stretches that they come in.
+const STRETCHES: usize = 6;
+/// Fewer sightings than this fit no model.
+const FEW: usize = 60;
+/// Twice the log likelihood that an iteration of the model's fit must gain to go on.
+const GAIN: f64 = 0.1;
+
+/// Longest delay that is looked for, either way, seconds: beyond what nature allows of one (5 s), so that it is not taken for one of that.
+const LONGEST_DELAY_S: f64 = 8.0;
+/// Shortest step between delays, seconds: within it a delay is as good as straight.
+const DELAY_STEP_S: f64 = 0.5;
+/// Twice the log likelihood that a delay must gain: as an effect in the search does.
+const DELAY_GAIN: f64 = 16.0;
+
+/// The climb rate to which the difference of both altitudes is proportional if one is late, at every fix, m/s, by the fixes and
+/// one sensor's readings (time in microseconds, metres).
+///
+/// `None` where there is too little of either to say.
+#[must_use]
+pub fn climb_mps(
+    fixes: &[Fix],
+    readings: &[(u64, f64)],
+    interval_s: f64,
+    executor: &dyn Executor,
+) -> Option<Vec<f64>> {
+    let together = sightings(fixes, readings, interval_s, 0.0);
+    if together.iter().filter(|sighting| sighting.sensor_m.is_some()).count() < FEW {
+        return None;
+    }
+    let model = fitted(&together, &[0.0; PARAMETERS], executor);
+    let delay_s = delay_s(fixes, readings, interval_s, &PathModel::of(&model), executor);
+    if delay_s == 0.0 {
+        return Some(smoothed_climb_mps(&together, &PathModel::of(&model)));
+    }
+    let apart = sightings(fixes, readings, interval_s, delay_s);
+    let model = fitted(&apart, &model, executor);
+    Some(means(fixes, &smoothed_climb_mps(&apart, &PathModel::of(&model)), delay_s))
+}
+
+/// The delay of the sensor against the receiver with which one path explains both altitudes best, in steps, seconds; 0 where none
+/// is clearly better than none.
+fn delay_s(
+    fixes: &[Fix],
+    readings: &[(u64, f64)],
+    interval_s: f64,
+    model: &PathModel,
+    executor: &dyn Executor,
+) -> f64 {
+    let step_s = interval_s * (DELAY_STEP_S / interval_s).ceil().max(1.0);
+    let steps = (LONGEST_DELAY_S / step_s).floor() as i32;
+    let delays_s: Vec<f64> = (-steps..=steps).map(|step| f64::from(step) * step_s).collect();
+    let mut tried: Vec<Vec<Sighting>> =
+        delays_s.iter().map(|delay_s| sightings(fixes, readings, interval_s, *delay_s)).collect();
+    // Likelihoods of as many measurements can be compared: those that there are with every delay.
+    for k in 0..fixes.len() {
+        if tried.iter().any(|sightings| sightings[k].sensor_m.is_none()) {
+            tried.iter_mut().for_each(|sightings| sightings[k].sensor_m = None);
+        }
+    }
+    let likelihood = |sightings: &[Sighting]| -> f64 {
+        parts(sightings).iter().map(|part| twice_log_likelihood(part, model)).sum()
+    };
+    let likelihoods = executor::map(executor, tried.iter().map(|sightings| move || likelihood(sightings)));
+    let of_none = likelihoods[steps as usize];
+    let best = delays_s.iter().zip(&likelihoods).max_by(|a, b| a.1.total_cmp(b.1));
+    best.filter(|(_, likelihood)| **likelihood > of_none + DELAY_GAIN).map_or(0.0, |(delay_s, _)| *delay_s)
+}
+
+/// The mean climb rate of the last so many seconds before every fix (after it, of a negative time), m/s.
+fn means(fixes: &[Fix], climb_mps: &[f64], delay_s: f64) -> Vec<f64> {
+    let seconds = |fix: &Fix| fix.time_us as f64 * 1e-6;
+    let mut climbed_m = vec![0.0; fixes.len()];
+    for k in 1..fixes.len() {
+        let elapsed_s = seconds(&fixes[k]) - seconds(&fixes[k - 1]);
+        climbed_m[k] = climbed_m[k - 1] + 0.5 * elapsed_s * (climb_mps[k - 1] + climb_mps[k]);
+    }
+    let at = |time_s: f64| -> f64 {
+        let next = fixes.partition_point(|fix| seconds(fix) < time_s).clamp(1, fixes.len() - 1);
+        let (from_s, to_s) = (seconds(&fixes[next - 1]), seconds(&fixes[next]));
+        let elapsed_s = time_s - from_s;
+        let slope = (climb_mps[next] - climb_mps[next - 1]) / (to_s - from_s).max(1e-6);
+        climbed_m[next - 1] + elapsed_s * (climb_mps[next - 1] + 0.5 * elapsed_s * slope)
+    };
+    let first_s = fixes.first().map_or(0.0, seconds);
+    let last_s = fixes.last().map_or(0.0, seconds);
+    let mean = fixes.iter().zip(climb_mps).map(|(fix, own_mps)| {
+        let time_s = seconds(fix);
+        let other_s = (time_s - delay_s).clamp(first_s, last_s);
+        if other_s == time_s { *own_mps } else { (at(time_s) - at(other_s)) / (time_s - other_s) }
+    });
+    mean.collect()
+}
+
+/// The fixes, each with the mean of the readings within half an interval of so many seconds later.
+fn sightings(fixes: &[Fix], readings: &[(u64, f64)], interval_s: f64, delay_s: f64) -> Vec<Sighting> {
+    let half_us = (0.5e6 * interval_s) as u64;
+    let delay_us = (delay_s * 1e6) as i64;
+    let mut first = 0;
+    let mut last_us = 0;
+    let at = fixes.iter().enumerate().map(|(k, fix)| {
+        let shown_us = fix.time_us.saturating_add_signed(delay_us);
+        let (from_us, to_us) = (shown_us.saturating_sub(half_us), shown_us.saturating_add(half_us));
+        while readings.get(first).is_some_and(|(time_us, _)| *time_us < from_us) {
+            first += 1;
+        }
+        let near = readings[first..].iter().take_while(|(time_us, _)| *time_us < to_us);
+        let (sum_m, count) = near.fold((0.0, 0_u32), |(sum, count), (_, metres)| (sum + metres, count + 1));
+        let elapsed_s = if k == 0 { 0.0 } else { fix.time_us.saturating_sub(last_us) as f64 * 1e-6 };
+        last_us = fix.time_us;
+        Sighting {
+            elapsed_s,
+            reference_m: fix.altitude_m,
+            sensor_m: (count > 0).then(|| sum_m / f64::from(count)),
+        }
+    });
+    at.collect()
+}
+
+/// What a model is fitted to: all sightings, or stretches all over them.
+fn parts(sightings: &[Sighting]) -> Vec<&[Sighting]> {
+    if sightings.len() <= FITTED {
+        return vec![sightings];
+    }
+    let length = FITTED / STRETCHES;
+    let step = (sightings.len() - length) / (STRETCHES - 1);
+    (0..STRETCHES).map(|k| &sightings[k * step..k * step + length]).collect()
+}
+
+/// The numbers of the most probable model of a path.
+fn fitted(sightings: &[Sighting], start: &[f64], executor: &dyn Executor) -> Vec<f64> {
+    let parts = parts(sightings);
+    let objective = |values: &[f64]| {
+        let model = PathModel::of(values);
+        let likelihood: f64 = parts.iter().map(|part| twice_log_likelihood(part, &model)).sum();
+        PathModel::twice_prior(values) - likelihood
+    };
+    minimise(&objective, start, GAIN, executor).at
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,142 @@
+//! How a path moves, and how two altitudes show it.
+//!
+//! ```text
+//! h' = v, v' = a, a' = -a / t_a + white          Singer's manoeuvre model
+//! receiver = h + u + white(r_g)                  u: Gauss-Markov, what a receiver's own filter makes of its noise
+//! sensor   = h + d + white(r_s)                  d: a random walk, the bias and all that is slow
+//! ```
+//! R. A. Singer, "Estimating optimal tracking filter performance for manned maneuvering targets", IEEE Transactions on
+//! Aerospace and Electronic Systems 6, 1970.
+
+/// Altitude, climb rate, acceleration, the receiver's error, the sensor's offset.
+pub const STATES: usize = 5;
+/// A value a state.
+pub type State = [f64; STATES];
+/// Numbers of the model that are fitted.
+pub const PARAMETERS: usize = 7;
+
+/// Where each of the model's numbers is looked for, in the order of [`PathModel::of`], and the sigma of its logarithm: orders of magnitude,
+/// from gliders to multicopters, and from altitudes in whole metres to filtered ones.
+const CENTRES: [f64; PARAMETERS] = [1.0, 5.0, 1.0, 0.5, 0.05, 1.0, 8.0];
+const ORDERS: [f64; PARAMETERS] = [1.0, 0.7, 1.0, 1.0, 1.4, 1.0, 0.7];
+
+/// Sigma of the first climb rate, m/s, and of what an altitude is off when it is first seen, metres.
+const FIRST_CLIMB_MPS: f64 = 10.0;
+const FIRST_OFFSET_M: f64 = 100.0;
+
+/// Nodes and weights of Gauss and Legendre's rule of five points on (0, 1).
+const NODES: [(f64, f64); 5] = [
+    (0.046_910_077_030_668, 0.118_463_442_528_095),
+    (0.230_765_344_947_158, 0.239_314_335_249_683),
+    (0.5, 0.284_444_444_444_444),
+    (0.769_234_655_052_842, 0.239_314_335_249_683),
+    (0.953_089_922_969_332, 0.118_463_442_528_095),
+];
+
+/// Time constants after which an acceleration is taken to have died away: to 4e-18 of itself.
+const BENT: u32 = 40;
+
+/// A path's model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathModel {
+    acceleration_mps2: f64,
+    acceleration_s: f64,
+    /// White noise of a fix, metres.
+    pub reference_m: f64,
+    /// White noise of the sensor's mean about a fix, metres.
+    pub sensor_m: f64,
+    walk_m_per_root_s: f64,
+    receiver_m: f64,
+    receiver_s: f64,
+}
+
+/// What some time does to a state: `x' = F x + w`, w of covariance Q.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transition {
+    /// Seconds.
+    pub elapsed_s: f64,
+    /// F.
+    pub matrix: [State; STATES],
+    /// Q.
+    pub noise: [State; STATES],
+}
+
+impl PathModel {
+    /// The model of these numbers: logarithms over the centres.
+    #[must_use]
+    pub fn of(values: &[f64]) -> Self {
+        let number = |k: usize| CENTRES[k] * libm::exp(values.get(k).copied().unwrap_or(0.0));
+        Self {
+            acceleration_mps2: number(0),
+            acceleration_s: number(1),
+            reference_m: number(2),
+            sensor_m: number(3),
+            walk_m_per_root_s: number(4),
+            receiver_m: number(5),
+            receiver_s: number(6),
+        }
+    }
+
+    /// Twice the negative logarithm of the prior's density but for a constant.
+    #[must_use]
+    pub fn twice_prior(values: &[f64]) -> f64 {
+        values.iter().zip(ORDERS).map(|(value, order)| (value / order) * (value / order)).sum()
+    }
+
+    /// State and covariance before anything is seen but a receiver's altitude and a sensor's, metres.
+    #[must_use]
+    pub fn first(&self, reference_m: f64, sensor_m: Option<f64>) -> (State, [State; STATES]) {
+        let mut covariance = [[0.0; STATES]; STATES];
+        let offset_m = sensor_m.map_or(0.0, |sensor_m| sensor_m - reference_m);
+        let sigmas =
+            [FIRST_OFFSET_M, FIRST_CLIMB_MPS, self.acceleration_mps2, self.receiver_m, FIRST_OFFSET_M];
+        for (k, sigma) in sigmas.into_iter().enumerate() {
+            covariance[k][k] = sigma * sigma;
+        }
+        ([reference_m, 0.0, 0.0, 0.0, offset_m], covariance)
+    }
+
+    /// What so many seconds do.
+    #[must_use]
+    pub fn over(&self, elapsed_s: f64) -> Transition {
+        let (moved_m, gained_mps, kept) = self.response(elapsed_s);
+        let mut matrix = [[0.0; STATES]; STATES];
+        matrix[0] = [1.0, elapsed_s, moved_m, 0.0, 0.0];
+        matrix[1] = [0.0, 1.0, gained_mps, 0.0, 0.0];
+        matrix[2][2] = kept;
+        matrix[3][3] = libm::exp(-elapsed_s / self.receiver_s);
+        matrix[4][4] = 1.0;
+        let mut noise = [[0.0; STATES]; STATES];
+        let density = 2.0 * self.acceleration_mps2 * self.acceleration_mps2 / self.acceleration_s;
+        for (from_s, length_s) in self.panels(elapsed_s) {
+            for (node, weight) in NODES {
+                let (moved_m, gained_mps, kept) = self.response(from_s + node * length_s);
+                let response = [moved_m, gained_mps, kept];
+                for (row, left) in noise.iter_mut().zip(response) {
+                    for (entry, right) in row.iter_mut().zip(response) {
+                        *entry += density * weight * length_s * left * right;
+                    }
+                }
+            }
+        }
+        let kept = matrix[3][3];
+        noise[3][3] = self.receiver_m * self.receiver_m * (1.0 - kept * kept);
+        noise[4][4] = self.walk_m_per_root_s * self.walk_m_per_root_s * elapsed_s;
+        Transition { elapsed_s, matrix, noise }
+    }
+
+    /// Parts of a time that the rule of five points does: it is exact to ten digits over one time constant, and where an acceleration has died
+    /// away what it leaves is straight. Start and length, seconds.
+    fn panels(&self, elapsed_s: f64) -> impl Iterator<Item = (f64, f64)> {
+        let time_s = self.acceleration_s;
+        let bent = f64::from(BENT).min((elapsed_s / time_s).floor()) as u32;
+        let rest_s = f64::from(bent) * time_s;
+        (0..bent).map(move |k| (f64::from(k) * time_s, time_s)).chain([(rest_s, elapsed_s - rest_s)])
+    }
+
+    /// What an acceleration of 1 m/s^2 makes of altitude, climb rate and acceleration after some time.
+    fn response(&self, elapsed_s: f64) -> (f64, f64, f64) {
+        let gained = -self.acceleration_s * libm::expm1(-elapsed_s / self.acceleration_s);
+        (self.acceleration_s * (elapsed_s - gained), gained, libm::exp(-elapsed_s / self.acceleration_s))
+    }
+}
