@@ -15,6 +15,7 @@
 use std::sync::Arc;
 
 use flight_data::{Channel, Column, Flight};
+use statistics::RobustSpread;
 
 /// A column's noise explains so much: of Student's t with three degrees of freedom, 4 of 10,000 values are beyond.
 const NOISE_SIGMAS: f64 = 12.0;
@@ -23,10 +24,6 @@ const MOST_SHARE: f64 = 0.01;
 const MOST_ALWAYS: usize = 3;
 /// 10 g, m/s^2.
 const ACCELERATION_MPS2: f64 = 100.0;
-/// Sigma of a normal distribution over its median absolute deviation.
-const NORMAL_SIGMA_PER_MAD: f64 = 1.482_602_218_505_602;
-/// The noise is estimated from so many values at most, evenly spread over the column.
-const NOISE_VALUES: usize = 8_192;
 
 /// How a quantity may move.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -168,23 +165,15 @@ fn wild_rows(kind: Kind, column: &Column, time_s: &[f64]) -> Vec<usize> {
 
 /// Standard deviation of a value about the mean of its neighbours, as far as outliers do not make it.
 fn noise(kind: Kind, samples: &[Sample]) -> f64 {
-    let stride = (samples.len() / NOISE_VALUES).max(1);
-    let mut apart: Vec<f64> = samples
-        .windows(3)
-        .step_by(stride)
-        .filter_map(|window| {
-            let [before, value, after] = window else { return None };
+    let mut apart = RobustSpread::default();
+    for window in samples.windows(3) {
+        if let [before, value, after] = window {
             let both = kind.difference(value.value, before.value) - kind.difference(after.value, value.value);
-            Some((0.5 * both).abs())
-        })
-        .collect();
-    if apart.is_empty() {
-        return 0.0;
+            apart.push(0.5 * both);
+        }
     }
-    let middle = apart.len() / 2;
-    let (_, median, _) = apart.select_nth_unstable_by(middle, f64::total_cmp);
     // A difference from the mean of two has a variance of one and a half.
-    *median * NORMAL_SIGMA_PER_MAD / 1.5_f64.sqrt()
+    apart.sigma().unwrap_or(0.0) / 1.5_f64.sqrt()
 }
 
 /// Takes short segments between jumps out of the samples, and returns their rows.
