@@ -75,6 +75,30 @@ fn a_gap_that_a_measured_climb_rate_mends_leaves_less_of_it() {
     assert_eq!(rig.channel.climb_rate.value(), climb_mps);
 }
 
+/// A second gap while the first is being mended, and no fix for a while: the next one's climb rate is asked, before its altitude says that all
+/// is well. Nor is it otherwise after a restart that goes on with a channel that was being mended.
+#[test]
+fn after_every_gap_the_next_climb_rate_is_waited_for() {
+    for is_restarted in [false, true] {
+        let mut rig = after_gap(0.5);
+        for _ in 0..5 {
+            (0..20).for_each(|_| rig.step(&rest()));
+            rig.channel.reference(rig.time_us(), 1_000.0).unwrap();
+            rig.channel.climb_rate_fix(rig.time_us(), 0.0).unwrap();
+        }
+        (0..280).for_each(|_| rig.step(&rest()));
+        rig.tick += 39;
+        if is_restarted {
+            let kept = rig.channel.kept().unwrap();
+            rig.channel = VerticalChannel::resumed(Config::MEMS, &kept, 0.0).unwrap();
+        }
+        rig.step(&rest());
+        rig.channel.reference(rig.time_us(), 1_000.0).unwrap();
+        assert!(rig.channel.is_mending(), "{is_restarted}");
+        assert_eq!(rig.channel.climb_rate_fix(rig.time_us(), 0.0), Ok(()));
+    }
+}
+
 #[test]
 fn without_fixes_it_says_what_it_has_until_that_is_nothing() {
     let mut rig = after_gap(0.0);
