@@ -172,6 +172,29 @@ fn a_unit_that_repeats_itself_is_mended_like_a_gap() {
     assert!(rig.channel.is_mending() && rig.channel.altitude_m().is_some());
 }
 
+/// Velocities that have contradicted a unit which stood still, before a suspicion of a launch, say nothing of the next time that it reads the same.
+#[test]
+fn what_contradicted_one_repetition_is_not_held_against_the_next() {
+    let noise =
+        |tick: u64| sample([0.0, 0.0, if tick.is_multiple_of(2) { 0.01 } else { -0.01 } - G], [0.0; 3]);
+    let stands_still = |rig: &mut Rig| (0..300).for_each(|_| rig.step(&noise(0)));
+    let mut rig = Rig::captive(30);
+    rig.step(&noise(1));
+    stands_still(&mut rig);
+    rig.channel.is_repetition_contradicted = true;
+    rig.channel.hold();
+    rig.step(&noise(1));
+    rig.channel.resume_captive();
+    stands_still(&mut rig);
+    rig.tick += 1;
+    assert_eq!(rig.channel.inertial(rig.time_us(), &noise(1)), Ok(()));
+    // Where they contradict it, it does not go on.
+    stands_still(&mut rig);
+    rig.channel.is_repetition_contradicted = true;
+    rig.tick += 1;
+    assert_eq!(rig.channel.inertial(rig.time_us(), &noise(1)), Err(StrapdownError::Gap));
+}
+
 /// A unit that is shaken leaves a wild rate as the last one that was taken. Neither the next wild one nor the calm ones that contradict it
 /// for a second may end the channel, or turn its level by what the wild one says of the time between.
 #[test]
