@@ -2,7 +2,6 @@
 //! have. Only the difference of both delays can be seen there, and its sign names it.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
-use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
 use model::Model;
