@@ -271,7 +271,8 @@ fn an_altitude_that_is_not_there_is_made_of_inertial_samples() {
         .collect();
     // From 20 s of alignment on, every third sample (50 ms are two and a half), or the next where that is a fix's own.
     assert!((20_000_000..20_300_000).contains(&made[0].0), "{:?}", made[0]);
-    let next_us = |time_us: u64| time_us + if (time_us + 60_000) % 200_000 == 0 { 80_000 } else { 60_000 };
+    let next_us =
+        |time_us: u64| time_us + if (time_us + 60_000).is_multiple_of(200_000) { 80_000 } else { 60_000 };
     for pair in made.windows(2) {
         assert_eq!(pair[1].0, next_us(pair[0].0), "after {} us", pair[0].0);
     }
