@@ -57,7 +57,11 @@ pub fn logs(half: Half) -> anyhow::Result<Option<(Vec<Log>, Vec<String>)>> {
     for (name, path) in files.into_iter().filter(|(name, _)| Half::of(name) == half) {
         match import_file(&path) {
             Ok((flight, _)) => logs.push(Log { name, flight: with_altitude(flight) }),
-            Err(error) => unread.push(format!("{name}: {error}")),
+            Err(error) => {
+                // The error names the file by its whole path, which is this machine's.
+                let error = error.to_string().replace(&format!("{}: ", path.display()), "");
+                unread.push(format!("{name}: {error}"));
+            }
         }
     }
     Ok(Some((logs, unread)))
