@@ -112,10 +112,10 @@ impl Follower {
 
     /// A candidate's regressor now, metres per unit.
     ///
-    /// The altitude gained is taken from the climb rate where there is one, else averaged over some seconds:
-    /// the fixes' own altitude has the reference's error in it, which the residual has too, so that in level
-    /// flight the one explains the other with a coefficient of -1. The climb rate is taken between the fixes:
-    /// held since the last one it is late by half their interval, and that is what an acceleration would look like.
+    /// The altitude gained is taken from the climb rate where there is one, else from the path that all altitudes show (`latent_path`): the
+    /// fixes' own altitude has the reference's error in it, which the residual has too, so that in level flight the one explains the other
+    /// with a coefficient of -1. The climb rate is taken between the fixes: held since the last one it is late by half their interval, and
+    /// that is what an acceleration would look like.
     pub(super) fn regressor_m(&self, candidate: &Candidate, moment: &Moment) -> Option<f64> {
         let regressor = candidate.regressor;
         match regressor.id {

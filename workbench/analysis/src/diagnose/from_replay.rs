@@ -29,9 +29,9 @@ pub fn epochs(replay: &Replay<'_>, candidates: &[Candidate], executor: &dyn Exec
     let mut path = ReferencePath::new(fixes, lost_after_s);
     let readings = PATH_SENSORS.iter().map(|sensor| &paths[sensor.index()]).find(|path| !path.is_empty());
     if let (false, Some(readings)) = (measures_climb_rate(replay), readings)
-        && let Some(climb_mps) = latent_path::climb_mps(path.fixes(), readings, path.interval_s(), executor)
+        && let Some(points) = latent_path::path(path.fixes(), readings, path.interval_s(), executor)
     {
-        path.set_slopes(&climb_mps);
+        path.set_path(&points);
     }
     let mut builder = Builder::new(replay, candidates, path);
     builder.run(replay, model, candidates);

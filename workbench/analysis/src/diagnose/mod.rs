@@ -25,7 +25,6 @@ mod diagnosis;
 mod dump;
 mod envelope;
 mod epochs;
-mod errors_in_variables;
 mod evidence;
 mod excitation;
 mod follower;

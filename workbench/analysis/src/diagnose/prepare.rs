@@ -7,7 +7,6 @@ use model::Model;
 
 use super::candidates::{Candidate, catalogue};
 use super::epochs::Epochs;
-use super::errors_in_variables::{Reversed, reversed};
 use super::from_replay::epochs;
 use super::named_replay::NamedReplay;
 use super::physical_range::{Bounds, measures_climb_rate, range};
@@ -31,8 +30,6 @@ pub(super) struct Prepared {
     pub held: Vec<Series>,
     /// Columns of the effects that the model has already, and of the wind.
     pub known: Vec<Known>,
-    /// The height's scale by the sensor's own altitude, where the climb rate is not measured.
-    pub reversed: Option<Reversed>,
     /// Whether the climb rate is measured in all flights.
     pub has_climb_rate: bool,
     /// Columns that are tried, all flights having their signals.
@@ -65,8 +62,6 @@ impl Prepared {
         let mut epochs: Vec<Epochs> = flights.iter().map(prepare).collect();
         let mut held: Vec<Epochs> = hold_outs.iter().map(prepare).collect();
         let wind = wind(&mut epochs, &mut held);
-        let reversed =
-            if has_climb_rate { None } else { reversed(&mut epochs, &mut held, &candidates[..tried]) };
         for (named, epochs) in flights.iter().chain(hold_outs).zip(epochs.iter_mut().chain(&mut held)) {
             if barometer::check(named.replay.flight()).is_some() {
                 leave_out(epochs, Sensor::Baro.index());
@@ -82,7 +77,6 @@ impl Prepared {
             candidates,
             epochs,
             known,
-            reversed,
             has_climb_rate,
         }
     }

@@ -1,5 +1,7 @@
 //! The reference's altitude between its fixes.
 
+use super::latent_path::PathPoint;
+
 /// One accepted fix.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fix {
@@ -51,10 +53,10 @@ impl ReferencePath {
         Self { fixes, climb_mps, lines, interval_s, gap_s, next: 1 }
     }
 
-    /// Takes a better climb rate at every fix than the slope of the altitudes around it, m/s, for receivers without one.
-    pub fn set_slopes(&mut self, climb_mps: &[f64]) {
-        for ((slope, _), climb_mps) in self.lines.iter_mut().zip(climb_mps) {
-            *slope = *climb_mps;
+    /// Takes a better path than the straight lines through the fixes' altitudes, for receivers without a climb rate; a point a fix.
+    pub fn set_path(&mut self, points: &[PathPoint]) {
+        for (line, point) in self.lines.iter_mut().zip(points) {
+            *line = (point.climb_mps, point.altitude_m);
         }
     }
 
@@ -107,9 +109,9 @@ impl ReferencePath {
 pub struct Reference {
     /// Altitude, metres.
     pub altitude_m: f64,
-    /// Climb rate, m/s: the receiver's, or else what [`ReferencePath::set_slopes`] was given, or the slope of its altitude.
+    /// Climb rate, m/s: the receiver's, or else what [`ReferencePath::set_path`] was given, or the slope of its altitude.
     pub climb_mps: f64,
-    /// Altitude averaged over some seconds around, metres.
+    /// Altitude of that path, or averaged over some seconds around, metres.
     pub smooth_m: f64,
 }
 

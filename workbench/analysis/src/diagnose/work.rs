@@ -56,7 +56,6 @@ pub(super) fn work(
         candidates,
         suspects: &suspects,
         epochs,
-        reversed: prepared.reversed,
         has_climb_rate: prepared.has_climb_rate,
     };
     let (mut diagnosis, findings) = judge.verdicts(&mut search, explanation, progress)?;

@@ -102,8 +102,7 @@ impl Judge<'_> {
         let at = findings.explanation.columns.iter().position(|chosen| *chosen == column);
         let inflation = at.and_then(|at| findings.inflation.get(at)).copied().unwrap_or(1.0);
         let scale = scale(self.epochs, candidate.effect());
-        let of_altitudes = at.and_then(|at| findings.of_altitudes.get(at)).copied().unwrap_or(0.0);
-        let variance = solution.covariance[n * n - 1] * inflation + of_altitudes;
+        let variance = solution.covariance[n * n - 1] * inflation;
         let sigma = (variance + (scale * coefficient) * (scale * coefficient)).sqrt();
         let rms = |errors: HeldOut| match candidate.sensor() {
             Some(sensor) => errors.rms_m(sensor.index()),

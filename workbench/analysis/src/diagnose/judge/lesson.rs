@@ -86,8 +86,7 @@ impl Judge<'_> {
         let repeat = repeatability(self.problem, &explanation.fit.noise, &explanation.columns);
         let inflation = self.inflation(&explanation, &repeat);
         let information = self.suspects.information(self.problem, &explanation.fit.noise);
-        let of_altitudes = self.of_altitudes(&explanation);
         let rivals = Vec::new();
-        Some((Findings { explanation, information, rivals, repeat, inflation, of_altitudes }, column))
+        Some((Findings { explanation, information, rivals, repeat, inflation }, column))
     }
 }

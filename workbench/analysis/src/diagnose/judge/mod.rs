@@ -13,7 +13,6 @@ use kf_core::sensor::Sensor;
 use super::candidates::Candidate;
 use super::diagnosis::{Diagnosis, SensorDiagnosis, Verdict};
 use super::epochs::Epochs;
-use super::errors_in_variables::Reversed;
 use super::excitation::{Excitation, excitation};
 use super::information::Information;
 use super::problem::Problem;
@@ -52,8 +51,6 @@ pub(super) struct Judge<'a> {
     pub(super) candidates: &'a [Candidate],
     pub(super) suspects: &'a Suspects<'a>,
     pub(super) epochs: &'a [Epochs],
-    /// The height's scale by the sensor's own altitude, where the climb rate is not measured.
-    pub(super) reversed: Option<Reversed>,
     /// Whether the climb rate is measured.
     pub(super) has_climb_rate: bool,
 }
@@ -66,8 +63,6 @@ pub(super) struct Findings {
     pub(super) repeat: Vec<Repeatability>,
     /// By how much the variance of each chosen coefficient is larger than its fit's.
     pub(super) inflation: Vec<f64>,
-    /// What the noise of altitudes adds to it.
-    pub(super) of_altitudes: Vec<f64>,
 }
 
 impl Findings {
@@ -109,8 +104,7 @@ impl Judge<'_> {
         let repeat = repeatability(self.problem, &explanation.fit.noise, &explanation.columns);
         let inflation = self.inflation(&explanation, &repeat);
         let information = self.suspects.information(self.problem, &explanation.fit.noise);
-        let of_altitudes = self.of_altitudes(&explanation);
-        let findings = Findings { explanation, information, rivals, repeat, inflation, of_altitudes };
+        let findings = Findings { explanation, information, rivals, repeat, inflation };
 
         let mut diagnosis = Diagnosis { noise: self.noise_facts(&findings), ..Diagnosis::default() };
         let mut largest = 0.0;

@@ -30,9 +30,8 @@ impl Judge<'_> {
         let solution = information.solve(&self.suspects.positions(&explanation.columns))?;
         let n = explanation.columns.len();
         let inflation = self.inflation(explanation, &repeat);
-        let of_altitudes = self.of_altitudes(explanation);
         let chances = explanation.columns.iter().enumerate().map(|(k, column)| {
-            let variance = solution.covariance[k * n + k] * inflation[k] + of_altitudes[k];
+            let variance = solution.covariance[k * n + k] * inflation[k];
             (*column, self.chance(solution.coefficients[k], variance))
         });
         let worst = chances.max_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -99,14 +98,6 @@ impl Judge<'_> {
             verdict.is_worse.then_some((*column, verdict.gain))
         });
         verdicts.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(column, _)| column)
-    }
-
-    /// What the noise of altitudes adds to the variances of the chosen columns' coefficients.
-    pub(in crate::diagnose) fn of_altitudes(&self, explanation: &Explanation) -> Vec<f64> {
-        self.reversed.map_or_else(
-            || vec![0.0; explanation.columns.len()],
-            |reversed| reversed.variances(self.problem, &explanation.fit.noise, &explanation.columns),
-        )
     }
 
     /// The larger of what the spread over the parts and what the residual's autocorrelation say.

@@ -30,11 +30,20 @@ struct Taken {
     variance: f64,
 }
 
+/// A path at an instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathPoint {
+    /// Altitude by the receiver's datum, metres.
+    pub altitude_m: f64,
+    /// Climb rate, m/s.
+    pub climb_mps: f64,
+}
+
 /// What the way back needs of an instant.
 struct Step {
-    climb_mps: f64,
-    /// The climb rate's row of the covariance that was predicted.
-    covariance: State,
+    predicted: PathPoint,
+    /// The altitude's and the climb rate's rows of the covariance that was predicted.
+    covariance: [State; 2],
     taken: [Option<Taken>; 2],
     transition: Transition,
 }
@@ -90,12 +99,13 @@ impl<'a> Filter<'a> {
     /// Goes on to a sighting; `sink` is given every measurement.
     fn advance(&mut self, sighting: &Sighting, sink: &mut dyn FnMut(Taken)) -> Step {
         self.pass(sighting.elapsed_s);
-        let (climb_mps, covariance) = (self.state[1], self.covariance[1]);
+        let predicted = PathPoint { altitude_m: self.state[0], climb_mps: self.state[1] };
+        let covariance = [self.covariance[0], self.covariance[1]];
         let reference = self.take(RECEIVER, sighting.reference_m, self.model.reference_m);
         sink(reference);
         let sensor = sighting.sensor_m.map(|sensor_m| self.take(SENSOR, sensor_m, self.model.sensor_m));
         sensor.into_iter().for_each(sink);
-        Step { climb_mps, covariance, taken: [Some(reference), sensor], transition: self.transition }
+        Step { predicted, covariance, taken: [Some(reference), sensor], transition: self.transition }
     }
 }
 
@@ -115,30 +125,34 @@ pub fn twice_log_likelihood(sightings: &[Sighting], model: &PathModel) -> f64 {
     sum
 }
 
-/// The climb rate at every sighting given all of them, m/s.
+/// The path at every sighting given all of them.
 #[must_use]
-pub fn smoothed_climb_mps(sightings: &[Sighting], model: &PathModel) -> Vec<f64> {
+pub fn smoothed(sightings: &[Sighting], model: &PathModel) -> Vec<PathPoint> {
     let Some(first) = sightings.first() else { return Vec::new() };
     let mut filter = Filter::new(model, first);
     let steps: Vec<Step> = sightings.iter().map(|sighting| filter.advance(sighting, &mut |_| {})).collect();
     let mut behind: State = [0.0; STATES];
-    let mut climbs_mps: Vec<f64> = steps.iter().rev().map(|step| step.back(&mut behind)).collect();
-    climbs_mps.reverse();
-    climbs_mps
+    let mut points: Vec<PathPoint> = steps.iter().rev().map(|step| step.back(&mut behind)).collect();
+    points.reverse();
+    points
 }
 
 impl Step {
-    /// Goes back over the instant: the climb rate there, and in `behind` what it says of the one before.
-    fn back(&self, behind: &mut State) -> f64 {
+    /// Goes back over the instant: the path there, and in `behind` what it says of the one before.
+    fn back(&self, behind: &mut State) -> PathPoint {
         for taken in self.taken.iter().rev().flatten() {
             let of_gain: f64 = taken.gain.iter().zip(behind.iter()).map(|(gain, behind)| gain * behind).sum();
             for at in taken.at {
                 behind[at] += taken.innovation / taken.variance - of_gain;
             }
         }
-        let moved: f64 = self.covariance.iter().zip(behind.iter()).map(|(p, r)| p * r).sum();
+        let [moved_m, faster_mps] =
+            self.covariance.map(|row| row.iter().zip(behind.iter()).map(|(p, r)| p * r).sum::<f64>());
         let matrix = &self.transition.matrix;
         *behind = std::array::from_fn(|c| (0..STATES).map(|r| matrix[r][c] * behind[r]).sum());
-        self.climb_mps + moved
+        PathPoint {
+            altitude_m: self.predicted.altitude_m + moved_m,
+            climb_mps: self.predicted.climb_mps + faster_mps,
+        }
     }
 }

@@ -1,10 +1,10 @@
-//! The climb rate of the true path, where no receiver measures it.
+//! The true path, where no receiver measures the climb rate.
 //!
-//! A delay moves an altitude by its time times the climb rate. The slope of the receiver's own altitude is that rate with a noise of
-//! some decimetres a second, and a regressor with noise makes its coefficient too small: by the noise's share of the regressor's
-//! square, once both have been whitened, and what whitens a slow wander amplifies the slope's noise. A delay of 2 s was fitted as 0.4 s.
-//! The expectation of the climb rate given all altitudes of the flight has no such share. What it is off by goes
-//! with none of the data it is made of, itself included, so that a regression on it is not drawn towards zero ("regression calibration":
+//! A delay moves an altitude by its time times the climb rate, a scale by its part of the height. The receiver's own altitude and its
+//! slope are those with a noise, which the residual has too. A regressor with noise makes its coefficient too small, and a noise that both share
+//! draws a scale towards -1; what whitens a slow wander amplifies fast noise, so that of a delay of 2 s 0.4 s were found, and scales of half
+//! the height. The expectation of height and climb rate given all altitudes of the flight has no such share. What it is off by goes
+//! with none of the data it is made of, the residual included, so that a regression on it is not drawn anywhere ("regression calibration":
 //! Carroll, Ruppert, Stefanski and Crainiceanu, "Measurement Error in Nonlinear Models", 2nd edition, chapter 4).
 //!
 //! So the path is a state (`path_model`), receiver and barometer both measure it, and a smoother goes over the whole flight. Before
@@ -23,8 +23,10 @@ use executor::Executor;
 
 use super::quasi_newton::minimise;
 use super::reference_path::Fix;
-use filter::{Sighting, smoothed_climb_mps, twice_log_likelihood};
+use filter::{Sighting, smoothed, twice_log_likelihood};
 use path_model::{PARAMETERS, PathModel};
+
+pub use filter::PathPoint;
 
 /// Sightings that the path's model is fitted to: a flight of more has this many, in stretches all over it.
 const FITTED: usize = 3000;
@@ -42,17 +44,17 @@ const DELAY_STEP_S: f64 = 0.5;
 /// Twice the log likelihood that a delay must gain: as an effect in the search does.
 const DELAY_GAIN: f64 = 16.0;
 
-/// The climb rate to which the difference of both altitudes is proportional if one is late, at every fix, m/s, by the fixes and
-/// one sensor's readings (time in microseconds, metres).
+/// The path at every fix by the fixes and one sensor's readings (time in microseconds, metres): its altitude, and the climb rate to
+/// which the difference of both altitudes is proportional if one is late.
 ///
 /// `None` where there is too little of either to say.
 #[must_use]
-pub fn climb_mps(
+pub fn path(
     fixes: &[Fix],
     readings: &[(u64, f64)],
     interval_s: f64,
     executor: &dyn Executor,
-) -> Option<Vec<f64>> {
+) -> Option<Vec<PathPoint>> {
     let together = sightings(fixes, readings, interval_s, 0.0);
     if together.iter().filter(|sighting| sighting.sensor_m.is_some()).count() < FEW {
         return None;
@@ -60,11 +62,16 @@ pub fn climb_mps(
     let model = fitted(&together, &[0.0; PARAMETERS], executor);
     let delay_s = delay_s(fixes, readings, interval_s, &PathModel::of(&model), executor);
     if delay_s == 0.0 {
-        return Some(smoothed_climb_mps(&together, &PathModel::of(&model)));
+        return Some(smoothed(&together, &PathModel::of(&model)));
     }
     let apart = sightings(fixes, readings, interval_s, delay_s);
     let model = fitted(&apart, &model, executor);
-    Some(means(fixes, &smoothed_climb_mps(&apart, &PathModel::of(&model)), delay_s))
+    let mut points = smoothed(&apart, &PathModel::of(&model));
+    let climb_mps: Vec<f64> = points.iter().map(|point| point.climb_mps).collect();
+    for (point, mean_mps) in points.iter_mut().zip(means(fixes, &climb_mps, delay_s)) {
+        point.climb_mps = mean_mps;
+    }
+    Some(points)
 }
 
 /// The delay of the sensor against the receiver with which one path explains both altitudes best, in steps, seconds; 0 where none

@@ -77,8 +77,8 @@ fn filter_and_smoother_are_the_conditional_distribution() {
     let likelihood = twice_log_likelihood(&sightings, &model);
     assert!((likelihood - expected).abs() < 1e-8 * expected.abs(), "{likelihood} {expected}");
     let climbs_mps = mean.rows(0, n) + covariance.view((0, n), (n, m)) * weighted;
-    for (climb_mps, expected) in smoothed_climb_mps(&sightings, &model).iter().zip(climbs_mps.iter()) {
-        assert!((climb_mps - expected).abs() < 1e-8, "{climb_mps} {expected}");
+    for (point, expected) in smoothed(&sightings, &model).iter().zip(climbs_mps.iter()) {
+        assert!((point.climb_mps - expected).abs() < 1e-8, "{point:?} {expected}");
     }
 }
 
@@ -144,7 +144,7 @@ fn regressed(fixes: &[Fix], of: &dyn Fn(usize) -> f64, truth: &dyn Fn(f64) -> f6
 fn what_comes_out_is_off_by_nothing_that_goes_with_it() {
     for (sensor_s, receiver_s) in [(0.0, 0.0), (2.0, 0.0), (5.0, 0.0), (0.0, 3.0)] {
         let (fixes, readings) = log(3, sensor_s, receiver_s);
-        let climbs_mps = climb_mps(&fixes, &readings, 1.0, &executor::Inline).unwrap();
+        let points = super::path(&fixes, &readings, 1.0, &executor::Inline).unwrap();
         let truth = |time_s: f64| {
             if sensor_s == receiver_s {
                 path(time_s).1
@@ -152,13 +152,44 @@ fn what_comes_out_is_off_by_nothing_that_goes_with_it() {
                 (path(time_s - receiver_s).0 - path(time_s - sensor_s).0) / (sensor_s - receiver_s)
             }
         };
-        let (slope, off_mps) = regressed(&fixes, &|k| climbs_mps[k], &truth);
+        let (slope, off_mps) = regressed(&fixes, &|k| points[k].climb_mps, &truth);
         let own = |k: usize| 0.5 * (fixes[k + 1].altitude_m - fixes[k - 1].altitude_m);
         let (rough, rough_mps) = regressed(&fixes, &own, &truth);
         // Some 4000 s of errors that last for some 10 s, a quarter of the climb rate in size: 0.25 / sqrt(400) is one sigma.
         assert!((slope - 1.0).abs() < 0.04, "{sensor_s} {receiver_s}: {slope}");
         assert!(rough < 0.92 && off_mps < 0.5 * rough_mps, "{rough} {off_mps} {rough_mps}");
     }
+}
+
+/// A barometer that reads a twentieth too much, within a few tens of metres: of the path that is what the difference of both altitudes is. Of the
+/// fixes' own, averaged over four seconds, it is drawn towards -1 by their noise.
+#[test]
+fn of_the_paths_altitude_a_scale_has_its_size() {
+    let mut random = ChaCha8Rng::seed_from_u64(4);
+    let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };
+    let wave = |time_s: f64| 6.0 * (TAU * time_s / 40.0).sin() + 4.0 * (TAU * time_s / 140.0).cos();
+    let (mut fixes, mut readings) = (Vec::new(), Vec::new());
+    for second in 0..4000_u32 {
+        let height_m = wave(f64::from(second));
+        let time_us = u64::from(second) * 1_000_000;
+        fixes.push(Fix { time_us, altitude_m: 500.0 + height_m + 3.0 * normal(), climb_mps: None });
+        readings.push((time_us, 480.0 + 1.05 * height_m + 0.4 * normal()));
+    }
+    let points = super::path(&fixes, &readings, 1.0, &executor::Inline).unwrap();
+    let inner = 20..fixes.len() - 20;
+    let count = inner.len() as f64;
+    let fitted = |of: &dyn Fn(usize) -> f64| {
+        let difference = |k: usize| readings[k].1 - fixes[k].altitude_m;
+        let mean = inner.clone().map(of).sum::<f64>() / count;
+        let mean_difference = inner.clone().map(difference).sum::<f64>() / count;
+        let products = inner.clone().map(|k| (of(k) - mean) * (difference(k) - mean_difference)).sum::<f64>();
+        products / inner.clone().map(|k| (of(k) - mean).powi(2)).sum::<f64>()
+    };
+    let by_path = fitted(&|k| points[k].altitude_m);
+    let by_fixes = fitted(&|k| (k - 2..=k + 2).map(|near| fixes[near].altitude_m).sum::<f64>() / 5.0);
+    // 4000 differences of 3 m on 5 m: 0.01 is one sigma.
+    assert!((by_path - 0.05).abs() < 0.03, "{by_path}");
+    assert!(by_fixes < 0.0, "{by_fixes}");
 }
 
 #[test]
@@ -194,6 +225,6 @@ fn of_next_to_nothing_no_climb_rate_is_made() {
     let fix = |second: u64| Fix { time_us: second * 1_000_000, altitude_m: 100.0, climb_mps: None };
     let fixes: Vec<Fix> = (0..50).map(fix).collect();
     let readings: Vec<(u64, f64)> = fixes.iter().map(|fix| (fix.time_us, 90.0)).collect();
-    assert_eq!(climb_mps(&fixes, &readings, 1.0, &executor::Inline), None);
-    assert_eq!(climb_mps(&[], &[], 1.0, &executor::Inline), None);
+    assert_eq!(super::path(&fixes, &readings, 1.0, &executor::Inline), None);
+    assert_eq!(super::path(&[], &[], 1.0, &executor::Inline), None);
 }
