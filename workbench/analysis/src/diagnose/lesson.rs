@@ -44,6 +44,8 @@ pub struct Lesson {
     pub inflation: f64,
     /// The share of the coefficient that is unsure beside its noise: signals have scale errors of their own.
     pub scale: f64,
+    /// What it is unsure by besides, in its unit: it is no constant.
+    pub unsteadiness: f64,
     /// What the diagnosis itself makes of the coefficient, in f64, and the held-out errors.
     pub facts: CandidateFacts,
     /// What the flights' own stretches say of the coefficient.

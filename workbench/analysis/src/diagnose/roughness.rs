@@ -20,6 +20,11 @@ const SCALE_WITHOUT_AIRSPEED: f64 = 0.2;
 /// development half.
 const SCALE_WITHOUT_CLIMB_RATE: f64 = 0.1;
 
+/// What a coefficient may be off by from one part of a flight to another because it is no constant, where the climb rate is not measured: a
+/// pressure altitude is off by as much of the height as the air's temperature is off the standard's, and within hours and kilometres that changes by
+/// a kelvin in 288. (The halves of the development half's logs differ by that beside their sigmas.) Of a simulated flight it is nothing.
+const UNSTEADY_SCALE: f64 = 1.0 / 288.0;
+
 /// Whether an effect's regressor is known only to some ten per cent: the airspeed is not measured, or it is
 /// integrated twice from specific forces and attitudes, whose small errors grow.
 pub(super) fn is_rough(epochs: &[Epochs], effect: EffectId) -> bool {
@@ -55,4 +60,9 @@ pub(super) fn scale(epochs: &[Epochs], effect: EffectId) -> f64 {
     } else {
         SCALE
     }
+}
+
+/// What an effect's coefficient is unsure by beside its noise and the share of it that is [`scale`], in its unit.
+pub(super) fn unsteadiness(effect: EffectId, has_climb_rate: bool) -> f64 {
+    if effect == EffectId::BaroScale && !has_climb_rate { UNSTEADY_SCALE } else { 0.0 }
 }

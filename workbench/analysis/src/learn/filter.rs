@@ -79,11 +79,11 @@ fn sized<const STATES: usize>(lesson: &Lesson, terms: usize) -> Result<Learned, 
     let unit = unit(term);
     let coefficient = f64::from(filter.tail()[COEFFICIENTS]) * unit;
     let variance = f64::from(filter.variance(COEFFICIENTS)) * unit * unit;
-    let scale = lesson.scale * coefficient;
+    let (scale, unsteadiness) = (lesson.scale * coefficient, lesson.unsteadiness);
     Ok(Learned {
         coefficient,
         filter_sigma: variance.sqrt(),
-        sigma: (variance * lesson.inflation + scale * scale).sqrt(),
+        sigma: (variance * lesson.inflation + scale * scale + unsteadiness * unsteadiness).sqrt(),
     })
 }
 

@@ -5,7 +5,7 @@ use kf_core::sensor::{SENSORS, Sensor};
 use super::{Findings, Judge};
 use crate::diagnose::diagnosis::{CandidateFacts, NoiseFacts};
 use crate::diagnose::held_out::{self, HeldOut};
-use crate::diagnose::roughness::scale;
+use crate::diagnose::roughness::{scale, unsteadiness};
 
 impl Judge<'_> {
     /// How much of the residual a chosen effect makes in free flight, rms, metres.
@@ -103,7 +103,9 @@ impl Judge<'_> {
         let inflation = at.and_then(|at| findings.inflation.get(at)).copied().unwrap_or(1.0);
         let scale = scale(self.epochs, candidate.effect());
         let variance = solution.covariance[n * n - 1] * inflation;
-        let sigma = (variance + (scale * coefficient) * (scale * coefficient)).sqrt();
+        let unsteadiness = unsteadiness(candidate.effect(), self.has_climb_rate);
+        let sigma =
+            (variance + (scale * coefficient) * (scale * coefficient) + unsteadiness * unsteadiness).sqrt();
         let rms = |errors: HeldOut| match candidate.sensor() {
             Some(sensor) => errors.rms_m(sensor.index()),
             None => errors.rms_all_m(),

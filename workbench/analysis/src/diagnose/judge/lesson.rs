@@ -6,7 +6,7 @@ use super::{Findings, Judge};
 use crate::diagnose::evidence::{self, Fitted};
 use crate::diagnose::lesson::{Lesson, Nuisance, Term};
 use crate::diagnose::repeatability::repeatability;
-use crate::diagnose::roughness::scale;
+use crate::diagnose::roughness::{scale, unsteadiness};
 use crate::diagnose::search::{Explanation, Search};
 
 impl Judge<'_> {
@@ -52,6 +52,7 @@ impl Judge<'_> {
             wind: wind.try_into().ok(),
             inflation,
             scale: scale(self.epochs, effect),
+            unsteadiness: unsteadiness(effect, self.has_climb_rate),
             facts,
             folds,
             held_out,
