@@ -22,7 +22,8 @@ const SCALE_WITHOUT_CLIMB_RATE: f64 = 0.1;
 
 /// What a coefficient may be off by from one part of a flight to another because it is no constant, where the climb rate is not measured: a
 /// pressure altitude is off by as much of the height as the air's temperature is off the standard's, and within hours and kilometres that changes by
-/// a kelvin in 288. (The halves of the development half's logs differ by that beside their sigmas.) Of a simulated flight it is nothing.
+/// a kelvin in 288. (The halves of the development half's logs differ by that beside their sigmas.) A scale that may be all of that is no
+/// effect that is missing.
 const UNSTEADY_SCALE: f64 = 1.0 / 288.0;
 
 /// Whether an effect's regressor is known only to some ten per cent: the airspeed is not measured, or it is

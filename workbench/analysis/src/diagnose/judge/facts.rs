@@ -102,10 +102,9 @@ impl Judge<'_> {
         let at = findings.explanation.columns.iter().position(|chosen| *chosen == column);
         let inflation = at.and_then(|at| findings.inflation.get(at)).copied().unwrap_or(1.0);
         let scale = scale(self.epochs, candidate.effect());
-        let variance = solution.covariance[n * n - 1] * inflation;
         let unsteadiness = unsteadiness(candidate.effect(), self.has_climb_rate);
-        let sigma =
-            (variance + (scale * coefficient) * (scale * coefficient) + unsteadiness * unsteadiness).sqrt();
+        let variance = solution.covariance[n * n - 1] * inflation + unsteadiness * unsteadiness;
+        let sigma = (variance + (scale * coefficient) * (scale * coefficient)).sqrt();
         let rms = |errors: HeldOut| match candidate.sensor() {
             Some(sensor) => errors.rms_m(sensor.index()),
             None => errors.rms_all_m(),

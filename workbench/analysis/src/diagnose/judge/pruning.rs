@@ -11,6 +11,7 @@ use crate::diagnose::held_out_verdict::HeldOutVerdict;
 use crate::diagnose::long_run;
 use crate::diagnose::repeatability::{Repeatability, repeatability};
 use crate::diagnose::rivals::Rivals;
+use crate::diagnose::roughness::unsteadiness;
 use crate::diagnose::search::Explanation;
 
 /// Corrected for the number of effects tried, a chosen effect must be less likely than this to be chance.
@@ -31,7 +32,8 @@ impl Judge<'_> {
         let n = explanation.columns.len();
         let inflation = self.inflation(explanation, &repeat);
         let chances = explanation.columns.iter().enumerate().map(|(k, column)| {
-            let variance = solution.covariance[k * n + k] * inflation[k];
+            let unsteadiness = unsteadiness(self.candidates[*column].effect(), self.has_climb_rate);
+            let variance = solution.covariance[k * n + k] * inflation[k] + unsteadiness * unsteadiness;
             (*column, self.chance(solution.coefficients[k], variance))
         });
         let worst = chances.max_by(|a, b| a.1.total_cmp(&b.1))?;
