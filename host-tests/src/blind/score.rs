@@ -1,7 +1,5 @@
 //! How often the diagnosis is right.
 
-use std::fmt::Write as _;
-
 use pylon::diagnose::Verdict;
 
 use super::draw::{Kind, Plan};
@@ -26,6 +24,12 @@ impl Share {
     #[must_use]
     pub fn value(&self) -> f64 {
         if self.of == 0 { 1.0 } else { self.hits as f64 / self.of as f64 }
+    }
+
+    /// A score's line: what it is, padded to so many characters, in per cent, and what is wanted of it. Of no trial there is no per cent.
+    pub(crate) fn line(&self, what: &str, width: usize, wanted: &str) -> String {
+        let rate = if self.of == 0 { "-".to_owned() } else { format!("{:.1} %", 100.0 * self.value()) };
+        format!("{what:<width$} {rate:>8}  ({} of {})  {wanted}\n", self.hits, self.of)
     }
 }
 
@@ -102,13 +106,7 @@ pub fn table(trials: &[Trial]) -> String {
         ("coefficients within 1.96 sigma", score.covered, "90 to 98 %"),
         ("filtered receivers without a wrong effect", score.smoothed_on_gps, ""),
     ] {
-        let _ = writeln!(
-            text,
-            "{what:<68} {:>6.1} %  ({} of {})  {promise}",
-            100.0 * share.value(),
-            share.hits,
-            share.of
-        );
+        text += &share.line(what, 68, promise);
     }
     text
 }

@@ -123,8 +123,7 @@ pub fn table(outcomes: &[Outcome]) -> String {
         ),
         ("coefficients of what was injected and named within 1.96 sigma", score.covered, "92 to 98 %"),
     ] {
-        let rate = if share.of == 0 { "-".to_owned() } else { format!("{:.1} %", 100.0 * share.value()) };
-        let _ = writeln!(text, "{what:<70} {rate:>8}  ({} of {})  {wanted}", share.hits, share.of);
+        text += &share.line(what, 70, wanted);
     }
     let _ =
         writeln!(text, "\n{:<36} {:>5} {:>8} {:>8} {:>8}", "injected", "of", "named", "or two", "any set");

@@ -84,6 +84,8 @@ impl VerticalChannel {
         channel.tie_time_us = kept.tie_time_us;
         channel.bridged_m2ps2 = kept.bridged_m2ps2;
         channel.is_mending = kept.is_mending;
+        // Where the next sample leaves no gap, nothing else asks for a climb rate before an altitude has the last word.
+        channel.climb_fix_us = kept.is_mending.then_some(kept.tie_time_us);
         channel.is_resumed = true;
         channel.unknown_s = unknown_s;
         Some(channel)

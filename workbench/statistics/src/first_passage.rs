@@ -3,6 +3,7 @@
 use super::distributions::{normal_above, normal_quantile};
 
 use super::ResidualModel;
+use super::draw_set::DrawSet;
 
 /// How many paths are drawn, and how finely.
 #[derive(Clone, Copy, Debug)]
@@ -29,7 +30,7 @@ const SIGNIFICANT_SHARE: f64 = 0.05;
 /// Expected overshoot of a Gaussian random walk over a barrier, in standard deviations of a step:
 /// -zeta(1/2) / sqrt(2 pi). Siegmund, "Sequential Analysis" (1985), eq. 10.21.
 const OVERSHOOT: f64 = 0.582_597_157_939_010_7;
-/// Seed of every draw: the same residual gives the same answer.
+/// Seed of every draw, with the set's: the same residual gives the same answer.
 const SEED: u64 = 0x0070_796c_6f6e;
 
 /// Draws of a moving average around the moment at which it is beyond a threshold.
@@ -50,11 +51,16 @@ pub(super) struct Excursions {
 
 impl Excursions {
     /// Draws paths of the moving average over `window` samples.
-    pub(super) fn draw(model: &ResidualModel, window: u64, resolution: Resolution) -> Option<Self> {
-        Self::draw_in(model, Steps::choose(model, window, resolution), resolution.paths)
+    pub(super) fn draw(
+        model: &ResidualModel,
+        window: u64,
+        resolution: Resolution,
+        draws: DrawSet,
+    ) -> Option<Self> {
+        Self::draw_in(model, Steps::choose(model, window, resolution), resolution.paths, draws)
     }
 
-    fn draw_in(model: &ResidualModel, steps: Steps, count: u64) -> Option<Self> {
+    fn draw_in(model: &ResidualModel, steps: Steps, count: u64, draws: DrawSet) -> Option<Self> {
         let window = steps.in_window * steps.samples;
         let covariance = |lag: u64| model.moving_average_autocovariance(window, lag * steps.samples);
         let variance = covariance(0);
@@ -65,7 +71,7 @@ impl Excursions {
         let correlation: Vec<f64> = (0..=steps.radius).map(|lag| covariance(lag) / variance).collect();
         let paths = (0..count)
             .map(|index| {
-                let blocks = model.simulate(steps.samples, SEED ^ (index << 24));
+                let blocks = model.simulate(steps.samples, draws.seed(SEED ^ (index << 24)));
                 let averages = MovingAverage::new(blocks, steps.in_window);
                 averages.take(2 * steps.radius as usize + 1).map(|average| average / sigma_m).collect()
             })
@@ -190,20 +196,21 @@ impl Passages {
         threshold_m: f64,
         horizon_s: f64,
         count: usize,
+        draws: DrawSet,
         signal: impl Fn(f64) -> f64,
     ) -> Self {
         let steps = Steps::choose(model, window, Resolution::FINE);
         let step_s = steps.samples as f64 * model.sample_interval_s;
         let longest = (horizon_s / step_s).ceil() as usize;
         let mut times_s = Vec::new();
-        let mut draws = 0;
+        let mut drawn = 0;
         for index in 0..count as u64 {
-            let blocks = model.simulate(steps.samples, SEED ^ (index << 24) ^ 1);
+            let blocks = model.simulate(steps.samples, draws.seed(SEED ^ (index << 24) ^ 1));
             let mut averages = MovingAverage::new(blocks, steps.in_window);
             if averages.next().is_none_or(|average| average.abs() > threshold_m) {
                 continue;
             }
-            draws += 1;
+            drawn += 1;
             let passed = averages.take(longest).enumerate().find_map(|(index, average)| {
                 let after_s = (index + 1) as f64 * step_s;
                 ((average + signal(after_s)).abs() > threshold_m).then_some(after_s)
@@ -211,7 +218,7 @@ impl Passages {
             times_s.extend(passed);
         }
         times_s.sort_by(f64::total_cmp);
-        Self { times_s, draws }
+        Self { times_s, draws: drawn }
     }
 
     /// The time by which that share of the draws had passed; `None` if fewer ever did.
@@ -273,7 +280,9 @@ mod tests {
         ] {
             for sigmas in [2.0, 3.0] {
                 let threshold_m = sigmas * model.variance_of_mean(window).sqrt();
-                let drawn = Excursions::draw(&model, window, MANY).unwrap().rate_per_s(threshold_m);
+                let drawn = Excursions::draw(&model, window, MANY, DrawSet::default())
+                    .unwrap()
+                    .rate_per_s(threshold_m);
                 let (watched, error) = watched_rate_per_s(&model, window, threshold_m, 2 * window, 6_000_000);
                 // The two definitions of "one excursion" differ by the few that lie close together:
                 // 5 % at 3 sigmas, more where excursions are not rare.
@@ -289,7 +298,7 @@ mod tests {
         let rate = |samples: u64| {
             let steps = Steps { samples, in_window: 960 / samples, radius: 960 / samples };
             let threshold_m = 4.0 * model.variance_of_mean(960).sqrt();
-            Excursions::draw_in(&model, steps, 1_024).unwrap().rate_per_s(threshold_m)
+            Excursions::draw_in(&model, steps, 1_024, DrawSet::default()).unwrap().rate_per_s(threshold_m)
         };
         // 1,024 draws give a rate to some 3 %. Unshifted, the coarse rate is 36 % too low.
         let ratio = rate(40) / rate(2);
@@ -302,7 +311,7 @@ mod tests {
         // curvature of its autocovariance at the sample interval.
         let model = model(0.0, &[(2.0, 1.0)]);
         let window = 400;
-        let excursions = Excursions::draw(&model, window, MANY).unwrap();
+        let excursions = Excursions::draw(&model, window, MANY, DrawSet::default()).unwrap();
         let variance = model.variance_of_mean(window);
         let slope = 2.0 * (variance - model.moving_average_autocovariance(window, 1)) / (0.02 * 0.02);
         for sigmas in [4.0_f64, 5.0] {
@@ -316,7 +325,7 @@ mod tests {
     #[test]
     fn independent_samples_pass_as_often_as_their_tail_says() {
         let model = model(9.0, &[]);
-        let rate = Excursions::draw(&model, 1, MANY).unwrap().rate_per_s(3.0 * 4.0);
+        let rate = Excursions::draw(&model, 1, MANY, DrawSet::default()).unwrap().rate_per_s(3.0 * 4.0);
         let expected = 2.0 * normal_above(4.0) / 0.02;
         assert!((rate / expected - 1.0).abs() < 0.01, "{rate} {expected}");
     }
@@ -325,10 +334,13 @@ mod tests {
     fn passage_of_a_large_step_takes_its_share_of_the_window() {
         let model = model(1e-6, &[]);
         let fault = |after_s: f64| 10.0 * (after_s / 2.0).min(1.0);
-        let passages = Passages::draw(&model, 100, 4.0, 10.0, 64, fault);
+        let passages = Passages::draw(&model, 100, 4.0, 10.0, 64, DrawSet::default(), fault);
         assert_eq!(passages.draws, 64);
         assert!((passages.quantile_s(0.5).unwrap() - 0.8).abs() <= 0.04, "{:?}", passages.quantile_s(0.5));
-        assert_eq!(Passages::draw(&model, 100, 11.0, 10.0, 64, fault).quantile_s(0.5), None);
+        assert_eq!(
+            Passages::draw(&model, 100, 11.0, 10.0, 64, DrawSet::default(), fault).quantile_s(0.5),
+            None
+        );
     }
 
     #[test]
@@ -336,7 +348,7 @@ mod tests {
         let model = model(4.0, &[(0.5, 1.0)]);
         let (window, threshold_m) = (200_u64, 3.0);
         let fault = |after_s: f64| 0.5 * after_s;
-        let passages = Passages::draw(&model, window, threshold_m, 60.0, 4_000, fault);
+        let passages = Passages::draw(&model, window, threshold_m, 60.0, 4_000, DrawSet::default(), fault);
         let mut watched = Moments::default();
         for seed in 0..4_000 {
             let averages = MovingAverage::new(model.simulate(1, 10_000 + seed), window);

@@ -1,6 +1,7 @@
 //! What a monitor's rule does to healthy sensors in the first window after launch, before it is full.
 
 use super::ResidualModel;
+use super::draw_set::DrawSet;
 use super::monitor_rule::samples_of;
 
 /// Draws of launches, and readings in each at most.
@@ -10,6 +11,7 @@ const FIRST_SAMPLES: u64 = 1_000;
 #[derive(Clone, Debug)]
 pub struct HealthyLaunches<'a> {
     model: &'a ResidualModel,
+    draws: DrawSet,
     /// Ascending, in samples.
     windows: Vec<u64>,
     /// For each window and launch, as [`first_window_barriers`] says.
@@ -20,11 +22,16 @@ impl<'a> HealthyLaunches<'a> {
     /// Draws launches for windows of these lengths, seconds.
     #[must_use]
     pub fn draw(model: &'a ResidualModel, windows_s: &[f64]) -> Self {
+        Self::draw_set(model, windows_s, DrawSet::default())
+    }
+
+    /// As [`Self::draw`], with these random numbers.
+    pub(super) fn draw_set(model: &'a ResidualModel, windows_s: &[f64], draws: DrawSet) -> Self {
         let mut windows: Vec<u64> = windows_s.iter().map(|window_s| samples_of(model, *window_s)).collect();
         windows.sort_unstable();
         windows.dedup();
-        let barriers = first_window_barriers(model, &windows, FIRST_DRAWS);
-        Self { model, windows, barriers }
+        let barriers = first_window_barriers(model, &windows, draws);
+        Self { model, draws, windows, barriers }
     }
 
     /// The residual.
@@ -32,11 +39,16 @@ impl<'a> HealthyLaunches<'a> {
         self.model
     }
 
+    /// The random numbers that whoever looks at a rule of this residual draws too.
+    pub(super) const fn draws(&self) -> DrawSet {
+        self.draws
+    }
+
     /// The thresholds of that window, one a launch.
     pub(super) fn barriers(&self, window: u64) -> Vec<f64> {
         match self.windows.binary_search(&window) {
             Ok(index) => self.barriers.get(index).cloned().unwrap_or_default(),
-            Err(_) => first_window_barriers(self.model, &[window], FIRST_DRAWS).concat(),
+            Err(_) => first_window_barriers(self.model, &[window], self.draws).concat(),
         }
     }
 
@@ -48,19 +60,19 @@ impl<'a> HealthyLaunches<'a> {
     }
 }
 
-/// For each window (in ascending order), and each of `draws` healthy launches, the threshold below
-/// which the sensor would be called untrustworthy before the window is full.
+/// For each window (in ascending order), and each of [`FIRST_DRAWS`] healthy launches, the threshold
+/// below which the sensor would be called untrustworthy before the window is full.
 ///
 /// Reading by reading from the first on, that takes one beyond the threshold and after it an average beyond it, in which
 /// what is not covered yet counts as no error (`kf_core::monitor`): the largest of min(largest reading before, sum so
 /// far over the whole window). Only the first [`FIRST_SAMPLES`] readings are drawn: averages of more are in the steady rate.
-fn first_window_barriers(model: &ResidualModel, windows: &[u64], draws: u64) -> Vec<Vec<f64>> {
+fn first_window_barriers(model: &ResidualModel, windows: &[u64], draws: DrawSet) -> Vec<Vec<f64>> {
     let mut barriers: Vec<Vec<f64>> = vec![Vec::new(); windows.len()];
     let longest = windows.last().copied().unwrap_or(0).min(FIRST_SAMPLES);
-    for seed in 0..draws {
+    for launch in 0..FIRST_DRAWS {
         let (mut sum, mut largest) = (0.0, 0.0_f64);
         barriers.iter_mut().for_each(|slot| slot.push(0.0));
-        for (index, error) in model.simulate(1, seed).take(longest as usize).enumerate() {
+        for (index, error) in model.simulate(1, draws.seed(launch)).take(longest as usize).enumerate() {
             sum += error;
             let filling = windows.iter().zip(&mut barriers).filter(|(window, _)| index < **window as usize);
             for (window, slot) in filling {

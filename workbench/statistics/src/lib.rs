@@ -8,6 +8,7 @@ mod batch_means;
 mod chi_squared;
 mod correlator;
 mod distributions;
+mod draw_set;
 mod first_passage;
 mod healthy_launches;
 mod moments;

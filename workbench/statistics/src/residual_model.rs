@@ -124,16 +124,39 @@ impl ResidualModel {
     }
 
     /// Draws the process as means of `samples_per_step` consecutive samples, without end.
+    ///
+    /// The white part and each component have a stream of the seed's random numbers to themselves: how small one is, or whether the fit
+    /// has it at all, changes nothing in what the others draw.
     #[must_use]
     pub fn simulate(&self, samples_per_step: u64, seed: u64) -> Simulation {
-        let mut generator = ChaCha8Rng::seed_from_u64(seed);
+        let white = ChaCha8Rng::seed_from_u64(seed);
         let parts = self
             .components
             .iter()
-            .map(|part| Part::new(self.phi(part), part.variance_m2, samples_per_step, &mut generator))
+            .zip(self.streams())
+            .map(|(part, stream)| {
+                let mut generator = white.clone();
+                generator.set_stream(stream);
+                Part::new(self.phi(part), part.variance_m2, samples_per_step, generator)
+            })
             .collect();
         let white_sigma = (self.white_variance_m2 / samples_per_step.max(1) as f64).sqrt();
-        Simulation { generator, white_sigma, parts }
+        Simulation { white, white_sigma, parts }
+    }
+
+    /// A stream for each component, which follows from its correlation time: the nearest of the fit's grid, and how many before it have
+    /// the same. The white part's is 0.
+    fn streams(&self) -> Vec<u64> {
+        let nearest: Vec<i64> = self
+            .components
+            .iter()
+            .map(|part| {
+                libm::round(libm::log(part.time_s / self.sample_interval_s) / libm::log(GRID_RATIO)) as i64
+            })
+            .collect();
+        let before =
+            |index: usize| nearest[..index].iter().filter(|other| **other == nearest[index]).count() as u64;
+        nearest.iter().enumerate().map(|(index, time)| ((*time as u64) << 8) + 1 + before(index)).collect()
     }
 }
 
@@ -178,11 +201,13 @@ struct Part {
     mean_gain: f64,
     state_sigma: f64,
     shared_sigma: f64,
-    own_sigma: f64,
+    /// `None` of a step of one sample, which is its own mean.
+    own_sigma: Option<f64>,
+    generator: ChaCha8Rng,
 }
 
 impl Part {
-    fn new(phi: f64, variance: f64, samples: u64, generator: &mut ChaCha8Rng) -> Self {
+    fn new(phi: f64, variance: f64, samples: u64, mut generator: ChaCha8Rng) -> Self {
         let n = samples.max(1);
         let driving = variance * (1.0 - phi * phi);
         let (mut state_variance, mut sum_variance, mut covariance) = (0.0, 0.0, 0.0);
@@ -198,14 +223,15 @@ impl Part {
         let state_sigma = f64::sqrt(state_variance);
         let shared_sigma = if state_sigma > 0.0 { covariance / state_sigma / count } else { 0.0 };
         let own = sum_variance / (count * count) - shared_sigma * shared_sigma;
-        let start = standard_normal(generator);
+        let start = standard_normal(&mut generator);
         Self {
             state: start * variance.sqrt(),
             state_gain: power,
             mean_gain: phi * (1.0 - power) / (1.0 - phi) / count,
             state_sigma,
             shared_sigma,
-            own_sigma: own.max(0.0).sqrt(),
+            own_sigma: (n > 1).then(|| own.max(0.0).sqrt()),
+            generator,
         }
     }
 }
@@ -213,7 +239,7 @@ impl Part {
 /// An endless draw of a [`ResidualModel`]; see [`ResidualModel::simulate`].
 #[derive(Clone, Debug)]
 pub struct Simulation {
-    generator: ChaCha8Rng,
+    white: ChaCha8Rng,
     white_sigma: f64,
     parts: Vec<Part>,
 }
@@ -222,14 +248,12 @@ impl Iterator for Simulation {
     type Item = f64;
 
     fn next(&mut self) -> Option<f64> {
-        let white = standard_normal(&mut self.generator);
-        let mut mean = self.white_sigma * white;
+        let mut mean = self.white_sigma * standard_normal(&mut self.white);
         for part in &mut self.parts {
-            let shared = standard_normal(&mut self.generator);
+            let shared = standard_normal(&mut part.generator);
             mean += part.mean_gain * part.state + part.shared_sigma * shared;
-            if part.own_sigma > 0.0 {
-                let own = standard_normal(&mut self.generator);
-                mean += part.own_sigma * own;
+            if let Some(own_sigma) = part.own_sigma {
+                mean += own_sigma * standard_normal(&mut part.generator);
             }
             part.state = part.state_gain * part.state + part.state_sigma * shared;
         }
@@ -292,6 +316,24 @@ pub(crate) mod tests {
                 assert!((got / expected - 1.0).abs() < 4.0 * sigma, "{samples}: {got} {expected}");
             }
         }
+    }
+
+    /// A component of no variance has no part in what the others draw, and two of one correlation time are independent of each other.
+    #[test]
+    fn components_draw_by_themselves() {
+        let model = example();
+        let mut more = model.clone();
+        more.components.insert(1, Component { time_s: 0.7, variance_m2: 0.0 });
+        for samples in [1, 7] {
+            let draws = |model: &ResidualModel| model.simulate(samples, 3).take(1_000).collect::<Vec<f64>>();
+            assert!(draws(&model) == draws(&more), "{samples}");
+        }
+        let part = Component { time_s: 1.0, variance_m2: 1.0 };
+        let twice = ResidualModel { white_variance_m2: 0.0, components: vec![part; 2], ..model };
+        let mut moments = Moments::default();
+        (0..10_000).for_each(|seed| moments.push(twice.simulate(1, seed).next().unwrap()));
+        let variance = moments.variance().unwrap();
+        assert!((variance / 2.0 - 1.0).abs() < 4.0 * (2.0 / 10_000.0_f64).sqrt(), "{variance}");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Gaps of free flight that fixes make good for, and channels that a restart goes on with.
 
 use super::*;
+use crate::strapdown::bridge;
 
 fn rest() -> ImuSample {
     sample([0.0, 0.0, -G], [0.0; 3])
@@ -97,6 +98,24 @@ fn after_every_gap_the_next_climb_rate_is_waited_for() {
         assert!(rig.channel.is_mending(), "{is_restarted}");
         assert_eq!(rig.channel.climb_rate_fix(rig.time_us(), 0.0), Ok(()));
     }
+}
+
+/// A restart in which no time was lost is no gap, and the channel that it goes on with has no climb rate of the time before: the next one is
+/// waited for all the same.
+#[test]
+fn a_restart_without_a_gap_waits_for_the_next_climb_rate() {
+    let mut rig = after_gap(0.5);
+    while rig.channel.tie.climb_m2ps2() > bridge::MENDED_M2PS2 / 2.0 {
+        (0..20).for_each(|_| rig.step(&rest()));
+        rig.channel.reference(rig.time_us(), 1_000.0).unwrap();
+        rig.channel.climb_rate_fix(rig.time_us(), 0.0).unwrap();
+    }
+    assert!(rig.channel.is_mending());
+    rig.channel = VerticalChannel::resumed(Config::MEMS, &rig.channel.kept().unwrap(), 0.0).unwrap();
+    (0..20).for_each(|_| rig.step(&rest()));
+    rig.channel.reference(rig.time_us(), 1_000.0).unwrap();
+    assert!(rig.channel.is_mending());
+    assert_eq!(rig.channel.climb_rate_fix(rig.time_us(), 0.0), Ok(()));
 }
 
 #[test]
