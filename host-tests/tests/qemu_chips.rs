@@ -244,7 +244,7 @@ fn a_barometer_that_fails_in_any_phase_is_counted_and_comes_back() {
         check_in_each_phase(0, fault, true);
     }
     for fault in ["baro reset", "baro flip-bits=0x80"] {
-        // A flipped bit is seen only where it leaves the range: see chip-models/tests/ms5611.rs.
+        // A flipped bit is seen only where it leaves the range: see onboard/chip-models/tests/ms5611.rs.
         let counted = fault == "baro reset";
         if counted {
             check_once_in_each_phase(0, fault);

@@ -1,5 +1,5 @@
 //! Signals that are missing, late or absurd; the regressors themselves are tested against simulated
-//! flights in `pylon/tests/effects.rs`.
+//! flights in `apps/pylon/tests/effects.rs`.
 
 use proptest::collection::vec;
 use proptest::prelude::*;

@@ -1,0 +1,240 @@
+//! What an effect looks like: the error that it makes in a simulated flight, as a small picture.
+
+use std::fmt::Write as _;
+
+use kf_core::effect::EffectId;
+
+use crate::simulate::scenario::{self, Effect, InjectionPhase};
+use crate::simulate::{Scenario, regressor, simulate};
+
+/// The flight that effects are shown on.
+const FLIGHT: &str = include_str!("../../../../flights/quickstart.toml");
+/// Its name.
+const FLIGHT_NAME: &str = "flights/quickstart.toml";
+/// Of the largest plausible coefficient, this share is shown.
+const SHARE: f64 = 0.1;
+/// The time constant that effects with one are shown with, seconds.
+const TIME_CONSTANT_S: f64 = 40.0;
+/// Points that are kept of a picture.
+const POINTS: usize = 600;
+/// Letters of a picture, across and down; each has two by four dots.
+const ACROSS: usize = 64;
+const DOWN: usize = 8;
+const DOWN_ALTITUDE: usize = 4;
+
+/// One effect on a simulated flight.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// The effect.
+    pub effect: EffectId,
+    /// The coefficient that it is shown with, in the effect's own unit.
+    pub coefficient: f64,
+    /// When the aircraft was launched, seconds.
+    pub launch_s: f64,
+    /// Seconds.
+    pub time_s: Vec<f64>,
+    /// The altitude, metres.
+    pub altitude_m: Vec<f64>,
+    /// What the effect adds, metres, without its mean before the launch: that is what the calibration takes off.
+    pub error_m: Vec<f64>,
+}
+
+impl Picture {
+    /// Flies it; `None` for an effect that the simulator does not have, which the tests do not let be.
+    #[must_use]
+    pub fn of(effect: EffectId) -> Option<Self> {
+        let id = scenario::EffectId::ALL.iter().copied().find(|id| id.name() == effect.name())?;
+        let [least, most] = effect.plausible().map(f64::from);
+        let coefficient = SHARE * if most.abs() >= least.abs() { most } else { least };
+        let mut scenario = Scenario::from_toml(FLIGHT, FLIGHT_NAME).ok()?;
+        let injected = Effect {
+            id,
+            coefficient,
+            // An inertial altitude is aligned until the launch.
+            phase: if effect.name().starts_with("imu.") {
+                InjectionPhase::Free
+            } else {
+                InjectionPhase::Both
+            },
+            time_constant_s: effect.has_time_constant().then_some(TIME_CONSTANT_S),
+            width_m: None,
+        };
+        scenario.effect.clear();
+        let (_, truth) = simulate(&scenario, scenario.seed).ok()?;
+        let launch_s = truth.launch_s?;
+        let added = regressor(&injected, &truth.trajectory, scenario.latitude_deg);
+        let before = truth.trajectory.iter().take_while(|sample| sample.captive).count().max(1);
+        let mean = added.iter().take(before).sum::<f64>() / before as f64;
+        let stride = truth.trajectory.len().div_ceil(POINTS).max(1);
+        let kept = || truth.trajectory.iter().step_by(stride);
+        Some(Self {
+            effect,
+            coefficient,
+            launch_s,
+            time_s: kept().map(|sample| sample.time_s).collect(),
+            altitude_m: kept().map(|sample| sample.altitude_m).collect(),
+            error_m: added.iter().step_by(stride).map(|value| coefficient * (value - mean)).collect(),
+        })
+    }
+
+    /// What is shown, in words.
+    #[must_use]
+    pub fn caption(&self) -> String {
+        let unit = if self.effect.unit() == "1" { String::new() } else { format!(" {}", self.effect.unit()) };
+        let tau = if self.effect.has_time_constant() {
+            format!(" and a time constant of {TIME_CONSTANT_S} s")
+        } else {
+            String::new()
+        };
+        format!(
+            "A simulated flight ({FLIGHT_NAME}), not a measured one, with a coefficient of {}{unit}{tau}; launch at {:.0} s. \
+             What the calibration before the launch takes off is taken off.",
+            // Three digits of a plausible coefficient, written as short as they can be.
+            format!("{:.2e}", self.coefficient).parse::<f64>().unwrap_or(self.coefficient),
+            self.launch_s
+        )
+    }
+
+    /// Whose altitude it is that is wrong.
+    #[must_use]
+    pub fn victim(&self) -> &'static str {
+        self.effect.subject().name()
+    }
+
+    /// The picture, in letters of a terminal.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let mut text = String::new();
+        let end_s = self.time_s.last().copied().unwrap_or(0.0);
+        for (name, values, down) in [
+            ("altitude".to_owned(), &self.altitude_m, DOWN_ALTITUDE),
+            (format!("error of {}", self.victim()), &self.error_m, DOWN),
+        ] {
+            let _ = writeln!(text, "  {name}, m");
+            let range = extremes(values);
+            let rows = dots(values, range, down);
+            for (row, line) in rows.iter().enumerate() {
+                let label = match row {
+                    0 => format!("{:.1}", range[1]),
+                    row if row + 1 == rows.len() => format!("{:.1}", range[0]),
+                    _ => String::new(),
+                };
+                let _ = writeln!(text, "{label:>10} ┤{line}");
+            }
+        }
+        let launch = (self.launch_s / end_s.max(1e-9) * ACROSS as f64) as usize;
+        let _ = writeln!(text, "{:>10} └{}", "", mark(launch));
+        let _ = writeln!(
+            text,
+            "{:>10}  0 s{:launch$}launch{:>rest$}",
+            "",
+            "",
+            format!("{end_s:.0} s"),
+            launch = launch.saturating_sub(3),
+            rest = ACROSS.saturating_sub(launch + 6).max(1)
+        );
+        text
+    }
+}
+
+/// Least and greatest; never the same.
+fn extremes(values: &[f64]) -> [f64; 2] {
+    let fold = |start: f64, pick: fn(f64, f64) -> f64| values.iter().copied().fold(start, pick);
+    let [least, most] = [fold(f64::INFINITY, f64::min), fold(f64::NEG_INFINITY, f64::max)];
+    if most > least { [least, most] } else { [least - 0.5, least + 0.5] }
+}
+
+/// The axis, with the launch marked.
+fn mark(launch: usize) -> String {
+    (0..ACROSS).map(|place| if place == launch { '┴' } else { '─' }).collect()
+}
+
+/// A curve in braille: each letter has two dots across and four down.
+fn dots(values: &[f64], [least, most]: [f64; 2], down: usize) -> Vec<String> {
+    /// The bit of each dot, by column and row.
+    const BITS: [[u32; 4]; 2] = [[0x01, 0x02, 0x04, 0x40], [0x08, 0x10, 0x20, 0x80]];
+    let mut cells = vec![[0_u32; ACROSS]; down];
+    let height = (4 * down - 1) as f64;
+    let dot = |value: f64| ((most - value) / (most - least) * height).round().clamp(0.0, height) as usize;
+    let mut before: Option<usize> = None;
+    for column in 0..2 * ACROSS {
+        let from = column * values.len() / (2 * ACROSS);
+        let Some(value) = values.get(from) else { break };
+        let now = dot(*value);
+        // A steep curve is not to have holes.
+        let (top, bottom) = before.map_or((now, now), |before| {
+            if before < now {
+                (before + 1, now)
+            } else if before > now {
+                (now, before - 1)
+            } else {
+                (now, now)
+            }
+        });
+        for row in top..=bottom {
+            if let (Some(line), Some(bits)) = (cells.get_mut(row / 4), BITS.get(column % 2))
+                && let (Some(cell), Some(bit)) = (line.get_mut(column / 2), bits.get(row % 4))
+            {
+                *cell |= bit;
+            }
+        }
+        before = Some(now);
+    }
+    let letter = |bits: &u32| char::from_u32(0x2800 + bits).unwrap_or(' ');
+    cells.iter().map(|line| line.iter().map(letter).collect::<String>()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_effect_has_a_picture_and_no_two_are_alike() {
+        let mut seen: Vec<(EffectId, Vec<f64>)> = Vec::new();
+        for effect in EffectId::ALL {
+            let picture = Picture::of(effect).unwrap();
+            let [least, most] = extremes(&picture.error_m);
+            assert!(most > least && picture.error_m.iter().any(|error| error.abs() > 1e-6), "{effect:?}");
+            let size = least.abs().max(most.abs());
+            let shape: Vec<f64> = picture.error_m.iter().map(|error| error / size).collect();
+            let twin = seen
+                .iter()
+                .find(|(_, other)| other.iter().zip(&shape).all(|(one, other)| (one - other).abs() < 1e-3));
+            // Those differ in whose altitude is wrong.
+            let name = effect.name();
+            assert!(
+                twin.is_none() || ["gps.latency", "imu.velocity_error", "gps.convergence"].contains(&name),
+                "{name} {twin:?}"
+            );
+            seen.push((effect, shape));
+            let text = picture.text();
+            assert_eq!(text.lines().count(), DOWN + DOWN_ALTITUDE + 4, "{text}");
+            assert!(picture.caption().contains("simulated"));
+        }
+    }
+
+    /// A lag is too low in climbs and too high in descents, by the lag times the climb rate.
+    #[test]
+    fn a_lag_is_low_in_climbs_and_high_in_descents() {
+        let picture = Picture::of(EffectId::BaroLag).unwrap();
+        let at = |from_s: f64, to_s: f64| {
+            let rows: Vec<usize> = (0..picture.time_s.len())
+                .filter(|row| (from_s..to_s).contains(&picture.time_s[*row]))
+                .collect();
+            let (first, last) = (rows[0], rows[rows.len() - 1]);
+            let climb = (picture.altitude_m[last] - picture.altitude_m[first])
+                / (picture.time_s[last] - picture.time_s[first]);
+            let mean = rows.iter().map(|row| picture.error_m[*row]).sum::<f64>() / rows.len() as f64;
+            (climb, mean)
+        };
+        // The dive and the pull-up of the standard flight, and level flight at its end.
+        for (from_s, to_s, least) in [(128.0, 136.0, 10.0), (149.0, 152.0, 3.0), (235.0, 245.0, 0.0)] {
+            let (climb, mean) = at(from_s, to_s);
+            assert!(climb.abs() >= least, "{from_s}: {climb}");
+            assert!(
+                (mean + picture.coefficient * climb).abs() < 0.2 * mean.abs() + 0.3,
+                "{from_s}: {climb} {mean}"
+            );
+        }
+    }
+}

@@ -1,0 +1,295 @@
+//! `pylon add` and `pylon ladder` on simulated flights.
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+mod common;
+
+use std::fs;
+use std::path::Path;
+
+use common::program::{files, pylon, refusal, run, stdout};
+use kf_core::effect::EffectId;
+use model::Model;
+use pylon::diagnose::{NamedReplay, Wish, study};
+use pylon::flight::Flight;
+use pylon::learn::{learn, score};
+use pylon::replay::Replay;
+use pylon::simulate::{Scenario, load_scenario, scenario, simulate};
+use serde_json::Value;
+
+fn quickstart(effects: &[(scenario::EffectId, f64)]) -> Scenario {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../flights/quickstart.toml");
+    let mut scenario = load_scenario(&file).unwrap();
+    scenario.effect = effects
+        .iter()
+        .map(|(id, coefficient)| scenario::Effect {
+            id: *id,
+            coefficient: *coefficient,
+            phase: scenario::InjectionPhase::Both,
+            time_constant_s: None,
+            width_m: None,
+        })
+        .collect();
+    scenario
+}
+
+fn named<'a>(flights: &'a [Flight], model: &Model) -> Vec<NamedReplay<'a>> {
+    let named =
+        |flight| NamedReplay { file: "flight".to_owned(), replay: Replay::new(flight, model, None).unwrap() };
+    flights.iter().map(named).collect()
+}
+
+const fn wish(effect: EffectId) -> Wish {
+    Wish { effect, time_constant_s: None, since: None }
+}
+
+/// The core's filter in single precision and the diagnosis' normal equations in double are two ways to one
+/// estimate: they agree to a small part of its sigma, whatever else acts, and over several flights.
+#[test]
+fn the_cores_filter_learns_what_the_diagnosis_estimates() {
+    use scenario::EffectId as Injected;
+    let pressure = (Injected::BaroDynamicPressure, 0.06);
+    type Case<'a> = (&'a [(Injected, f64)], EffectId, &'a [u64], &'a str);
+    let cases: [Case<'_>; 5] = [
+        (&[pressure], EffectId::BaroDynamicPressure, &[1], ""),
+        (&[pressure], EffectId::BaroDynamicPressure, &[1, 2], ""),
+        (&[pressure, (Injected::ImuAccelBias, 0.004)], EffectId::ImuAccelBias, &[3], ""),
+        (&[(Injected::GpsLatency, 0.8)], EffectId::GpsLatency, &[4], ""),
+        // The model knows the one effect to some sigma, and that is learned anew beside the other.
+        (
+            &[pressure, (Injected::BaroLag, 0.9)],
+            EffectId::BaroLag,
+            &[5],
+            "[[effect]]\nid = \"baro.dynamic_pressure\"\ncoefficient = 0.05\nsigma = 0.02\n",
+        ),
+    ];
+    for (effects, effect, seeds, model) in cases {
+        let scenario = quickstart(effects);
+        let flights: Vec<Flight> = seeds.iter().map(|seed| simulate(&scenario, *seed).unwrap().0).collect();
+        let model = Model::parse(model).unwrap();
+        let (_, lesson) = study(&named(&flights, &model), &[], wish(effect), &mut || ());
+        let lesson = lesson.unwrap();
+        let learned = learn(&lesson).unwrap();
+        let facts = &lesson.facts;
+        // Single precision, and a prior that is wide but not infinite.
+        let apart = (learned.coefficient - facts.coefficient).abs();
+        assert!(apart < 0.03 * learned.filter_sigma, "{}: {learned:?} {facts:?}", effect.name());
+        assert!((learned.sigma / facts.sigma - 1.0).abs() < 0.03, "{learned:?} {facts:?}");
+        let (_, truth) = effects.iter().find(|(id, _)| id.name() == effect.name()).unwrap();
+        assert!((learned.coefficient - truth).abs() < 4.0 * learned.sigma, "{truth} {learned:?}");
+    }
+}
+
+/// Without an airspeed the wind's share of it is estimated beside, of each flight its own: by both alike.
+#[test]
+fn the_cores_filter_knows_the_wind() {
+    let scenario = quickstart(&[(scenario::EffectId::BaroDynamicPressure, 0.12)]);
+    let mut other = scenario.clone();
+    (other.wind.north_mps, other.wind.east_mps) = (-6.0, 1.0);
+    let mut flights = [simulate(&scenario, 1).unwrap().0, simulate(&other, 2).unwrap().0];
+    for flight in &mut flights {
+        flight.channels.retain(|(channel, _)| channel.name() != "tas_mps");
+    }
+    let model = Model::default();
+    let (_, lesson) = study(&named(&flights, &model), &[], wish(EffectId::BaroDynamicPressure), &mut || ());
+    let lesson = lesson.unwrap();
+    assert!(lesson.wind.is_some());
+    let learned = learn(&lesson).unwrap();
+    let apart = (learned.coefficient - lesson.facts.coefficient).abs();
+    assert!(apart < 0.03 * learned.filter_sigma, "{learned:?} {:?}", lesson.facts);
+    assert!((learned.coefficient - 0.12).abs() < 4.0 * learned.sigma, "{learned:?}");
+}
+
+#[test]
+fn an_effect_without_movement_or_signal_has_no_lesson() {
+    let (mut flight, _) = simulate(&quickstart(&[]), 1).unwrap();
+    flight.channels.retain(|(channel, _)| channel.name() != "throttle");
+    let (diagnosis, lesson) =
+        study(&named(&[flight], &Model::default()), &[], wish(EffectId::BaroPropwash), &mut || ());
+    assert!(lesson.is_none());
+    assert!(diagnosis.untested.iter().any(|untested| untested.effect == "baro.propwash"));
+}
+
+/// The score is the comparison's, without the rest of it.
+#[test]
+fn a_score_is_what_a_comparison_says() {
+    let (flight, _) = simulate(&quickstart(&[(scenario::EffectId::BaroDynamicPressure, 0.2)]), 1).unwrap();
+    let replay = Replay::new(&flight, &Model::default(), None).unwrap();
+    let scores = score(&replay).unwrap();
+    let (comparison, _) =
+        pylon::compare::compare(&replay, &pylon::compare::Options::default(), &mut |_| ()).unwrap();
+    assert_eq!(scores.len(), comparison.sensors.len());
+    assert!(scores["baro"].untrustworthy_after_s.is_some());
+    for (name, score) in &scores {
+        let compared = &comparison.sensors[name];
+        let pairs = [
+            (score.captive_rms_m, compared.captive_rms_m),
+            (score.free_flight_rms_m, compared.free_flight_rms_m),
+            (score.doubtful_after_s, compared.doubtful_after_s),
+            (score.untrustworthy_after_s, compared.untrustworthy_after_s),
+        ];
+        for (ours, theirs) in pairs {
+            assert_eq!(ours.is_some(), theirs.is_some(), "{name}");
+            assert!(
+                (ours.unwrap_or(0.0) - theirs.unwrap_or(0.0)).abs() < 1e-6,
+                "{name}: {ours:?} {theirs:?}"
+            );
+        }
+    }
+}
+
+const SCENARIO: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../flights/quickstart.toml");
+
+/// Two simulated flights with a hidden effect.
+fn two_flights() -> tempfile::TempDir {
+    let directory = tempfile::tempdir().unwrap();
+    for (name, seed) in [("a.csv", "1"), ("b.csv", "2")] {
+        stdout(directory.path(), &["simulate", SCENARIO, "-o", name, "--seed", seed]);
+    }
+    directory
+}
+
+const ADD: [&str; 6] = ["add", "baro.dynamic_pressure", "--model", "ours.toml", "--from", "a.csv"];
+
+#[test]
+fn an_effect_is_learned_written_and_laddered() {
+    let directory = two_flights();
+    let directory = directory.path();
+    let before = "# our aircraft\n[monitor]\nmultiplier = 2.5   # strict\n# the end\n";
+    fs::write(directory.join("ours.toml"), before).unwrap();
+    let output = pylon(directory)
+        .args(ADD)
+        .args(["--hold-out", "b.csv", "--json"])
+        .env("SOURCE_DATE_EPOCH", "1700000000")
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["effect"], "baro.dynamic_pressure");
+    let number = |key: &str| json[key].as_f64().unwrap();
+    assert!((number("coefficient") - 0.06).abs() < 4.0 * number("sigma"), "{json}");
+    assert!(number("rms_after_m") < 0.7 * number("rms_before_m"), "{json}");
+    assert_eq!((&json["judged_on"], &json["concerns"]), (&"held_out_flights".into(), &Value::Array(vec![])));
+
+    let text = fs::read_to_string(directory.join("ours.toml")).unwrap();
+    assert!(text.starts_with(before), "{text}");
+    let model = Model::parse(&text).unwrap();
+    let (effect, revision) = (&model.effects[0], &model.revisions[0]);
+    // JSON has the decimal that was written.
+    assert_eq!(effect.term.coefficient, number("coefficient") as f32);
+    assert_eq!((effect.estimate, effect.learned_from.as_deref()), (false, Some("a.csv")));
+    assert_eq!(effect.date.as_deref(), Some("2023-11-14"));
+    assert_eq!((revision.number, revision.coefficient), (1, Some(effect.term.coefficient)));
+    assert!((revision.held_out_after_m.unwrap() - number("rms_after_m")).abs() < 1e-4);
+    assert_eq!(revision.date.as_deref(), Some("2023-11-14"));
+
+    // Every use on the flight that it was learned from lies within the envelope.
+    let compared = |flight: &str| -> Value {
+        let json = stdout(directory, &["compare", flight, "--model", "ours.toml", "--json"]);
+        serde_json::from_str(&json).unwrap()
+    };
+    assert_eq!(compared("a.csv")["effects"][0]["extrapolated_ticks"], 0);
+
+    // Learned anew, and as a state: the old coefficient is kept, the file has one effect and two revisions.
+    let again = stdout(directory, &[ADD.as_slice(), &["--estimate"]].concat());
+    assert!(again.contains("the model had it already, with"), "{again}");
+    assert!(again.contains("revision 2") && again.contains("Held-out manoeuvres"), "{again}");
+    let model = Model::read(&directory.join("ours.toml")).unwrap();
+    assert_eq!((model.effects.len(), model.revisions.len()), (1, 2));
+    assert!(model.effects[0].estimate);
+    assert_eq!(model.revisions[1].replaced_coefficient, model.revisions[0].coefficient);
+
+    let ladder = stdout(directory, &["ladder", "--model", "ours.toml", "a.csv", "b.csv", "--json"]);
+    let ladder: Value = serde_json::from_str(&ladder).unwrap();
+    let revisions = ladder["revisions"].as_array().unwrap();
+    assert_eq!(revisions.len(), 3);
+    let rms = |revision: usize, flight: usize| {
+        revisions[revision]["flights"][flight]["sensors"]["baro"]["free_flight_rms_m"].as_f64().unwrap()
+    };
+    // The rungs are what was measured when the revisions were made.
+    assert!((rms(0, 1) - number("rms_before_m")).abs() < 1e-9);
+    assert!((rms(1, 1) - number("rms_after_m")).abs() < 1e-9);
+    assert!(rms(0, 0) > rms(1, 0));
+    assert_eq!((&revisions[0]["effects"], &revisions[1]["number"]), (&Value::Array(vec![]), &1.into()));
+    let text = stdout(directory, &["ladder", "--model", "ours.toml", "a.csv"]);
+    assert!(text.contains("untrustworthy") && text.contains("baro.dynamic_pressure"), "{text}");
+}
+
+#[test]
+fn a_preset_is_never_changed_and_starts_a_file_of_ones_own() {
+    let directory = two_flights();
+    let directory = directory.path();
+    let from = |model: &'static str| ["add", "baro.dynamic_pressure", "--model", model, "--from", "a.csv"];
+    let refused = refusal(directory, &from("default"));
+    assert!(refused.contains("default is a preset") && refused.contains("-o ours.toml"), "{refused}");
+    let refused = refusal(directory, &from("ours.toml"));
+    assert!(
+        refused.contains("ours.toml: can not be read") && refused.contains("touch ours.toml"),
+        "{refused}"
+    );
+    stdout(directory, &[from("default").as_slice(), &["-o", "ours.toml"]].concat());
+    assert_eq!(Model::read(&directory.join("ours.toml")).unwrap().effects.len(), 1);
+    let refused = refusal(directory, &[from("default").as_slice(), &["-o", "ours.toml"]].concat());
+    assert!(refused.contains("is there already"), "{refused}");
+    // Another file than the model's own: the model stays as it was.
+    let before = fs::read(directory.join("ours.toml")).unwrap();
+    stdout(directory, &[from("ours.toml").as_slice(), &["-o", "next.toml"]].concat());
+    assert_eq!(fs::read(directory.join("ours.toml")).unwrap(), before);
+    assert_eq!(Model::read(&directory.join("next.toml")).unwrap().revisions.len(), 2);
+}
+
+#[test]
+fn what_speaks_against_an_effect_is_said_and_nothing_is_written_without_force() {
+    let directory = two_flights();
+    let directory = directory.path();
+    let model = "# ours\n";
+    fs::write(directory.join("ours.toml"), model).unwrap();
+    let names = files(directory);
+    let add = |effect: &'static str, more: &[&'static str]| {
+        [&["add", effect, "--model", "ours.toml", "--from", "a.csv"], more].concat()
+    };
+    let refused = refusal(directory, &add("baro.lag", &[]));
+    assert!(refused.contains("within 3 sigma") && refused.contains("--force"), "{refused}");
+    let refused = refusal(directory, &add("baro.lag", &["--hold-out", "./a.csv"]));
+    assert!(refused.contains("a.csv: is learned from"), "{refused}");
+    let refused = refusal(directory, &add("baro.dynamicpressure", &[]));
+    assert!(refused.contains("nearest: baro.dynamic_pressure"), "{refused}");
+    let refused = refusal(directory, &add("baro.lag", &["--time-constant", "3"]));
+    assert!(refused.contains("baro.lag has no time constant"), "{refused}");
+    for bad in ["0", "-1", "nan", "x"] {
+        let refused = refusal(directory, &[add("baro.warm_up", &[]), vec!["--time-constant", bad]].concat());
+        assert!(refused.contains("expected"), "{refused}");
+    }
+    let output = pylon(directory).args(ADD).env("SOURCE_DATE_EPOCH", "soon").output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("SOURCE_DATE_EPOCH is 'soon'"));
+    assert_eq!(fs::read_to_string(directory.join("ours.toml")).unwrap(), model);
+    assert_eq!(files(directory), names);
+
+    let forced = run(directory, &add("baro.lag", &["--force", "--json"]));
+    assert!(forced.status.success(), "{}", String::from_utf8_lossy(&forced.stderr));
+    let json: Value = serde_json::from_slice(&forced.stdout).unwrap();
+    assert!(!json["concerns"].as_array().unwrap().is_empty());
+    assert!(fs::read_to_string(directory.join("ours.toml")).unwrap().starts_with("# ours\n\n[[effect]]\n"));
+
+    // Two revisions with one number: both rows are named, the file stays.
+    let clash = "[[revision]]\nnumber = 3\n[[revision]]\nnumber = 3\n";
+    fs::write(directory.join("ours.toml"), clash).unwrap();
+    let refused = refusal(directory, &ADD);
+    assert!(refused.contains("row 4") && refused.contains("row 2"), "{refused}");
+    assert_eq!(fs::read_to_string(directory.join("ours.toml")).unwrap(), clash);
+    let refused = refusal(directory, &["ladder", "--model", "ours.toml", "a.csv"]);
+    assert!(refused.contains("clashes"), "{refused}");
+}
+
+#[test]
+fn a_flight_that_lacks_a_signal_is_told_which() {
+    let directory = two_flights();
+    let directory = directory.path();
+    fs::write(directory.join("ours.toml"), "").unwrap();
+    let text = fs::read_to_string(directory.join("a.csv")).unwrap();
+    fs::write(directory.join("a.csv"), text.replace("sideslip_rad", "beta_rad")).unwrap();
+    let refused = refusal(directory, &["add", "baro.sideslip", "--model", "ours.toml", "--from", "a.csv"]);
+    assert!(refused.contains("a.csv: baro.sideslip can't be learned"), "{refused}");
+    assert!(refused.contains("no sideslip_rad"), "{refused}");
+    assert_eq!(fs::read_to_string(directory.join("ours.toml")).unwrap(), "");
+}
