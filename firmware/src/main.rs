@@ -147,7 +147,7 @@ mod app {
         keeper: SnapshotKeeper,
         snapshots_memory: RetainedWords,
         snapshot: &'static mut [u8; PAYLOAD_BYTES],
-        snapshot_due: &'static mut Option<Snapshot>,
+        snapshot_due: &'static mut MaybeUninit<Snapshot>,
         restarts: u32,
     }
 
@@ -158,7 +158,7 @@ mod app {
         told: ToldQueue = ToldQueue::new(),
         frames: Frames = Frames::new(),
         snapshot_bytes: [u8; PAYLOAD_BYTES] = [0; PAYLOAD_BYTES],
-        due: Option<Snapshot> = None,
+        due: MaybeUninit<Snapshot> = MaybeUninit::uninit(),
         computer_place: MaybeUninit<Computer> = MaybeUninit::uninit(),
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
@@ -404,9 +404,9 @@ mod app {
                 }
             }
         }
-        let is_due = computer
+        let due = computer
             .lock(|computer| keeper.make_due(computer.mission.0, computer.onboard.as_ref(), snapshot_due));
-        if let (true, Some(due)) = (is_due, &*snapshot_due) {
+        if let Some(due) = due {
             keeper.keep(snapshots_memory, due, snapshot);
         }
         SUPERVISOR.is_alive(Supervised::Report);

@@ -71,7 +71,8 @@ impl MissionSnapshot {
     ///
     /// # Errors
     /// [`SnapshotError::BufferTooShort`].
-    #[inline(never)]
+    // What writes each field is generic, and compiled where this is: with who keeps the snapshot, for size.
+    #[inline]
     pub fn to_bytes(&self, buffer: &mut [u8]) -> Result<usize, SnapshotError> {
         postcard::to_slice(&(SNAPSHOT_VERSION, self), buffer)
             .map(|bytes| bytes.len())

@@ -1,5 +1,7 @@
 //! A flight computer that a test interrupts.
 
+use core::mem::MaybeUninit;
+
 use drivers::Sensors;
 use survival::{MarkWriter, PAYLOAD_BYTES, RestartReport, Start, WordMemory};
 
@@ -99,9 +101,9 @@ impl<Suite: Sensors, Mission: Retainable> Interruptible<Suite, Mission> {
 
     /// The task below the tick: a snapshot, if it is time for one.
     pub fn keep_snapshot(&mut self, memory: &mut impl WordMemory) {
-        let mut place = None;
-        self.keeper.make_due(&self.computer.mission, self.computer.onboard.as_ref(), &mut place);
-        if let Some(due) = &place {
+        let mut place = MaybeUninit::uninit();
+        let due = self.keeper.make_due(&self.computer.mission, self.computer.onboard.as_ref(), &mut place);
+        if let Some(due) = due {
             self.keeper.keep(memory, due, &mut [0; PAYLOAD_BYTES]);
         }
     }

@@ -1,5 +1,7 @@
 //! What is kept of a mission while it flies, for a restart to go on from.
 
+use core::mem::MaybeUninit;
+
 use kf_core::launch::WireCondition;
 use kf_core::navigation::KeptInertial;
 use kf_core::snapshot::{MissionMark, MissionSnapshot, RaisedFlags, SnapshotError, Stage};
@@ -113,31 +115,26 @@ impl SnapshotKeeper {
         Self { order, model, last: None, lost: 0 }
     }
 
-    /// Makes the snapshot in `place`, if it is time for one, and says whether. Under the pylon there is none to keep. It is large: where it is
-    /// made it stays.
+    /// Makes the snapshot in `place`, if it is time for one. Under the pylon there is none to keep. It is large: where it is made it stays.
     #[inline(never)]
-    pub fn make_due(
+    pub fn make_due<'a>(
         &self,
         mission: &impl Retainable,
         onboard: Option<&Onboard>,
-        place: &mut Option<Snapshot>,
-    ) -> bool {
+        place: &'a mut MaybeUninit<Snapshot>,
+    ) -> Option<&'a Snapshot> {
         let mark = mission.mark();
         if mark.stage == Stage::Captive {
-            return false;
+            return None;
         }
         let is_due = self.last.is_none_or(|(last_us, last)| {
             mark != last || mission.last_us().saturating_sub(last_us) >= EVERY_US
         });
         if !is_due {
-            return false;
+            return None;
         }
-        *place = mission.snapshot().map(|mission| Snapshot {
-            mark,
-            inertial: onboard.and_then(Onboard::kept),
-            mission,
-        });
-        place.is_some()
+        let mission = mission.snapshot()?;
+        Some(place.write(Snapshot { mark, inertial: onboard.and_then(Onboard::kept), mission }))
     }
 
     /// Keeps it; `buffer` is ordinary memory.

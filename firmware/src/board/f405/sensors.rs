@@ -57,6 +57,10 @@ const LINES: usize = 2;
 /// What writes their outcomes to the log.
 pub type SensorTeller = Teller<WATCHES, LINES>;
 
+/// What the log calls a device at the end of a line, and the line.
+const RECEIVER_NAME: &str = "satellite receiver";
+const UMBILICAL_NAME: &str = "umbilical";
+
 /// What a line needs in static memory.
 struct LineStorage {
     ring: Ring,
@@ -86,11 +90,11 @@ impl SensorStorage {
         Self {
             receiver_line: LineStorage::new(),
             umbilical_line: LineStorage::new(),
-            receiver: Watch::new("satellite receiver"),
-            barometer: Watch::new("barometer"),
-            imu: Watch::new("inertial unit"),
-            umbilical: Watch::new("umbilical"),
-            break_wire: Watch::new("break-wire"),
+            receiver: Watch::new(),
+            barometer: Watch::new(),
+            imu: Watch::new(),
+            umbilical: Watch::new(),
+            break_wire: Watch::new(),
         }
     }
 
@@ -98,8 +102,14 @@ impl SensorStorage {
     pub fn teller(&'static self) -> SensorTeller {
         let Self { receiver, barometer, imu, umbilical, break_wire, .. } = self;
         Teller::new(
-            [receiver, barometer, imu, umbilical, break_wire],
-            [(receiver, &self.receiver_line.counts), (umbilical, &self.umbilical_line.counts)],
+            [
+                (RECEIVER_NAME, receiver),
+                ("barometer", barometer),
+                ("inertial unit", imu),
+                (UMBILICAL_NAME, umbilical),
+                ("break-wire", break_wire),
+            ],
+            [(RECEIVER_NAME, &self.receiver_line.counts), (UMBILICAL_NAME, &self.umbilical_line.counts)],
         )
     }
 }

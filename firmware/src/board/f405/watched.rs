@@ -13,10 +13,12 @@ use super::break_wire::BreakWire;
 use super::uart::LineCounts;
 use crate::tick_timer::TICK_HZ;
 
-/// What came of a device's last poll that had something to say.
+/// What came of a device's last poll that had something to say. Nothing yet is zero, whatever the layout of the others: what begins with
+/// zeros takes no flash.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
 enum Outcome {
-    Silent,
+    Silent = 0,
     Delivers,
     Fails(SensorError),
     /// It has closed again so often.
@@ -36,20 +38,17 @@ impl Outcome {
 }
 
 /// A device whose outcomes the log tells.
-pub struct Watch {
-    name: &'static str,
-    outcome: Mutex<Cell<Outcome>>,
-}
+pub struct Watch(Mutex<Cell<Outcome>>);
 
 impl Watch {
     /// A device that has not been polled.
-    pub const fn new(name: &'static str) -> Self {
-        Self { name, outcome: Mutex::new(Cell::new(Outcome::Silent)) }
+    pub const fn new() -> Self {
+        Self(Mutex::new(Cell::new(Outcome::Silent)))
     }
 
     fn note(&self, outcome: Option<Outcome>) {
         if let Some(outcome) = outcome {
-            interrupt::free(|section| self.outcome.borrow(section).set(outcome));
+            interrupt::free(|section| self.0.borrow(section).set(outcome));
         }
     }
 }
@@ -130,6 +129,7 @@ impl LaunchDiscrete for Watched<BreakWire> {
 
 /// A device and what the log has said of it.
 struct Told {
+    name: &'static str,
     watch: &'static Watch,
     outcome: Outcome,
     /// Ticks until the log may speak of it again: what changes with every tick is told once a second.
@@ -139,13 +139,13 @@ struct Told {
 impl Told {
     fn tell(&mut self) {
         self.rest = self.rest.saturating_sub(1);
-        let outcome = interrupt::free(|section| self.watch.outcome.borrow(section).get());
+        let outcome = interrupt::free(|section| self.watch.0.borrow(section).get());
         if self.rest > 0 || outcome == self.outcome {
             return;
         }
         self.rest = TICK_HZ;
         self.outcome = outcome;
-        let name = self.watch.name;
+        let name = self.name;
         match outcome {
             Outcome::Silent => {}
             Outcome::Delivers => defmt::info!("{=str}: delivers", name),
@@ -197,12 +197,12 @@ pub struct Teller<const DEVICES: usize, const LINES: usize> {
 impl<const DEVICES: usize, const LINES: usize> Teller<DEVICES, LINES> {
     /// Nothing has been told.
     pub fn new(
-        devices: [&'static Watch; DEVICES],
-        lines: [(&'static Watch, &'static LineCounts); LINES],
+        devices: [(&'static str, &'static Watch); DEVICES],
+        lines: [(&'static str, &'static LineCounts); LINES],
     ) -> Self {
         Self {
-            devices: devices.map(|watch| Told { watch, outcome: Outcome::Silent, rest: 0 }),
-            lines: lines.map(|(watch, counts)| ToldLine { name: watch.name, counts, told: [0; 3], rest: 0 }),
+            devices: devices.map(|(name, watch)| Told { name, watch, outcome: Outcome::Silent, rest: 0 }),
+            lines: lines.map(|(name, counts)| ToldLine { name, counts, told: [0; 3], rest: 0 }),
         }
     }
 

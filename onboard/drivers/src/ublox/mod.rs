@@ -20,13 +20,14 @@ mod link;
 pub use link::{ACKNOWLEDGE_US, ATTEMPTS};
 
 use embedded_io::{Read, ReadReady, Write, WriteReady};
-use frames::{FrameError, Frames};
+use frames::{Frame, FrameError, Frames};
 use kf_core::input::GpsFix;
 use link::{Answer, Link};
-use ublox::UbxProtocol as _;
+use ublox::ack::{AckAck, AckNak};
 use ublox::nav_pvt::common::NavPvtFlags;
-use ublox::nav_pvt::proto27::NavPvtRef;
+use ublox::nav_pvt::proto27::{NavPvt, NavPvtRef};
 use ublox::proto27::{PacketRef, Proto27};
+use ublox::{UbxPacketMeta as _, UbxProtocol as _};
 
 use crate::error::SensorError;
 use crate::health::Health;
@@ -224,7 +225,7 @@ impl Stream {
         let mut received = Received::default();
         while let Some(frame) = frames.next(&mut bytes) {
             let packet = match frame {
-                Ok(frame) => Proto27::match_packet(frame.class, frame.id, frame.payload).ok(),
+                Ok(frame) => packet(&frame),
                 Err(FrameError::Oversized) => {
                     count(&mut counts.oversized);
                     continue;
@@ -237,6 +238,9 @@ impl Stream {
                 continue;
             };
             count(&mut counts.frames);
+            let Some(packet) = packet else {
+                continue;
+            };
             match packet {
                 PacketRef::NavPvt(solution) => {
                     received.solution = true;
@@ -260,6 +264,18 @@ impl Stream {
         }
         received
     }
+}
+
+/// What a frame says, if it is one of those that are asked for; `None` for one of these that is not as it should be. Known by their
+/// constants, so that no image has the checks of a hundred messages that nobody asks for.
+fn packet<'a>(frame: &Frame<'a>) -> Option<Option<PacketRef<'a>>> {
+    let known = match (frame.class, frame.id) {
+        (NavPvt::CLASS, NavPvt::ID) => Proto27::match_packet(NavPvt::CLASS, NavPvt::ID, frame.payload),
+        (AckAck::CLASS, AckAck::ID) => Proto27::match_packet(AckAck::CLASS, AckAck::ID, frame.payload),
+        (AckNak::CLASS, AckNak::ID) => Proto27::match_packet(AckNak::CLASS, AckNak::ID, frame.payload),
+        _ => return Some(None),
+    };
+    known.ok().map(Some)
 }
 
 /// What one poll's bytes contained.
