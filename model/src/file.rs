@@ -397,7 +397,7 @@ fn revisions(tables: Vec<RevisionTable>, text: &str) -> Result<Vec<Revision>, Mo
 }
 
 /// The names nearest to `name`, best first, for a message.
-fn nearest(name: &str, known: &[&str]) -> String {
+pub(crate) fn nearest(name: &str, known: &[&str]) -> String {
     const SHOWN: usize = 3;
     let mut ranked: Vec<_> = known.iter().map(|known| (strsim::jaro_winkler(name, known), *known)).collect();
     ranked.sort_by(|(left, _), (right, _)| right.total_cmp(left));

@@ -7,6 +7,7 @@
 mod codegen;
 mod error;
 mod file;
+pub mod formula;
 mod presets;
 mod rebuild;
 mod validate;
