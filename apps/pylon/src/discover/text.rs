@@ -93,6 +93,7 @@ fn headline(discovery: &Discovery) -> String {
                 format!("{effect} of the catalogue explains as much: see `pylon diagnose`")
             }
             (Why::Catalogue, None) => "an effect of the catalogue explains as much".to_owned(),
+            (Why::NoFormula, _) => "it is too long for a formula that flies".to_owned(),
             (Why::Shape, _) => "it is what the formulas of the effects found may miss".to_owned(),
         };
         format!("\nThe nearest was {} on {}: {why}.", rejected.regressor, rejected.on)

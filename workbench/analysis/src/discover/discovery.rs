@@ -57,6 +57,8 @@ pub enum Why {
     Catalogue,
     /// It is what the formulas of the effects found may miss.
     Shape,
+    /// It is too long for a formula that flies.
+    NoFormula,
 }
 
 /// A law that was not proposed.

@@ -165,7 +165,7 @@ impl Factor {
             Power::Three => write!(text, "{inner}^3"),
             Power::MagnitudeOrRoot if self.is_signed => write!(text, "abs({inner})"),
             Power::MagnitudeOrRoot => write!(text, "sqrt({inner})"),
-            Power::Inverse => write!(text, "{inner}^-1"),
+            Power::Inverse => write!(text, "(1/{inner})"),
         };
     }
 }

@@ -1,6 +1,7 @@
 //! Which laws are proposed.
 
 use kf_core::sensor::Sensor;
+use model::formula::{Columns, Formula};
 
 use super::discovery::{Discovery, Equal, FoundLaw, Rejected, Why};
 use super::fit::{Bench, Fitted, OnHeldOut};
@@ -61,6 +62,10 @@ pub fn judge(
             }
             Alike::None => {}
         }
+        if coefficient_unit(&one.law.formula(&names)).is_none() {
+            reject(&one, Why::NoFormula, None);
+            continue;
+        }
         let held = bench.held_out(&one);
         step(progress)?;
         let is_harmful = |verdict: &crate::diagnose::HeldOutVerdict| verdict.is_worse || verdict.gain <= 0.0;
@@ -116,7 +121,7 @@ pub fn judge(
         let regressor = one.law.formula(&names);
         discovery.laws.push(FoundLaw {
             on: on(one.subject),
-            unit: super::unit::of_coefficient(&regressor),
+            unit: coefficient_unit(&regressor).unwrap_or_default(),
             regressor,
             coefficient: one.coefficient,
             sigma: one.sigma,
@@ -134,6 +139,12 @@ pub fn judge(
         });
     }
     Ok(())
+}
+
+/// The unit that makes metres of a law, by the formulas' own rules; none where it is no formula.
+fn coefficient_unit(regressor: &str) -> Option<String> {
+    let formula = Formula::compile(regressor, &mut Columns::default()).ok()?;
+    Some(formula.coefficient_unit().to_string())
 }
 
 fn on(subject: Subject) -> Name {

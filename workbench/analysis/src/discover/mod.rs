@@ -14,7 +14,6 @@ mod judge;
 mod screen;
 mod search;
 mod signals;
-mod unit;
 mod weigh;
 mod work;
 

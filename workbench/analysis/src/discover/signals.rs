@@ -1,5 +1,7 @@
 //! The signals of flights as laws take them: block means in SI units, and what factors and terms make of these.
 
+use model::formula::Column;
+
 use super::grammar::{Factor, Name, Operator, Power, Term, TermKind};
 use crate::diagnose::parts::Series;
 
@@ -29,27 +31,27 @@ pub struct Signal {
     pub quantiles: [Vec<f64>; 2],
 }
 
-/// Where each signal of formulas stands among the signals of the blocks, its unit there, and its value over the block's (factor, offset).
+/// Where each signal of formulas stands among the signals of the blocks, its unit there, and what is added to the block's value.
 /// The altitude is not among them: it is the path, whose error the residual has too.
-const KNOWN: [(usize, &str, &str, f64, f64); 18] = [
-    (0, "tas_mps", "m/s", 1.0, 0.0),
-    (1, "climb_rate_mps", "m/s", 1.0, 0.0),
-    (3, "load_factor", "1", 1.0, 0.0),
-    (4, "roll_rad", "rad", 1.0, 0.0),
-    (5, "pitch_rad", "rad", 1.0, 0.0),
-    (8, "aoa_rad", "rad", 1.0, 0.0),
-    (9, "sideslip_rad", "rad", 1.0, 0.0),
-    (10, "throttle", "1", 1.0, 0.0),
-    (11, "accel_x_mps2", "m/s^2", 1.0, 0.0),
-    (12, "accel_y_mps2", "m/s^2", 1.0, 0.0),
-    (13, "gyro_x_radps", "rad/s", 1.0, 0.0),
-    (14, "gyro_y_radps", "rad/s", 1.0, 0.0),
-    (15, "gyro_z_radps", "rad/s", 1.0, 0.0),
-    (16, "baro_temp_c", "K", 1.0, 273.15),
-    (17, "oat_c", "K", 1.0, 273.15),
-    (18, "ground_speed_mps", "m/s", 1.0, 0.0),
-    (19, "gps_vn_mps", "m/s", 1.0, 0.0),
-    (20, "gps_ve_mps", "m/s", 1.0, 0.0),
+const KNOWN: [(usize, &str, &str, f64); 18] = [
+    (0, "tas_mps", "m/s", 0.0),
+    (1, "climb_rate_mps", "m/s", 0.0),
+    (3, "load_factor", "1", 0.0),
+    (4, "roll_rad", "rad", 0.0),
+    (5, "pitch_rad", "rad", 0.0),
+    (8, "aoa_rad", "rad", 0.0),
+    (9, "sideslip_rad", "rad", 0.0),
+    (10, "throttle", "1", 0.0),
+    (11, "accel_x_mps2", "m/s^2", 0.0),
+    (12, "accel_y_mps2", "m/s^2", 0.0),
+    (13, "gyro_x_radps", "rad/s", 0.0),
+    (14, "gyro_y_radps", "rad/s", 0.0),
+    (15, "gyro_z_radps", "rad/s", 0.0),
+    (16, "baro_temp_c", "K", 273.15),
+    (17, "oat_c", "K", 273.15),
+    (18, "ground_speed_mps", "m/s", 0.0),
+    (19, "gps_vn_mps", "m/s", 0.0),
+    (20, "gps_ve_mps", "m/s", 0.0),
 ];
 /// Where the heading's sine and cosine stand.
 const HEADING: [usize; 2] = [6, 7];
@@ -77,8 +79,8 @@ pub struct Signals {
 struct Source {
     at: usize,
     name: Name,
-    factor: f64,
-    offset: f64,
+    /// A cell in SI units.
+    si: Box<dyn Fn(f64) -> f64>,
 }
 
 impl Signals {
@@ -88,11 +90,10 @@ impl Signals {
         let mut found = Self::default();
         let mut sources: Vec<Source> = KNOWN
             .iter()
-            .map(|(at, name, unit, factor, offset)| Source {
+            .map(|(at, name, unit, offset)| Source {
                 at: *at,
                 name: Name { name: (*name).to_owned(), unit: (*unit).to_owned() },
-                factor: *factor,
-                offset: *offset,
+                si: Box::new(|cell| cell + offset),
             })
             .collect();
         for (at, name) in names.iter().enumerate().skip(KNOWN_SIGNALS) {
@@ -100,16 +101,13 @@ impl Signals {
                 found.unnamed.push(name.clone());
                 continue;
             }
-            let column = super::unit::of(name);
-            if column.is_guessed {
+            let column = Column::named(name);
+            if column.is_guessed() {
                 found.without_unit.push(name.clone());
             }
-            sources.push(Source {
-                at,
-                name: Name { name: name.clone(), unit: column.unit },
-                factor: column.factor,
-                offset: column.offset,
-            });
+            let unit = column.dimension().to_string();
+            let si = Box::new(move |cell: f64| f64::from(column.si(cell as f32)));
+            sources.push(Source { at, name: Name { name: name.clone(), unit }, si });
         }
         let all = || flights.iter().chain(more);
         let is_there = |at: usize| {
@@ -124,7 +122,7 @@ impl Signals {
         for source in sources.into_iter().filter(|source| is_there(source.at)) {
             let values: Vec<Vec<f64>> = all()
                 .map(|(_, blocks)| {
-                    let of = |block: &Vec<f64>| source.factor * block[source.at] + source.offset;
+                    let of = |block: &Vec<f64>| (source.si)(block[source.at]);
                     filled(blocks.iter().map(of).collect())
                 })
                 .collect();
