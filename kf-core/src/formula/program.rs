@@ -226,6 +226,21 @@ impl Program {
         if depth == 1 { Some(program) } else { None }
     }
 
+    /// The program, or where there is none one that is always 0: for a constant that is known to be one.
+    #[must_use]
+    pub const fn or_nothing(program: Option<Self>) -> Self {
+        match program {
+            Some(program) => program,
+            None => Self {
+                ops: [Op::Constant(0.0); MAX_OPS],
+                length: 1,
+                state_words: 0,
+                masks: [0; MAX_MASKS],
+                signals: 0,
+            },
+        }
+    }
+
     /// Its operations, in the order in which they are done.
     #[must_use]
     pub fn ops(&self) -> &[Op] {

@@ -28,6 +28,7 @@ mod epochs;
 mod evidence;
 mod excitation;
 mod follower;
+mod formulas;
 mod from_replay;
 mod glitches;
 mod held_out;

@@ -48,7 +48,7 @@ impl Prepared {
         executor: &dyn Executor,
     ) -> Self {
         let has_climb_rate = flights.iter().all(|named| measures_climb_rate(&named.replay));
-        let mut candidates = catalogue(has_climb_rate);
+        let mut candidates = catalogue(model, has_climb_rate);
         if let Some((wish, time_constants_s)) = wish {
             wish.narrow(&mut candidates, time_constants_s);
         }
