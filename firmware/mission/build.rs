@@ -7,7 +7,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
-use model::Model;
+use model::{Board, Model};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let out = PathBuf::from(env::var_os("OUT_DIR").ok_or("OUT_DIR is not set")?);
@@ -32,7 +32,10 @@ fn write_model(out: &Path) -> Result<(), Box<dyn Error>> {
             if Model::preset(&name).is_none() {
                 println!("cargo:rerun-if-changed={name}");
             }
-            let source = model::codegen(&Model::load(&name)?)?;
+            let model = Model::load(&name)?;
+            let board = if env::var_os("CARGO_FEATURE_BOARD_F405").is_some() { Board::F405 } else { Board::Recorded };
+            model.check_signals(board)?;
+            let source = model::codegen(&model)?;
             (name, source)
         }
     };

@@ -6,6 +6,7 @@ pub mod budget;
 pub mod campaign;
 pub mod confusion;
 pub mod endurance;
+pub mod laws;
 pub mod monitor_curves;
 pub mod real_logs;
 pub mod real_trials;

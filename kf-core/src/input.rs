@@ -6,6 +6,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::formula::MAX_COLUMNS;
+
 /// One fix of the reference receiver.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GpsFix {
@@ -63,6 +65,39 @@ pub struct Signals {
     pub attitude_rad: Option<[f32; 3]>,
 }
 
+/// New samples of columns that the estimator does not know, by the numbers that the model gave them, for its effects by formula. Only the
+/// desk has such.
+#[derive(Clone, Copy, Debug)]
+pub struct Columns([f32; MAX_COLUMNS]);
+
+impl Columns {
+    /// A new sample of the column of that number, SI units; what is not finite, or of no such number, is not taken.
+    pub fn set(&mut self, column: usize, value: f32) {
+        if let (Some(slot), true) = (self.0.get_mut(column), value.is_finite()) {
+            *slot = value;
+        }
+    }
+
+    /// The new sample of the column of that number.
+    #[must_use]
+    pub fn get(&self, column: usize) -> Option<f32> {
+        self.0.get(column).copied().filter(|value| !value.is_nan())
+    }
+}
+
+impl Default for Columns {
+    /// Nothing new.
+    fn default() -> Self {
+        Self([f32::NAN; MAX_COLUMNS])
+    }
+}
+
+impl PartialEq for Columns {
+    fn eq(&self, other: &Self) -> bool {
+        (0..MAX_COLUMNS).all(|column| self.get(column) == other.get(column))
+    }
+}
+
 /// What stands behind [`TickInput::launch`]; see [`crate::launch`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum LaunchDoubt {
@@ -98,4 +133,7 @@ pub struct TickInput {
     pub imu: Option<ImuSample>,
     /// Signals for the effects.
     pub signals: Signals,
+    /// Signals for effects by formula that no flight computer has.
+    #[serde(skip)]
+    pub columns: Columns,
 }

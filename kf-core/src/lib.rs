@@ -22,6 +22,7 @@ mod cross_check;
 pub mod effect;
 pub mod error;
 pub mod estimator;
+pub mod formula;
 mod free_flight;
 pub mod gauss_markov;
 pub mod guard;

@@ -6,7 +6,7 @@ use crate::atmosphere::pressure_altitude_m;
 use crate::calibration::{Calibration, CaptiveStep, StatisticalChecks, Surprise};
 use crate::config::{MAX_ESTIMATED_EFFECTS, MissionConfig};
 use crate::cross_check::CrossCheck;
-use crate::effect::{EffectSubject, SignalTracker};
+use crate::effect::{EffectSubject, Formulas, SignalTracker};
 use crate::error::FilterError;
 use crate::estimator::ConfigError;
 use crate::free_flight::FreeFlight;
@@ -73,6 +73,9 @@ pub struct Counters {
     pub signals_not_finite: u32,
     /// Readings taken without an effect that the model has, because its signal was not there.
     pub effects_without_signal: u32,
+    /// Ticks, summed over the effects by formula, at which one had no value though its signals were there: a division by zero, the root of
+    /// a negative number, an overflow. The effect adds nothing at such a tick.
+    pub effects_silent: u32,
     /// Readings and fixes that were corrected by an effect outside of the regressor's range in which its
     /// coefficient was learned.
     pub effects_extrapolated: u32,
@@ -97,6 +100,7 @@ pub struct Mission<const HEAD: usize, const TAIL: usize, const E: usize> {
     launch_was: bool,
     tracker: ReferenceTracker,
     signals: SignalTracker,
+    formulas: Formulas,
     /// Regressors of the estimated effects on the reference, at the last fix.
     fix_regressors_m: [f32; E],
     /// The last fix that was an outlier: it may be held.
@@ -138,6 +142,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             launch_was: false,
             tracker: ReferenceTracker::new(&config.reference),
             signals: SignalTracker::for_effects(effects.map(|effect| effect.id()), config.latitude_deg),
+            formulas: Formulas::of(config).ok_or(ConfigError::Shape)?,
             fix_regressors_m: [0.0; E],
             gated_fix: None,
             stuck: core::array::from_fn(|_| StuckDetector::default()),
@@ -200,6 +205,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         {
             self.phase = Phase::Calibrating;
             self.signals.begin_calibration();
+            self.formulas.begin_calibration();
         }
 
         let carried = if input.gps.is_some() { self.carried(time_us) } else { None };
@@ -208,7 +214,10 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             Some(Ok(accepted)) => (Some(accepted), None),
             Some(Err(rejection)) => (None, Some(rejection)),
         };
-        self.signals.take(input, input.gps.as_ref().filter(|_| accepted.is_some()));
+        let taken_fix = input.gps.as_ref().filter(|_| accepted.is_some());
+        self.signals.take(input, taken_fix);
+        let silent = self.formulas.take(&self.config, input, taken_fix, &self.signals);
+        self.counters.effects_silent = self.counters.effects_silent.saturating_add(silent);
         self.counters.signals_not_finite = self.signals.refused();
         let mut use_of_effects = EffectUse::new(self.regressors());
         let regressors_m = use_of_effects.regressors_m();
@@ -316,6 +325,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             if !self.calibration.has_altitude() {
                 // What heights are counted from may have been an outlier.
                 self.signals.begin_calibration();
+                self.formulas.begin_calibration();
             }
         }
         Ok(self.tracker.accept(time_us, fix))
@@ -345,6 +355,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
                 self.latch = None;
                 self.unchecked = None;
                 self.signals.resume_captive();
+                self.formulas.resume_captive();
                 self.counters.launch_suspicions = self.counters.launch_suspicions.saturating_add(1);
             }
             return false;

@@ -10,7 +10,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::config::MAX_ESTIMATED_EFFECTS;
-use crate::effect::SignalTracker;
+use crate::effect::{FormulaWords, SignalTracker};
 use crate::free_flight::{KeptFreeFlight, KeptWatch};
 use crate::latch::LatchRecord;
 use crate::mission::Counters;
@@ -21,7 +21,7 @@ use crate::reference_check::Standing;
 use crate::sensor::{SENSORS, Sensor};
 
 /// Version of the layout: of this struct, of every type in it, and of the [`MissionMark`] that it goes with.
-pub const SNAPSHOT_VERSION: u8 = 8;
+pub const SNAPSHOT_VERSION: u8 = 9;
 /// Longest snapshot, bytes: two of them fit into the 4 KiB of an STM32F405's backup SRAM. The largest
 /// model's do, with windows of up to 2^14 samples a part and a month after power-on (`mission::tests::resume`).
 pub const MAX_SNAPSHOT_BYTES: usize = 1_920;
@@ -52,6 +52,7 @@ pub struct MissionSnapshot {
     /// Its flag; its moving average starts anew, or the largest snapshot would not fit.
     pub(crate) cross_check: Trust,
     pub(crate) signals: SignalTracker,
+    pub(crate) formulas: FormulaWords,
     pub(crate) tracker: ReferenceTracker,
     pub(crate) fix_regressors_m: heapless::Vec<f32, MAX_ESTIMATED_EFFECTS>,
     pub(crate) stuck: [StuckDetector; SENSORS],
@@ -130,6 +131,7 @@ fields! {
     watch: Option<KeptWatch>;
     cross_check: Trust;
     signals: SignalTracker;
+    formulas: FormulaWords;
     tracker: ReferenceTracker;
     fix_regressors_m: heapless::Vec<f32, MAX_ESTIMATED_EFFECTS>;
     stuck: [StuckDetector; SENSORS];

@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 
 use crc::{CRC_64_ECMA_182, Crc};
 use kf_core::config::{SecondCorrection, SigmaSource};
-use kf_core::effect::{Clock, EffectTerm};
+use kf_core::effect::{Clock, EffectId, EffectSubject, EffectTerm};
+use kf_core::formula::Op;
 
 use crate::{Model, ModelError};
 
@@ -74,6 +75,12 @@ fn mission_source(model: &Model) -> Result<String, ModelError> {
         }
     };
     let mut source = String::new();
+    let mut definitions: Vec<EffectId> = Vec::new();
+    for effect in &model.effects {
+        if effect.term.id().formula().is_some() {
+            definitions.push(effect.term.id());
+        }
+    }
     // Writing to a String can not fail.
     let _ = write!(
         source,
@@ -102,7 +109,9 @@ fn mission_source(model: &Model) -> Result<String, ModelError> {
          trimmed_airspeed_mps: {trimmed_airspeed},\nreference_drift_m: {reference_drift},\n\
          minimum_satellites: {satellites},\nvertical_accuracy_m: {vertical_accuracy},\n\
          bias_drift_sigmas: {bias_drift},\nimplausible_share: {implausible},\n}},\n\
-         estimated_effects: {estimated},\nconstant_effects: {constant},\n}}\n}}\n",
+         estimated_effects: {estimated},\nconstant_effects: {constant},\n}}\n}}\n{statics}",
+        statics =
+            definitions.iter().enumerate().map(|(number, id)| definition(number, *id)).collect::<String>(),
         head = shape.head,
         tail = shape.tail,
         effects = shape.effects,
@@ -126,8 +135,8 @@ fn mission_source(model: &Model) -> Result<String, ModelError> {
         vertical_accuracy = float(quality.vertical_accuracy_m),
         bias_drift = float(quality.bias_drift_sigmas),
         implausible = float(quality.implausible_share),
-        estimated = terms(model.estimated_effects().map(|effect| effect.term)),
-        constant = constant_terms(model),
+        estimated = terms(&definitions, model.estimated_effects().map(|effect| effect.term)),
+        constant = constant_terms(&definitions, model),
     );
     Ok(source)
 }
@@ -141,7 +150,7 @@ fn option(inner: Option<String>) -> String {
     inner.map_or_else(|| "None".to_owned(), |inner| format!("Some({inner})"))
 }
 
-fn terms(terms: impl Iterator<Item = EffectTerm>) -> String {
+fn terms(definitions: &[EffectId], terms: impl Iterator<Item = EffectTerm>) -> String {
     let list: String = terms
         .map(|term| {
             let (coefficient, sigma) = (float(term.coefficient), float(term.sigma));
@@ -153,9 +162,12 @@ fn terms(terms: impl Iterator<Item = EffectTerm>) -> String {
             let envelope =
                 option(term.envelope_m.map(|ends_m| format!("[{}, {}]", float(ends_m[0]), float(ends_m[1]))));
             format!(
-                "EffectTerm {{ regressor: Regressor {{ id: EffectId::{:?}, time_constant_s: {time_constant}, \
+                "EffectTerm {{ regressor: Regressor {{ id: EffectId::{}, time_constant_s: {time_constant}, \
                  since: Clock::{since} }}, coefficient: {coefficient}, sigma: {sigma}, envelope_m: {envelope} }},\n",
-                term.id()
+                match definitions.iter().position(|id| *id == term.id()) {
+                    Some(number) => format!("Defined(&DEFINITION_{number})"),
+                    None => format!("{:?}", term.id()),
+                }
             )
         })
         .collect();
@@ -164,9 +176,47 @@ fn terms(terms: impl Iterator<Item = EffectTerm>) -> String {
 
 /// An array that becomes a `heapless::Vec` without naming that crate; that it fits is then checked when
 /// the firmware is compiled.
-fn constant_terms(model: &Model) -> String {
+fn constant_terms(definitions: &[EffectId], model: &Model) -> String {
     if model.constant_effects().next().is_none() {
         return "Default::default()".to_owned();
     }
-    format!("{}.into()", terms(model.constant_effects().map(|effect| effect.term)))
+    format!("{}.into()", terms(definitions, model.constant_effects().map(|effect| effect.term)))
+}
+
+/// An effect by formula, in flash.
+fn definition(number: usize, id: EffectId) -> String {
+    let Some(parts) = id.formula() else { return String::new() };
+    let ops: String = parts.program.ops().iter().map(|op| format!("Op::{}, ", operation(*op))).collect();
+    let masks: String = parts.program.masks().iter().map(|mask| format!("0x{mask:x}, ")).collect();
+    let subject = match parts.subject {
+        EffectSubject::Gps => "Gps".to_owned(),
+        EffectSubject::Sensor(sensor) => format!("Sensor(kf_core::sensor::Sensor::{sensor:?})"),
+    };
+    let [least, most] = parts.plausible.map(float);
+    // The texts are for the desk.
+    format!(
+        "/// Effect by formula: {law}\nstatic DEFINITION_{number}: kf_core::effect::Definition = {{\n\
+         use kf_core::effect::{{Definition, EffectSubject, Parts}};\n\
+         use kf_core::formula::{{Op, Program}};\n\
+         const PROGRAM: Option<Program> = Program::new(&[{ops}], &[{masks}]);\n\
+         const _: () = assert!(PROGRAM.is_some());\n\
+         Definition::new(Parts {{ name: {name:?}, subject: EffectSubject::{subject}, unit: {unit:?}, needs: &[], \
+         plausible: [{least}, {most}], typical_regressor_m: {typical}, program: Program::or_nothing(PROGRAM), law: \"\", \
+         about: \"\", fingerprint: 0x{fingerprint:016x} }}, {has_time_constant})\n}};\n",
+        law = parts.law.split_whitespace().collect::<Vec<_>>().join(" "),
+        name = parts.name,
+        unit = parts.unit,
+        typical = float(parts.typical_regressor_m),
+        fingerprint = parts.fingerprint,
+        has_time_constant = parts.program.has_time_constant(),
+    )
+}
+
+/// An operation, its numbers by their bits.
+fn operation(op: Op) -> String {
+    match op {
+        Op::Constant(value) => format!("Constant({})", float(value)),
+        Op::RealPower(exponent) => format!("RealPower({})", float(exponent)),
+        op => format!("{op:?}"),
+    }
 }

@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-/// A model that can not be used; displays as one line.
+use crate::formula::FormulaError;
+
+/// A model that can not be used; displays as one line, but for a formula, which is shown with carets under the place.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ModelError {
@@ -30,6 +32,102 @@ pub enum ModelError {
         id: String,
         /// The ids that are nearest to it.
         nearest: String,
+    },
+    /// A formula that is none.
+    #[error("row {row}: the regressor of effect_definition {id}: {error}")]
+    Formula {
+        /// Line, from 1.
+        row: usize,
+        /// The definition's id.
+        id: String,
+        /// What is wrong, and where.
+        error: Box<FormulaError>,
+    },
+    /// An id that no definition can have.
+    #[error(
+        "row {row}: effect_definition id '{id}', expected two words of small letters, digits and _ with a point between, such as baro.flap_wash"
+    )]
+    DefinitionId {
+        /// Line, from 1.
+        row: usize,
+        /// The id.
+        id: String,
+    },
+    /// An id that is taken.
+    #[error("row {row}: effect_definition '{id}' has the id of {with}: give it another")]
+    DefinitionClash {
+        /// Line, from 1.
+        row: usize,
+        /// The id.
+        id: String,
+        /// What has it already.
+        with: &'static str,
+    },
+    /// A definition on what is no sensor.
+    #[error("row {row}: on = '{on}' is no sensor; nearest: {nearest}")]
+    DefinitionOn {
+        /// Line, from 1.
+        row: usize,
+        /// What it says.
+        on: String,
+        /// What it may mean.
+        nearest: String,
+    },
+    /// Definitions that are made of each other.
+    #[error("row {row}: the definitions {path} are made of each other: write one of them out")]
+    Cycle {
+        /// Line, from 1.
+        row: usize,
+        /// The ids, from the first back to one of them.
+        path: String,
+    },
+    /// A learned coefficient of a formula that has changed.
+    #[error(
+        "row {row}: the coefficient of {id} was learned for another formula ({found}) than effect_definition {id} has now ({now}): \
+         learn it again (remove this [[effect]], then pylon add {id} --model MODEL.toml --from FLIGHT), or bring the old definition back"
+    )]
+    OtherFormula {
+        /// Line, from 1.
+        row: usize,
+        /// The effect.
+        id: &'static str,
+        /// The fingerprint that is written beside the coefficient.
+        found: String,
+        /// The definition's.
+        now: String,
+    },
+    /// A learned coefficient that does not say of which formula.
+    #[error(
+        "row {row}: the coefficient of {id} was learned, and does not say for which formula: learn it again with pylon add, or, if \
+         it is one of the definition as it stands, add formula = \"{now}\""
+    )]
+    NoFormula {
+        /// Line, from 1.
+        row: usize,
+        /// The effect.
+        id: &'static str,
+        /// The definition's fingerprint.
+        now: String,
+    },
+    /// A formula of signals that a flight computer does not have.
+    #[error(
+        "effect {id} reads {signals}, which the flight computer does not have: measure it there, or leave the effect out of the model that flies"
+    )]
+    NotOnBoard {
+        /// The effect.
+        id: &'static str,
+        /// What it lacks.
+        signals: String,
+    },
+    /// Formulas that remember more than there is room for.
+    #[error(
+        "the effects by formula remember {found} numbers, the flight computer has room for {most}: use fewer integrals, means and delays"
+    )]
+    FormulaWords {
+        /// How many.
+        found: usize,
+        /// How many there can be.
+        most: usize,
     },
     /// A value that its key can not have.
     #[error("{key} is {found}, expected {expected}")]

@@ -10,6 +10,7 @@ use kf_core::sensor::{SENSORS, Sensor};
 use serde::{Deserialize, Deserializer};
 use toml::Spanned;
 
+use crate::definitions::{DefinitionTable, definitions};
 use crate::{Effect, Model, ModelError, Revision, SECOND_CORRECTION_WANDER_M_PER_SQRT_S};
 
 impl Model {
@@ -56,6 +57,8 @@ struct ModelFile {
     sensor: Option<SensorTables>,
     monitor: Option<Monitor>,
     quality: Option<Quality>,
+    #[serde(default)]
+    effect_definition: Vec<DefinitionTable>,
     #[serde(default)]
     effect: Vec<EffectTable>,
     #[serde(default)]
@@ -152,6 +155,7 @@ struct EffectTable {
     time_constant_s: Option<f32>,
     since: Option<Since>,
     envelope_m: Option<[f32; 2]>,
+    formula: Option<Spanned<String>>,
 }
 
 #[derive(Clone, Copy, Deserialize)]
@@ -243,9 +247,10 @@ impl ModelFile {
             put(&mut slots.bias_drift_sigmas, quality.bias_drift_sigmas);
             put(&mut slots.implausible_share, quality.implausible_share);
         }
-        model.effects =
-            self.effect.into_iter().map(|table| table.into_effect(text)).collect::<Result<_, _>>()?;
-        model.revisions = revisions(self.revision, text)?;
+        model.definitions = definitions(&self.effect_definition, text)?;
+        let effects = self.effect.into_iter().map(|table| table.into_effect(model, text));
+        model.effects = effects.collect::<Result<_, _>>()?;
+        model.revisions = revisions(self.revision, model, text)?;
         Ok(())
     }
 }
@@ -309,9 +314,38 @@ impl SensorTables {
 }
 
 impl EffectTable {
-    fn into_effect(self, text: &str) -> Result<Effect, ModelError> {
-        let id = effect_id(&self.id, text)?;
+    /// A learned coefficient belongs to the formula that it was learned for.
+    fn check_formula(&self, id: EffectId, text: &str) -> Result<(), ModelError> {
+        let row = |place: std::ops::Range<usize>| row_and_column(text, place.start).0;
+        let Some(parts) = id.formula() else {
+            return match &self.formula {
+                None => Ok(()),
+                Some(_) => Err(ModelError::Value {
+                    key: format!("formula of effect {}", id.name()),
+                    found: "given".to_owned(),
+                    expected: "no such key: this effect is the catalogue's",
+                }),
+            };
+        };
+        let now = fingerprint_text(parts.fingerprint);
+        match &self.formula {
+            Some(found) if *found.get_ref() != now => Err(ModelError::OtherFormula {
+                row: row(found.span()),
+                id: parts.name,
+                found: found.get_ref().clone(),
+                now,
+            }),
+            None if self.learned_from.is_some() => {
+                Err(ModelError::NoFormula { row: row(self.id.span()), id: parts.name, now })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn into_effect(self, model: &Model, text: &str) -> Result<Effect, ModelError> {
+        let id = effect_id(&self.id, model, text)?;
         let name = id.name();
+        self.check_formula(id, text)?;
         let required = |key: &str, value: Option<f32>, default: Option<f32>| {
             value.or(default).ok_or_else(|| ModelError::Value {
                 key: format!("{key} of effect {name}"),
@@ -344,17 +378,16 @@ impl EffectTable {
 }
 
 /// The effect of that id.
-fn effect_id(name: &Spanned<String>, text: &str) -> Result<EffectId, ModelError> {
-    EffectId::from_name(name.get_ref()).ok_or_else(|| {
+fn effect_id(name: &Spanned<String>, model: &Model, text: &str) -> Result<EffectId, ModelError> {
+    model.effect_named(name.get_ref()).ok_or_else(|| {
         let (row, _) = row_and_column(text, name.span().start);
-        let known = EffectId::ALL.map(EffectId::name);
         let id = name.get_ref().clone();
-        ModelError::UnknownEffect { row, nearest: nearest(&id, &known), id }
+        ModelError::UnknownEffect { row, nearest: model.nearest_effects(&id), id }
     })
 }
 
 /// The revisions, no two of which have the same number.
-fn revisions(tables: Vec<RevisionTable>, text: &str) -> Result<Vec<Revision>, ModelError> {
+fn revisions(tables: Vec<RevisionTable>, model: &Model, text: &str) -> Result<Vec<Revision>, ModelError> {
     let mut rows: BTreeMap<u32, usize> = BTreeMap::new();
     let mut revisions = Vec::with_capacity(tables.len());
     for table in tables {
@@ -363,7 +396,7 @@ fn revisions(tables: Vec<RevisionTable>, text: &str) -> Result<Vec<Revision>, Mo
         if let Some(first) = rows.insert(number, row) {
             return Err(ModelError::RevisionClash { number, first, second: row });
         }
-        let effect = table.effect.map(|name| effect_id(&name, text)).transpose()?;
+        let effect = table.effect.map(|name| effect_id(&name, model, text)).transpose()?;
         let finite = |key: &str, value: Option<f64>| match value {
             Some(value) if !value.is_finite() => Err(ModelError::Value {
                 key: format!("{key} of revision {number}"),
@@ -397,7 +430,7 @@ fn revisions(tables: Vec<RevisionTable>, text: &str) -> Result<Vec<Revision>, Mo
 }
 
 /// The names nearest to `name`, best first, for a message.
-fn nearest(name: &str, known: &[&str]) -> String {
+pub(crate) fn nearest(name: &str, known: &[&str]) -> String {
     const SHOWN: usize = 3;
     let mut ranked: Vec<_> = known.iter().map(|known| (strsim::jaro_winkler(name, known), *known)).collect();
     ranked.sort_by(|(left, _), (right, _)| right.total_cmp(left));
@@ -405,8 +438,14 @@ fn nearest(name: &str, known: &[&str]) -> String {
     names.join(", ")
 }
 
+/// A formula's fingerprint as `[[effect]]` has it in `formula`.
+#[must_use]
+pub fn fingerprint_text(fingerprint: u64) -> String {
+    format!("{fingerprint:016x}")
+}
+
 /// Line and character of a byte of the text, from 1.
-fn row_and_column(text: &str, byte: usize) -> (usize, usize) {
+pub(crate) fn row_and_column(text: &str, byte: usize) -> (usize, usize) {
     let before = text.get(..byte).unwrap_or(text);
     let line_start = before.rfind('\n').map_or(0, |end| end + 1);
     let column = before.get(line_start..).map_or(0, |line| line.chars().count());

@@ -4,9 +4,12 @@
 //! The keys, their units and defaults are in `flights/models/README.md`; every key's value lands in the
 //! field of [`kf_core::config`] that has its name.
 
+mod board;
 mod codegen;
+mod definitions;
 mod error;
 mod file;
+pub mod formula;
 mod presets;
 mod rebuild;
 mod validate;
@@ -17,8 +20,11 @@ use kf_core::config::{
 use kf_core::effect::{Clock, EffectId, EffectTerm};
 use kf_core::sensor::SENSORS;
 
+pub use board::Board;
 pub use codegen::codegen;
+pub use definitions::Definitions;
 pub use error::ModelError;
+pub use file::fingerprint_text;
 pub use presets::SECOND_CORRECTION_WANDER_M_PER_SQRT_S;
 
 /// An effect of a model, and where its coefficient comes from.
@@ -84,6 +90,8 @@ pub struct Model {
     pub second_correction: SecondCorrection,
     /// Thresholds of the calibration's checks.
     pub quality: QualityConfig,
+    /// The effects by formula that it defines, whether or not it has them.
+    pub definitions: Definitions,
     /// The effects, in file order.
     pub effects: Vec<Effect>,
     /// The model's history, in file order.
@@ -110,6 +118,36 @@ impl Model {
     /// The effects whose coefficients are constants, in file order.
     pub fn constant_effects(&self) -> impl Iterator<Item = &Effect> {
         self.effects.iter().filter(|effect| !effect.estimate)
+    }
+
+    /// The effects by formula that the model defines, in file order, whether or not it accounts for them.
+    #[must_use]
+    pub fn definitions(&self) -> &[EffectId] {
+        &self.definitions.effects
+    }
+
+    /// The columns of a flight that its formulas read and the estimator does not know, by their numbers in
+    /// [`kf_core::input::Columns`].
+    #[must_use]
+    pub const fn columns(&self) -> &formula::Columns {
+        &self.definitions.columns
+    }
+
+    /// Every effect that there is for this model: the catalogue's, then its own.
+    pub fn catalogue(&self) -> impl Iterator<Item = EffectId> {
+        EffectId::ALL.into_iter().chain(self.definitions.effects.iter().copied())
+    }
+
+    /// The effect of that id, of the catalogue or the model's own.
+    #[must_use]
+    pub fn effect_named(&self, name: &str) -> Option<EffectId> {
+        self.catalogue().find(|effect| effect.name() == name)
+    }
+
+    /// The ids of [`Self::catalogue`] nearest to a name, best first, for a message.
+    #[must_use]
+    pub fn nearest_effects(&self, name: &str) -> String {
+        file::nearest(name, &self.catalogue().map(EffectId::name).collect::<Vec<_>>())
     }
 
     /// What is unlikely, one line each: coefficients that nature does not make.

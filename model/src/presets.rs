@@ -5,6 +5,7 @@ use kf_core::config::{
 };
 
 use crate::Model;
+use crate::definitions::Definitions;
 
 /// Wander of the Kalman filter of section 4 where a model does not give one, m per root second: an error
 /// that grows by some 10 m within the 100 s of a dive and level-off.
@@ -91,6 +92,7 @@ impl Default for Model {
                 // A Gaussian has 0.27 % beyond three sigmas; ten times that is another distribution.
                 implausible_share: 0.027,
             },
+            definitions: Definitions::default(),
             effects: Vec::new(),
             revisions: Vec::new(),
         }
@@ -145,6 +147,7 @@ impl Model {
                 bias_drift_sigmas: 1.0,
                 implausible_share: 0.027,
             },
+            definitions: Definitions::default(),
             effects: Vec::new(),
             revisions: Vec::new(),
         }

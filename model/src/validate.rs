@@ -1,6 +1,7 @@
 //! What the values of a model can be.
 
 use kf_core::config::{MAX_CONSTANT_EFFECTS, MAX_ESTIMATED_EFFECTS, SecondCorrection};
+use kf_core::effect::MAX_FORMULA_WORDS;
 use kf_core::sensor::Sensor;
 
 use crate::{Model, ModelError};
@@ -98,6 +99,11 @@ impl Model {
                 found: constant,
                 most: MAX_CONSTANT_EFFECTS,
             });
+        }
+        let formulas = self.effects.iter().filter_map(|effect| effect.term.id().formula());
+        let found = formulas.map(|parts| parts.program.state_words()).sum();
+        if found > MAX_FORMULA_WORDS {
+            return Err(ModelError::FormulaWords { found, most: MAX_FORMULA_WORDS });
         }
         for (index, effect) in self.effects.iter().enumerate() {
             let id = effect.term.id().name();

@@ -4,7 +4,9 @@ mod picture;
 
 use std::fmt::Write as _;
 
-use kf_core::effect::EffectId;
+use kf_core::effect::{EffectId, Parts};
+use kf_core::formula::MAX_OPS;
+use model::{Board, Model};
 
 pub use picture::Picture;
 
@@ -166,20 +168,20 @@ pub fn explanation(effect: EffectId) -> Option<Explanation> {
 
 /// The effects whose names are that one, or begin with it (`baro` for all of the barometer's).
 #[must_use]
-pub fn named(name: &str) -> Vec<EffectId> {
-    let exact = EffectId::from_name(name);
+pub fn named(model: &Model, name: &str) -> Vec<EffectId> {
+    let exact = model.effect_named(name);
     let of_subject = || {
         let prefix = format!("{}.", name.trim_end_matches('.'));
-        EffectId::ALL.into_iter().filter(|effect| effect.name().starts_with(&prefix)).collect()
+        model.catalogue().filter(|effect| effect.name().starts_with(&prefix)).collect()
     };
     exact.map_or_else(of_subject, |effect| vec![effect])
 }
 
 /// What stands for an effect's name that is none, if one is near.
 #[must_use]
-pub fn nearest(name: &str) -> Option<&'static str> {
+pub fn nearest(model: &Model, name: &str) -> Option<&'static str> {
     let distance = |effect: &EffectId| strsim::osa_distance(name, effect.name());
-    let nearest = EffectId::ALL.into_iter().min_by_key(distance)?;
+    let nearest = model.catalogue().min_by_key(distance)?;
     (distance(&nearest) <= nearest.name().len() / 3).then(|| nearest.name())
 }
 
@@ -189,22 +191,52 @@ fn range(effect: EffectId) -> String {
     format!("{least} to {most}{unit}")
 }
 
-/// The catalogue, a line an effect.
+/// The catalogue, and the model's own effects, a line each.
 #[must_use]
-pub fn list() -> String {
-    let width = |text: fn(EffectId) -> usize| EffectId::ALL.into_iter().map(text).max().unwrap_or(0);
+pub fn list(model: &Model) -> String {
+    let width = |text: fn(EffectId) -> usize| model.catalogue().map(text).max().unwrap_or(0);
     let (names, ranges) = (width(|effect| effect.name().len()), width(|effect| range(effect).len()));
     let mut text = format!("{:names$}  {:ranges$}  what it is\n", "effect", "plausible");
-    for effect in EffectId::ALL {
-        let what = explanation(effect).map_or("", |explanation| explanation.what);
+    for effect in model.catalogue() {
+        let own = || effect.formula().map_or("", |parts| parts.about);
+        let what = explanation(effect).map_or_else(own, |explanation| explanation.what);
         let _ = writeln!(text, "{:names$}  {:ranges$}  {what}", effect.name(), range(effect));
     }
     text + "\n'pylon effects NAME' explains one: its formula, the columns that it needs, and what it looks like.\n"
 }
 
+/// One of the model's own effects, explained.
+fn defined(model: &Model, effect: EffectId, parts: &Parts) -> String {
+    let name = effect.name();
+    let columns = model.columns().iter().filter(|column| parts.needs.contains(&column.name()));
+    let units: String = columns.map(|column| format!("               {}\n", column.unit_said())).collect();
+    let flies = match model.check_signals_of(effect, Board::Recorded) {
+        Ok(()) => "yes: the estimator has every signal of it".to_owned(),
+        Err(_) => "no: no flight computer has its columns; it serves at the desk".to_owned(),
+    };
+    format!(
+        "{name}, on {subject}, by formula of the model\n  {about}\n\n  adds         coefficient x {law}\n  coefficient  {unit}, \
+         plausibly {range}\n  needs        {needs}\n{units}  takes        {ops} operations of {most} and {words} numbers of memory\n  \
+         flies        {flies}\n\nWhether a flight has it: pylon diagnose FLIGHT --model MODEL.toml. To learn it: pylon add {name} \
+         --model MODEL.toml --from FLIGHT.\n",
+        subject = effect.subject().name(),
+        about = if parts.about.is_empty() { "(the model says nothing about it)" } else { parts.about },
+        law = parts.law,
+        unit = if effect.unit() == "1" { "a number" } else { effect.unit() },
+        range = range(effect),
+        needs = if parts.needs.is_empty() { "nothing but time".to_owned() } else { parts.needs.join(", ") },
+        ops = parts.program.ops().len(),
+        most = MAX_OPS,
+        words = parts.program.state_words(),
+    )
+}
+
 /// One effect, explained.
 #[must_use]
-pub fn explained(effect: EffectId) -> String {
+pub fn explained(model: &Model, effect: EffectId) -> String {
+    if let Some(parts) = effect.formula() {
+        return defined(model, effect, parts);
+    }
     let needs =
         if effect.needs().is_empty() { "nothing but time".to_owned() } else { effect.needs().join(", ") };
     let Some(Explanation { what, formula, source, looks_like }) = explanation(effect) else {
@@ -234,13 +266,16 @@ mod tests {
             for sentence in [found.what, found.looks_like] {
                 assert!(sentence.ends_with('.') && !sentence.trim_end_matches('.').is_empty(), "{sentence}");
             }
-            let text = explained(effect);
+            let text = explained(&Model::default(), effect);
             for part in [effect.name(), found.formula, &range(effect)] {
                 assert!(text.contains(part), "{part}: {text}");
             }
             effect.needs().iter().for_each(|column| assert!(text.contains(column), "{column}: {text}"));
             assert_eq!(
-                list().lines().filter(|line| line.starts_with(&format!("{} ", effect.name()))).count(),
+                list(&Model::default())
+                    .lines()
+                    .filter(|line| line.starts_with(&format!("{} ", effect.name())))
+                    .count(),
                 1
             );
         }
@@ -248,9 +283,10 @@ mod tests {
 
     #[test]
     fn a_name_is_one_effect_or_all_of_a_sensors() {
-        assert_eq!(named("baro.lag"), [EffectId::BaroLag]);
-        assert_eq!(named("gps").len(), 3);
-        assert_eq!(named("lag"), []);
-        assert_eq!((nearest("baro.lga"), nearest("weather")), (Some("baro.lag"), None));
+        let model = Model::default();
+        assert_eq!(named(&model, "baro.lag"), [EffectId::BaroLag]);
+        assert_eq!(named(&model, "gps").len(), 3);
+        assert_eq!(named(&model, "lag"), []);
+        assert_eq!((nearest(&model, "baro.lga"), nearest(&model, "weather")), (Some("baro.lag"), None));
     }
 }

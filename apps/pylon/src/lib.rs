@@ -3,6 +3,7 @@
 pub mod batch;
 pub mod compare;
 pub mod diagnose;
+pub mod discover;
 pub mod effect_guide;
 pub mod flight;
 pub mod import;

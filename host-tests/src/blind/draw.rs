@@ -125,7 +125,7 @@ fn missing(random: &mut impl Rng) -> Vec<&'static str> {
     missing
 }
 
-fn scenario(random: &mut impl Rng, plan: Plan, seed: u64) -> String {
+pub(crate) fn scenario(random: &mut impl Rng, plan: Plan, seed: u64) -> String {
     let mut text = String::new();
     let mut put = |line: &str| {
         let _ = writeln!(text, "{line}");

@@ -122,7 +122,7 @@ const fn phase(id: EffectId) -> InjectionPhase {
 }
 
 /// Rms of a shape in free flight about its mean in captive flight.
-fn spread(shape: &[f64], flight: &[TruthSample]) -> f64 {
+pub(crate) fn spread(shape: &[f64], flight: &[TruthSample]) -> f64 {
     let of = |captive: bool| {
         shape.iter().zip(flight).filter(move |(_, sample)| sample.captive == captive).map(|(value, _)| *value)
     };
@@ -133,7 +133,7 @@ fn spread(shape: &[f64], flight: &[TruthSample]) -> f64 {
 }
 
 /// Adds metres to a column; pressure falls by what the air's weight makes of them.
-fn add(flight: &mut Flight, channel: Channel, shape: &[f64], scale: f64) -> anyhow::Result<()> {
+pub(crate) fn add(flight: &mut Flight, channel: Channel, shape: &[f64], scale: f64) -> anyhow::Result<()> {
     let column = flight.channel(channel).with_context(|| channel.name())?;
     let mut changed = Column::with_capacity(column.len());
     for (row, metres) in shape.iter().enumerate() {

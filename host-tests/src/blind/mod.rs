@@ -4,8 +4,8 @@
 //! wrong: nothing, one to three effects of the catalogue, something outside of it, or a receiver that
 //! misbehaves. The diagnosis sees the flight alone. All flights are simulated.
 
-mod draw;
-mod flight;
+pub(crate) mod draw;
+pub(crate) mod flight;
 pub mod improvement;
 mod outside;
 mod score;

@@ -7,7 +7,7 @@
 mod added;
 mod logs;
 mod made;
-mod noise;
+pub(crate) mod noise;
 mod score;
 mod trial;
 

@@ -3,6 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::definition::{Definition, Parts};
 use super::tracker::SignalTracker;
 use super::{Regressor, barometer, inertial_altitude, reference};
 use crate::sensor::Sensor;
@@ -29,33 +30,33 @@ impl EffectSubject {
 
 /// Signals that a row's formula reads, so that the tracker leaves out what no effect of a model reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct Uses(pub u16);
+pub(crate) struct Uses(pub u16);
 
 impl Uses {
-    pub(super) const NOTHING: Self = Self(0);
-    pub(super) const ANGLE_OF_ATTACK: Self = Self(1);
-    pub(super) const SIDESLIP: Self = Self(1 << 1);
-    pub(super) const THROTTLE: Self = Self(1 << 2);
-    pub(super) const BARO_TEMPERATURE: Self = Self(1 << 3);
-    pub(super) const LOAD_FACTOR: Self = Self(1 << 4);
-    pub(super) const ATTITUDE: Self = Self(1 << 5);
-    pub(super) const VERTICAL: Self = Self(1 << 6);
-    pub(super) const FORWARD: Self = Self(1 << 7);
-    pub(super) const VIBRATION: Self = Self(1 << 8);
-    pub(super) const GRAVITY: Self = Self(1 << 9);
-    pub(super) const EOTVOS: Self = Self(1 << 10);
+    pub(crate) const NOTHING: Self = Self(0);
+    pub(crate) const ANGLE_OF_ATTACK: Self = Self(1);
+    pub(crate) const SIDESLIP: Self = Self(1 << 1);
+    pub(crate) const THROTTLE: Self = Self(1 << 2);
+    pub(crate) const BARO_TEMPERATURE: Self = Self(1 << 3);
+    pub(crate) const LOAD_FACTOR: Self = Self(1 << 4);
+    pub(crate) const ATTITUDE: Self = Self(1 << 5);
+    pub(crate) const VERTICAL: Self = Self(1 << 6);
+    pub(crate) const FORWARD: Self = Self(1 << 7);
+    pub(crate) const VIBRATION: Self = Self(1 << 8);
+    pub(crate) const GRAVITY: Self = Self(1 << 9);
+    pub(crate) const EOTVOS: Self = Self(1 << 10);
     /// Height or climb rate.
-    pub(super) const HEIGHT: Self = Self(1 << 11);
+    pub(crate) const HEIGHT: Self = Self(1 << 11);
     /// Whatever is integrated from launch on, but for the vibration.
-    pub(super) const INTEGRATED: Self =
+    pub(crate) const INTEGRATED: Self =
         Self::VERTICAL.and(Self::FORWARD).and(Self::GRAVITY).and(Self::EOTVOS);
-    pub(super) const EVERYTHING: Self = Self(u16::MAX);
+    pub(crate) const EVERYTHING: Self = Self(u16::MAX);
 
-    pub(super) const fn and(self, other: Self) -> Self {
+    pub(crate) const fn and(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
 
-    pub(super) const fn any_of(self, other: Self) -> bool {
+    pub(crate) const fn any_of(self, other: Self) -> bool {
         self.0 & other.0 != 0
     }
 }
@@ -77,11 +78,13 @@ pub(super) struct Row {
 
 macro_rules! catalogue {
     ($($(#[$doc:meta])* $variant:ident = $row:path;)*) => {
-        /// An effect of the catalogue.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+        /// An effect: one of the catalogue, or a model's own.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
         #[non_exhaustive]
         pub enum EffectId {
             $($(#[$doc])* $variant,)*
+            /// One by formula, of a model.
+            Defined(&'static Definition),
         }
 
         impl EffectId {
@@ -89,7 +92,10 @@ macro_rules! catalogue {
             pub const ALL: [Self; [$(Self::$variant),*].len()] = [$(Self::$variant),*];
 
             pub(super) const fn row(self) -> &'static Row {
-                match self { $(Self::$variant => &$row,)* }
+                match self {
+                    $(Self::$variant => &$row,)*
+                    Self::Defined(definition) => &definition.row,
+                }
             }
         }
     };
@@ -150,7 +156,16 @@ impl EffectId {
         self.row().has_time_constant
     }
 
-    /// The effect of that id, or `None`.
+    /// What an effect by formula is made of; `None` for one of the catalogue.
+    #[must_use]
+    pub const fn formula(self) -> Option<&'static Parts> {
+        match self {
+            Self::Defined(definition) => Some(definition.parts()),
+            _ => None,
+        }
+    }
+
+    /// The effect of the catalogue that has that id, or `None`.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|effect| effect.name() == name)

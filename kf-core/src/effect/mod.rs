@@ -1,13 +1,13 @@
 //! Effects: physical causes that add `coefficient * regressor(signals)` to what a sensor reads.
 //!
 //! The catalogue ([`EffectId`]) has one row an effect; [`SignalTracker`] makes the regressors, tick by
-//! tick, from the signals.
-
-use serde::{Deserialize, Serialize};
+//! tick, from the signals. A model adds effects of its own by formula ([`Definition`]), which [`crate::formula`] runs.
 
 mod acting;
 mod barometer;
 mod catalogue;
+mod definition;
+mod formulas;
 mod free_flight_integrals;
 mod inertial;
 mod inertial_altitude;
@@ -19,13 +19,17 @@ mod tracker;
 
 pub(crate) use acting::ActingEffects;
 pub use barometer::dynamic_pressure_head_m;
+pub(crate) use catalogue::Uses;
 pub use catalogue::{EffectId, EffectSubject};
+pub use definition::{Definition, Parts};
+pub use formulas::MAX_FORMULA_WORDS;
+pub(crate) use formulas::{FormulaWords, Formulas};
 pub use free_flight_integrals::AccelerationSource;
 pub use regressor::{Clock, Regressor};
 pub use tracker::{AirspeedSource, DEFAULT_LATITUDE_DEG, SignalTracker};
 
 /// An effect that a model accounts for.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EffectTerm {
     /// Which effect, and with which time constant and clock.
     pub regressor: Regressor,
@@ -54,7 +58,10 @@ impl EffectTerm {
     /// Whether its regressor is integrated from launch on, so that it has all of the flight in it.
     #[must_use]
     pub(crate) fn is_integrated(&self) -> bool {
-        self.id().row().uses.any_of(catalogue::Uses::INTEGRATED.and(catalogue::Uses::VIBRATION))
+        match self.id().formula() {
+            Some(formula) => formula.program.is_integrated(),
+            None => self.id().row().uses.any_of(Uses::INTEGRATED.and(Uses::VIBRATION)),
+        }
     }
 
     /// Whether a regressor (metres) lies outside of what the coefficient was learned from.

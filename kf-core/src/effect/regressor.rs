@@ -26,7 +26,7 @@ impl Clock {
 }
 
 /// An effect's regressor.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Regressor {
     /// Which effect.
     pub id: EffectId,

@@ -9,6 +9,7 @@ use super::reference_motion::ReferenceMotion;
 use super::{Clock, EffectId, Regressor};
 use crate::input::{GpsFix, ImuSample, Signals, TickInput};
 use crate::plausible;
+use crate::root::reciprocal_root;
 use crate::time::elapsed_s;
 use crate::trigonometry::sine_and_cosine;
 
@@ -304,6 +305,39 @@ impl SignalTracker {
         self.true_airspeed_mps.map(|speed| speed * speed).or(self.motion.speed_squared_m2ps2())
     }
 
+    /// The true airspeed, m/s, or the speed over ground where no airspeed has ever been measured.
+    pub(crate) fn airspeed_mps(&self) -> Option<f32> {
+        self.true_airspeed_mps.or_else(|| {
+            let squared = self.motion.speed_squared_m2ps2()?;
+            Some(if squared < f32::MIN_POSITIVE { 0.0 } else { squared * reciprocal_root(squared) })
+        })
+    }
+
+    /// See [`ReferenceMotion::horizontal_speed_mps`].
+    pub(crate) fn horizontal_speed_mps(&self) -> Option<f32> {
+        self.motion.horizontal_speed_mps()
+    }
+
+    /// The reference's altitude now, carried on from the last fix, metres.
+    pub(crate) fn altitude_m(&self) -> Option<f32> {
+        self.motion.altitude_m(self.now_us)
+    }
+
+    /// See [`Inertial::upward_and_forward_mps2`].
+    pub(crate) fn upward_and_forward_mps2(&self) -> Option<[f32; 2]> {
+        self.inertial.upward_and_forward_mps2()
+    }
+
+    /// Of where the flight is.
+    pub(crate) fn cosine_latitude(&self) -> f32 {
+        self.eastward_radps * (0.5 / EARTH_RATE_RADPS)
+    }
+
+    /// Whether [`Self::begin_free_flight`] was called.
+    pub(crate) const fn is_launched(&self) -> bool {
+        self.launch_us.is_some()
+    }
+
     /// Climb rate, m/s: the last fix's own, else from the fixes' altitudes by a critically damped g-h
     /// filter.
     #[must_use]
@@ -339,7 +373,7 @@ impl SignalTracker {
         Some(self.baro_temperature_c? - self.origin_temperature.value?)
     }
 
-    pub(super) const fn load_factor(&self) -> Option<f32> {
+    pub(crate) const fn load_factor(&self) -> Option<f32> {
         self.inertial.load_factor()
     }
 

@@ -2,7 +2,7 @@
 
 use super::Mission;
 use crate::config::MAX_ESTIMATED_EFFECTS;
-use crate::effect::{ActingEffects, EffectSubject};
+use crate::effect::{ActingEffects, EffectId, EffectSubject, Regressor};
 use crate::reference::AcceptedFix;
 
 /// The estimated effects' regressors at one tick, and what came of the effects.
@@ -48,7 +48,10 @@ impl<const E: usize> EffectUse<E> {
 impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E> {
     /// Regressors of the estimated effects, metres per unit of coefficient.
     pub(super) fn regressors(&self) -> [Option<f32>; E] {
-        self.config.estimated_effects.map(|effect| self.signals.regressor_m(effect.regressor))
+        core::array::from_fn(|j| match self.config.estimated_effects[j].regressor {
+            Regressor { id: EffectId::Defined(_), .. } => self.formulas.estimated_m(j),
+            regressor => self.signals.regressor_m(regressor),
+        })
     }
 
     /// Sum of the constant effects on a subject, metres, which its reading is freed of; notes the use of
@@ -63,7 +66,10 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         let acting = self.calibration.acting();
         for (k, effect) in self.config.constant_effects.iter().enumerate() {
             if acting.constant(subject, k) {
-                let regressor_m = self.signals.regressor_m(effect.regressor);
+                let regressor_m = match effect.regressor {
+                    Regressor { id: EffectId::Defined(_), .. } => self.formulas.constant_m(k),
+                    regressor => self.signals.regressor_m(regressor),
+                };
                 effects.note(MAX_ESTIMATED_EFFECTS + k, regressor_m, |phi| effect.extrapolates(phi));
                 sum_m += effect.coefficient * regressor_m.unwrap_or(0.0);
             }

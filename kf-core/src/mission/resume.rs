@@ -1,7 +1,7 @@
 //! A mission that goes on after a restart.
 
 use super::{Counters, Mission};
-use crate::effect::{EffectSubject, SignalTracker};
+use crate::effect::{EffectSubject, Formulas, SignalTracker};
 use crate::free_flight::WATCHED;
 use crate::latch::{LatchRecord, collected};
 use crate::output::{Phase, Trust};
@@ -24,6 +24,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             free_flight: self.free_flight.kept(),
             cross_check: self.cross_check.trust(),
             signals: self.signals,
+            formulas: self.formulas.kept(&self.config),
             tracker: self.tracker,
             fix_regressors_m: collected(self.fix_regressors_m.into_iter()),
             stuck: self.stuck,
@@ -118,6 +119,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         }
         let cross_check = fields.cross_check()?;
         self.read_signals(&mut fields)?;
+        self.read_formulas(&mut fields, last_us)?;
         self.tracker = fields.tracker()?;
         let fix_regressors_m = fields.fix_regressors_m()?;
         for (kept_m, regressor_m) in self.fix_regressors_m.iter_mut().zip(&fix_regressors_m) {
@@ -140,6 +142,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         pass_watches(&mut fields)?;
         fields.cross_check()?;
         is_ours &= self.are_next_signals_ours(&mut fields)?;
+        is_ours &= self.are_next_formulas_ours(&mut fields)?;
         fields.tracker()?;
         is_ours &= fields.fix_regressors_m()?.len() == E;
         fields.stuck()?;
@@ -175,6 +178,17 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
     fn read_signals(&mut self, fields: &mut Fields<'_>) -> Result<(), SnapshotError> {
         self.signals = fields.signals()?;
         Ok(())
+    }
+
+    #[inline(never)]
+    fn read_formulas(&mut self, fields: &mut Fields<'_>, last_us: u64) -> Result<(), SnapshotError> {
+        self.formulas.resume(&fields.formulas()?, last_us);
+        Ok(())
+    }
+
+    #[inline(never)]
+    fn are_next_formulas_ours(&self, fields: &mut Fields<'_>) -> Result<bool, SnapshotError> {
+        Ok(Formulas::is_ours(&self.config, &fields.formulas()?))
     }
 
     #[inline(never)]
@@ -218,6 +232,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
     #[cold]
     fn give_up_integrals(&mut self) {
         self.signals.lose_integrals();
+        self.formulas.lose_integrals();
         let free_flight = &mut self.free_flight;
         for effect in self.config.estimated_effects.iter().chain(&self.config.constant_effects) {
             if !effect.is_integrated() {

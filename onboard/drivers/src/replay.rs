@@ -189,6 +189,7 @@ mod tests {
                     baro_temperature_c: baro_temperature,
                     attitude_rad: attitude,
                 },
+                ..TickInput::default()
             }
         }
     }

@@ -1,7 +1,7 @@
 //! All sensors of the flight computer, polled once a tick.
 
 use kf_core::guard::Guard;
-use kf_core::input::{Signals, TickInput};
+use kf_core::input::{Columns, Signals, TickInput};
 
 use crate::error::SensorError;
 use crate::sensor::{AltitudeLink, Barometer, InertialUnit, LaunchDiscrete, SatelliteReceiver, VehicleLink};
@@ -189,6 +189,7 @@ where
                 baro_temperature_c: baro.temperature_c,
                 attitude_rad: vehicle.attitude_rad,
             },
+            columns: Columns::default(),
         }
     }
 

@@ -43,6 +43,7 @@ fn longest_input() -> TickInput {
             baro_temperature_c: Some(f32::MAX),
             attitude_rad: Some([f32::MAX; 3]),
         },
+        ..TickInput::default()
     }
 }
 

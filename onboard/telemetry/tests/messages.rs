@@ -44,6 +44,7 @@ fn input(time_us: u64) -> TickInput {
             baro_temperature_c: Some(21.25),
             attitude_rad: Some([0.1, 0.2, -3.0]),
         },
+        ..TickInput::default()
     }
 }
 

@@ -138,6 +138,10 @@ pub fn build(program: Program, model: &Model, planted: Option<PlantedError>) -> 
         return Err(FlyError::NoSource { path: root.join("firmware").display().to_string() });
     }
     check_target(&root)?;
+    model.check_signals(match program {
+        Program::Flight(Board::F405) => model::Board::F405,
+        _ => model::Board::Recorded,
+    })?;
     let fingerprint = model.fingerprint()?;
     let target_directory = root.join("target/flight-computer");
     let images = target_directory.join("images");

@@ -120,6 +120,8 @@ fn input_fields(input: &TickInput) -> Fields {
         imu_slave_altitude_m,
         imu,
         signals,
+        // No flight computer has any.
+        columns: _,
     } = input;
     let Signals {
         true_airspeed_mps,

@@ -118,6 +118,8 @@ fn merge(tick: &mut TickInput, row: TickInput) -> u64 {
         imu_slave_altitude_m,
         imu,
         signals,
+        // No flight computer has any.
+        columns: _,
     } = row;
     let Signals {
         true_airspeed_mps,

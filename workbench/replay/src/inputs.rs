@@ -1,10 +1,13 @@
 //! Rows of a flight as ticks.
 
-use kf_core::input::{BaroReading, GpsFix, ImuSample, LaunchDoubt, Signals, TickInput};
+use kf_core::input::{
+    BaroReading, Columns as UnknownColumns, GpsFix, ImuSample, LaunchDoubt, Signals, TickInput,
+};
 use kf_core::navigation::InertialAltitude;
 use kf_core::strapdown::Config;
 use std::sync::Arc;
 
+use super::effect_columns;
 use super::window::CalibrationWindow;
 use flight_data::{Channel, Column, Flight};
 
@@ -38,6 +41,8 @@ pub struct TickInputs<'a> {
     launch: bool,
     launch_doubt: LaunchDoubt,
     counters: InputCounters,
+    /// Columns that the estimator does not know, by their numbers in the model, where the flight has them.
+    unknown: Vec<(Option<&'a Column>, model::formula::Column)>,
     /// Where the flight computer makes the UAV's inertial altitude itself.
     inertial_altitude: Option<InertialAltitude>,
 }
@@ -143,6 +148,7 @@ impl<'a> TickInputs<'a> {
         window: Option<CalibrationWindow>,
         end: usize,
         has_barometer: bool,
+        unknown: &model::formula::Columns,
     ) -> Self {
         use Channel::{
             AccelXMps2, AccelYMps2, AccelZMps2, AoaRad, BaroAltM, BaroPa, BaroTempC, GpsAltM, GpsSats,
@@ -193,6 +199,10 @@ impl<'a> TickInputs<'a> {
             launch: false,
             launch_doubt: LaunchDoubt::None,
             counters: InputCounters::default(),
+            unknown: unknown
+                .iter()
+                .map(|said| (effect_columns::column(flight, said.name()), said.clone()))
+                .collect(),
             inertial_altitude: None,
         }
     }
@@ -276,6 +286,18 @@ impl<'a> TickInputs<'a> {
         None
     }
 
+    /// Columns that the estimator does not know.
+    #[inline]
+    fn unknown(&self, row: usize) -> UnknownColumns {
+        let mut columns = UnknownColumns::default();
+        for (number, (column, said)) in self.unknown.iter().enumerate() {
+            if let Some(cell) = column.and_then(|column| column.get(row)) {
+                columns.set(number, said.si(cell));
+            }
+        }
+        columns
+    }
+
     #[inline]
     fn signals(&mut self, row: usize) -> Signals {
         let columns = &self.columns;
@@ -337,6 +359,7 @@ impl Iterator for TickInputs<'_> {
             imu_slave_altitude_m,
             imu: self.imu(row),
             signals: self.signals(row),
+            columns: self.unknown(row),
         };
         if let Some(inertial_altitude) = &mut self.inertial_altitude {
             inertial_altitude.tick(&mut input);

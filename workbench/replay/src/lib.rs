@@ -30,7 +30,7 @@ use model::Model;
 
 use flight_data::{Channel, Column, Flight};
 
-pub use effect_columns::missing_columns;
+pub use effect_columns::{column_notes, missing_columns};
 pub use error::ReplayError;
 pub use extent::{Extent, Unused};
 pub use inputs::{InputCounters, TickInputs};
@@ -311,7 +311,8 @@ impl<'a> Replay<'a> {
     /// The ticks as the sensors' own, one a row from the calibration window on.
     #[must_use]
     pub fn inputs(&self) -> TickInputs<'a> {
-        TickInputs::new(self.flight, &self.tamed, self.source.window(), self.end_row(), self.has_barometer)
+        let (window, end) = (self.source.window(), self.end_row());
+        TickInputs::new(self.flight, &self.tamed, window, end, self.has_barometer, self.model.columns())
     }
 
     /// Runs the flight through a new mission and shows every tick to `on_tick`; memory does not grow

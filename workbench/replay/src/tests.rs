@@ -82,6 +82,7 @@ fn every_cell_reaches_its_field() {
                 baro_temperature_c: Some(10.0),
                 attitude_rad: Some([19.0, 20.0, 21.0]),
             },
+            ..TickInput::default()
         }
     );
     assert_eq!(

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use kf_core::effect::{Clock, EffectId};
 use model::Model;
 use pylon::diagnose::Wish;
-use pylon::learn::{Addition, Request, add, addition_text, nearest_effects};
+use pylon::learn::{Addition, Request, add, addition_text};
 use pylon::output_file::prepare;
 use pylon::replay::{CalibrationWindow, Replay};
 use time::{Date, OffsetDateTime};
@@ -37,7 +37,7 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// The effect's id in the catalogue, as `pylon diagnose` names it
+    /// The effect's id, as `pylon diagnose` names it: one of the catalogue, or of the model's own [[effect_definition]]s
     #[arg(value_name = "EFFECT")]
     effect: String,
     /// The model file to change (an empty file is a model); with -o also `default` or `paper`
@@ -93,7 +93,6 @@ fn time_constant(text: &str) -> Result<f32, String> {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let effect = effect(arguments)?;
     let [given, held_files] = [Places::find(&arguments.from)?, Places::find(&arguments.hold_out)?];
     let flights = given.files.iter().chain(&held_files.files);
     let flights: Vec<_> = flights.map(|flight| Role::new(flight, "a flight")).collect();
@@ -101,6 +100,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     // Nobody else may change the model between what is read of it here and what is written.
     let _lock = if is_preset { None } else { locked(&arguments.model)? };
     let (text, output, before) = model(arguments)?;
+    let effect = effect(arguments, &before)?;
     refuse_overwriting(&flights, &[Role::new(&output, "the model")])?;
     let date = today()?;
     load::refuse_repeats(&given.files, &held_files.files)?;
@@ -162,11 +162,13 @@ fn locked(model: &str) -> Result<Option<ModelLock>, Failure> {
 }
 
 /// The effect, and whether it can have what was asked for it.
-fn effect(arguments: &Arguments) -> Result<EffectId, Failure> {
+fn effect(arguments: &Arguments, model: &Model) -> Result<EffectId, Failure> {
     let name = &arguments.effect;
-    let effect = EffectId::from_name(name).ok_or_else(|| {
-        let nearest = nearest_effects(name).join(", ");
-        Failure::input(format!("no effect '{name}' in the catalogue; nearest: {nearest}"))
+    let effect = model.effect_named(name).ok_or_else(|| {
+        let nearest = model.nearest_effects(name);
+        let place =
+            if model.definitions().is_empty() { "the catalogue" } else { "the catalogue or the model" };
+        Failure::input(format!("no effect '{name}' in {place}; nearest: {nearest}"))
     })?;
     let wants_time = arguments.time_constant.is_some() || arguments.since.is_some();
     if wants_time && !effect.has_time_constant() {

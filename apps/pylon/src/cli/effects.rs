@@ -9,7 +9,7 @@ use pylon::output_file::write_atomically;
 use pylon::plots::draw_effect;
 
 use super::failure::Failure;
-use super::terminal;
+use super::{load, terminal};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -20,7 +20,11 @@ Examples:
   pylon effects baro.lag --svg lag.svg
       the same picture as a file
   pylon effects baro
-      all of the barometer's";
+      all of the barometer's
+  pylon effects --model ours.toml
+      the catalogue, and the effects that the model defines by formula
+  pylon effects baro.flap_wash --model ours.toml
+      one of them: its formula, the columns that it reads and their units";
 
 /// Explain the physical effects that a model can account for
 #[derive(Debug, Args)]
@@ -29,6 +33,9 @@ pub struct Arguments {
     /// An effect, or a sensor whose effects are all to be explained
     #[arg(value_name = "NAME")]
     name: Option<String>,
+    /// A model whose own effects by formula are to be listed too
+    #[arg(long, value_name = "MODEL")]
+    model: Option<String>,
     /// Draw what the effect looks like on a simulated flight into this file (SVG)
     #[arg(long, value_name = "FILE", requires = "name")]
     svg: Option<PathBuf>,
@@ -36,10 +43,11 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let Some(name) = &arguments.name else { return terminal::put(&list()) };
-    let effects = named(name);
+    let model = arguments.model.as_deref().map(load::model).transpose()?.unwrap_or_default();
+    let Some(name) = &arguments.name else { return terminal::put(&list(&model)) };
+    let effects = named(&model, name);
     if effects.is_empty() {
-        let hint = nearest(name)
+        let hint = nearest(&model, name)
             .map_or_else(|| "'pylon effects' lists them".to_owned(), |nearest| format!("is it '{nearest}'?"));
         return Err(Failure::input(format!("no effect '{name}' ({hint})")));
     }
@@ -62,7 +70,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         // Of many a picture each would be pages.
         let picture = Picture::of(effect).filter(|_| is_one);
         let drawn = picture.map(|picture| format!("\n{}\n\n{}", picture.caption(), picture.text()));
-        explained(effect) + &drawn.unwrap_or_default()
+        explained(&model, effect) + &drawn.unwrap_or_default()
     });
     terminal::put(&texts.collect::<Vec<_>>().join("\n"))
 }

@@ -6,6 +6,7 @@
 mod add;
 mod compare;
 mod diagnose;
+mod discover;
 mod effects;
 mod export;
 mod failure;
@@ -46,6 +47,7 @@ enum Command {
     Export(export::Arguments),
     Compare(compare::Arguments),
     Diagnose(diagnose::Arguments),
+    Discover(discover::Arguments),
     Effects(effects::Arguments),
     Add(add::Arguments),
     Ladder(ladder::Arguments),
@@ -68,6 +70,7 @@ pub fn main() -> ExitCode {
             Command::Export(arguments) => export::run(&arguments),
             Command::Compare(arguments) => compare::run(&arguments),
             Command::Diagnose(arguments) => diagnose::run(&arguments),
+            Command::Discover(arguments) => discover::run(&arguments),
             Command::Effects(arguments) => effects::run(&arguments),
             Command::Add(arguments) => add::run(&arguments),
             Command::Ladder(arguments) => ladder::run(&arguments),

@@ -5,7 +5,7 @@ use model::Model;
 
 use super::comparison::{Comparison, ReadingCounts};
 use flight_data::Flight;
-use replay::{ReplaySummary, missing_columns};
+use replay::{ReplaySummary, column_notes, missing_columns};
 
 /// One line for each kind of cell that did not become part of a tick.
 pub(super) fn input_warnings(summary: &ReplaySummary) -> Vec<String> {
@@ -57,7 +57,7 @@ pub(super) fn effect_warnings(model: &Model, flight: &Flight) -> Vec<String> {
             format!("effect {} of the model had no say: the flight lacks {}", id.name(), columns.join(", "))
         })
     });
-    lacking.collect()
+    lacking.chain(column_notes(flight, model)).collect()
 }
 
 /// One line for each kind of input that was refused or is missing, with its number.
@@ -105,6 +105,13 @@ pub(super) fn warnings(counters: &Counters, has_settled: bool, comparison: &Comp
         counters.effects_without_signal,
         "reading was taken without an effect of the model: its signal was not there",
         "readings were taken without an effect of the model: its signal was not there",
+    );
+    count(
+        counters.effects_silent,
+        "time an effect by formula had no value, though its signals were there: a division by zero, a root of a negative number or an \
+         overflow; it added nothing then",
+        "times an effect by formula had no value, though its signals were there: a division by zero, a root of a negative number or an \
+         overflow; it added nothing then",
     );
     count(
         counters.effects_extrapolated,

@@ -1,10 +1,11 @@
 //! What to fly to tell effects apart, or to see them at all: the manoeuvre that adds most to the
 //! information matrix.
 
-use kf_core::effect::SignalTracker;
+use kf_core::effect::{EffectId, SignalTracker};
 use kf_core::sensor::SENSORS;
 
 use super::candidates::Candidate;
+use super::formulas::Formulas;
 use super::information::Information;
 use super::manoeuvres::{MANOEUVRES, Manoeuvre, Trim};
 use super::noise::Noise;
@@ -113,7 +114,9 @@ fn flown(
         full_block: [1.0; SENSORS],
         ..Series::default()
     };
+    let mut formulas = Formulas::new(set.iter().filter_map(|pick| Some(candidates.get(*pick)?.regressor)));
     tracker.begin_calibration();
+    formulas.begin_calibration();
     let mut launched = false;
     let mut next_s = 0.0;
     for input in manoeuvre.fly(trim) {
@@ -122,6 +125,7 @@ fn flown(
             tracker.begin_free_flight(input.time_us);
         }
         tracker.take(&input, input.gps.as_ref());
+        formulas.take(&input, input.gps.as_ref(), &tracker);
         let time_s = input.time_us as f64 * 1e-6;
         if time_s < next_s {
             continue;
@@ -137,7 +141,11 @@ fn flown(
             .push(std::array::from_fn(|i| if has[i] && (i > 0 || !launched) { 0.0 } else { f64::NAN }));
         for (column, pick) in series.columns.iter_mut().zip(set) {
             let candidate = &candidates[*pick];
-            let value = tracker.regressor_m(candidate.regressor).map_or(0.0, f64::from);
+            let value = match candidate.effect() {
+                EffectId::Defined(_) => formulas.value_m(candidate.regressor),
+                _ => tracker.regressor_m(candidate.regressor),
+            };
+            let value = value.map_or(0.0, f64::from);
             column.push(std::array::from_fn(|i| match candidate.sensor() {
                 None => -value,
                 Some(sensor) if sensor.index() == i => value,

@@ -172,9 +172,8 @@ impl Builder {
             let Some(reading_m) = reading else { continue };
             let i = sensor.index();
             open.readings[i] += 1;
-            open.residual_sum[i] += reading_m
-                - known_m(model, &follower.tracker, EffectSubject::Sensor(sensor))
-                - reference.altitude_m;
+            open.residual_sum[i] +=
+                reading_m - known_m(model, &follower, EffectSubject::Sensor(sensor)) - reference.altitude_m;
         }
         for (c, candidate) in candidates.iter().enumerate() {
             let acts_on = self.acts_on[c];

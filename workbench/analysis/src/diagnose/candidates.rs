@@ -2,6 +2,7 @@
 
 use kf_core::effect::{Clock, EffectId, EffectSubject, Regressor};
 use kf_core::sensor::Sensor;
+use model::Model;
 
 use super::smoothed_climb::SMOOTHINGS_S;
 
@@ -35,22 +36,25 @@ impl Candidate {
     }
 }
 
-/// Every candidate of the catalogue.
+/// Every candidate of the catalogue, and of the model's own effects.
 ///
 /// Where the climb rate is not measured it is the slope of the reference's own altitude, and its noise is the residual's. As a pure
 /// delay that does not matter: a slope is odd in time, and what it shares with a noise before an instant it takes back after
 /// it, whatever the noise's spectrum. A low pass has an even part as well, with which it explains noise: two of them, large and
 /// opposite, make a lag and a latency of nothing. So delays are then tried as the catalogue has them, and no other way.
 #[must_use]
-pub fn catalogue(has_climb_rate: bool) -> Vec<Candidate> {
+pub fn catalogue(model: &Model, has_climb_rate: bool) -> Vec<Candidate> {
     let smoothings_s = if has_climb_rate { SMOOTHINGS_S.as_slice() } else { &SMOOTHINGS_S[..1] };
     let mut candidates = Vec::new();
-    for id in EffectId::ALL {
+    for id in model.catalogue() {
         let mut add = |time_constant_s, since, smoothing_s| {
             candidates.push(Candidate { regressor: Regressor { id, time_constant_s, since }, smoothing_s });
         };
         if id.has_time_constant() {
-            for since in [Clock::Launch, Clock::Start] {
+            // A formula says itself when its time begins.
+            let clocks =
+                if id.formula().is_some() { &[Clock::Launch][..] } else { &[Clock::Launch, Clock::Start] };
+            for since in clocks.iter().copied() {
                 for time_constant_s in TIME_CONSTANTS_S {
                     add(time_constant_s, since, 0.0);
                 }

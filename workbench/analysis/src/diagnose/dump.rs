@@ -17,7 +17,7 @@ use replay::Replay;
 /// # Errors
 /// When it can't be written.
 pub fn dump(replay: &Replay<'_>, out: &mut dyn Write) -> io::Result<()> {
-    let candidates = catalogue(measures_climb_rate(replay));
+    let candidates = catalogue(replay.model(), measures_climb_rate(replay));
     let epochs = epochs(replay, &candidates, &executor::Inline);
     let series = &epochs.series;
     let columns: Vec<usize> = (0..candidates.len())

@@ -19,7 +19,7 @@ pub fn envelope_m<'a>(
         let mut follower = Follower::new(replay.model());
         for input in replay.inputs() {
             follower.take(&input);
-            let value = follower.tracker.regressor_m(regressor).filter(|metres| metres.is_finite());
+            let value = follower.raw_m(regressor).filter(|metres| metres.is_finite());
             if let Some(value) = value {
                 let [least, largest] = range.unwrap_or([value; 2]);
                 range = Some([value.min(least), value.max(largest)]);

@@ -53,16 +53,16 @@ pub struct Folds {
 }
 
 /// The columns of an effect and of those beside it, and the noise that goes with them.
-pub(super) struct Fitted<'a> {
-    pub(super) noise: &'a Noise,
-    pub(super) others: &'a [usize],
-    pub(super) column: usize,
+pub(crate) struct Fitted<'a> {
+    pub(crate) noise: &'a Noise,
+    pub(crate) others: &'a [usize],
+    pub(crate) column: usize,
     /// The score's variance over the information by the learning flights, at least 1.
-    pub(super) inflation: f64,
+    pub(crate) inflation: f64,
 }
 
 /// Of whole flights.
-pub(super) fn of_flights(problem: &Problem<'_>, fitted: &Fitted<'_>) -> Evidence {
+pub(crate) fn of_flights(problem: &Problem<'_>, fitted: &Fitted<'_>) -> Evidence {
     let mut sum = Evidence::default();
     for flight in problem.flights {
         for block in of_blocks(problem, flight, fitted) {
@@ -73,7 +73,7 @@ pub(super) fn of_flights(problem: &Problem<'_>, fitted: &Fitted<'_>) -> Evidence
 }
 
 /// Of the stretches that [`super::held_out::manoeuvres`] leaves out.
-pub(super) fn of_folds(problem: &Problem<'_>, fitted: &Fitted<'_>) -> Folds {
+pub(crate) fn of_folds(problem: &Problem<'_>, fitted: &Fitted<'_>) -> Folds {
     let mut folds = Folds { stretches: vec![Evidence::default(); FOLDS], ..Folds::default() };
     for flight in problem.flights {
         for (block, evidence) in of_blocks(problem, flight, fitted).into_iter().enumerate() {

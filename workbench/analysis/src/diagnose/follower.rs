@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 
 use kf_core::atmosphere::pressure_altitude_m;
 use kf_core::config::ReferenceConfig;
-use kf_core::effect::{EffectId, SignalTracker};
+use kf_core::effect::{EffectId, Regressor, SignalTracker};
 use kf_core::input::{BaroReading, TickInput};
 use kf_core::plausible;
 use kf_core::reading::StuckDetector;
@@ -14,12 +14,14 @@ use kf_core::sensor::SENSORS;
 use model::Model;
 
 use super::candidates::Candidate;
+use super::formulas::Formulas;
 use super::reference_path::Reference;
 use super::smoothed_climb::SmoothedClimb;
 
 /// Follows the ticks the way the mission does: settling, calibration, free flight.
 pub(super) struct Follower {
     pub(super) tracker: SignalTracker,
+    formulas: Formulas,
     reference: ReferenceTracker,
     stuck: [StuckDetector; SENSORS],
     sigma_m: [f32; SENSORS],
@@ -86,6 +88,7 @@ impl Follower {
         tracker.set_latitude_deg(model.latitude_deg);
         Self {
             tracker,
+            formulas: Formulas::of(model),
             reference: ReferenceTracker::new(&reference),
             stuck: std::array::from_fn(|_| StuckDetector::default()),
             sigma_m: std::array::from_fn(|i| model.sensors[i].sigma_m),
@@ -134,9 +137,17 @@ impl Follower {
                     let since_s = moment.time_us.saturating_sub(launch.time_us) as f64 * 1e-6;
                     Some(climbed_m - launch.climbed_m - launch.rate_mps * since_s)
                 }
-                (_, None) => self.tracker.regressor_m(regressor).map(f64::from),
+                (_, None) => self.raw_m(regressor).map(f64::from),
             },
-            _ => self.tracker.regressor_m(regressor).map(f64::from),
+            _ => self.raw_m(regressor).map(f64::from),
+        }
+    }
+
+    /// A regressor as the mission has it, metres per unit.
+    pub(super) fn raw_m(&self, regressor: Regressor) -> Option<f32> {
+        match regressor.id {
+            EffectId::Defined(_) => self.formulas.value_m(regressor),
+            _ => self.tracker.regressor_m(regressor),
         }
     }
 
@@ -175,6 +186,7 @@ impl Follower {
         if !self.calibrating && input.time_us - first_us >= self.settling_us {
             self.calibrating = true;
             self.tracker.begin_calibration();
+            self.formulas.begin_calibration();
         }
         if input.launch && !self.free {
             self.free = true;
@@ -186,7 +198,9 @@ impl Follower {
             });
             self.tracker.begin_free_flight(input.time_us);
         }
-        self.tracker.take(input, input.gps.as_ref().filter(|_| accepted));
+        let fix = input.gps.as_ref().filter(|_| accepted);
+        self.tracker.take(input, fix);
+        self.formulas.take(input, fix, &self.tracker);
         let phase = match (self.free, self.calibrating) {
             (true, _) => Phase::Free,
             (false, true) => Phase::Captive,

@@ -53,7 +53,7 @@ fn measured(replay: &Replay<'_>, model: &Model) -> (Vec<Fix>, [Path; SENSORS]) {
         if let (true, Some(fix)) = (taken.has_fix, input.gps) {
             fixes.push(Fix {
                 time_us: input.time_us,
-                altitude_m: f64::from(fix.altitude_m) - known_m(model, &follower.tracker, EffectSubject::Gps),
+                altitude_m: f64::from(fix.altitude_m) - known_m(model, &follower, EffectSubject::Gps),
                 climb_mps: fix.velocity_down_mps.map(|down| -f64::from(down)),
             });
         }

@@ -19,7 +19,7 @@ use super::wish::Wish;
 use replay::barometer;
 
 /// What a search works on.
-pub(super) struct Prepared {
+pub(crate) struct Prepared {
     /// What is tried, and after it the effects that the model has already; the columns of every series are theirs.
     pub candidates: Vec<Candidate>,
     /// The flights.
@@ -28,6 +28,8 @@ pub(super) struct Prepared {
     pub series: Vec<Series>,
     /// Those of the flights held out.
     pub held: Vec<Series>,
+    /// Means of the signals in each block of the flights held out, as in [`Epochs::signals`].
+    pub held_signals: Vec<Vec<Vec<f64>>>,
     /// Columns of the effects that the model has already, and of the wind.
     pub known: Vec<Known>,
     /// Whether the climb rate is measured in all flights.
@@ -46,7 +48,7 @@ impl Prepared {
         executor: &dyn Executor,
     ) -> Self {
         let has_climb_rate = flights.iter().all(|named| measures_climb_rate(&named.replay));
-        let mut candidates = catalogue(has_climb_rate);
+        let mut candidates = catalogue(model, has_climb_rate);
         if let Some((wish, time_constants_s)) = wish {
             wish.narrow(&mut candidates, time_constants_s);
         }
@@ -72,6 +74,7 @@ impl Prepared {
         known.extend(wind);
         Self {
             tried: (0..tried).filter(|column| available(*column)).collect(),
+            held_signals: held.iter_mut().map(|epochs| std::mem::take(&mut epochs.signals)).collect(),
             held: held.into_iter().map(|epochs| epochs.series).collect(),
             series: epochs.iter().map(|epochs| epochs.series.clone()).collect(),
             candidates,

@@ -1,13 +1,15 @@
 //! What a tick's readings are held against.
 
-use kf_core::effect::{EffectSubject, SignalTracker};
+use kf_core::effect::EffectSubject;
 use model::Model;
 
+use super::follower::Follower;
+
 /// Sum of the effects that the model knows on one subject, metres.
-pub(super) fn known_m(model: &Model, tracker: &SignalTracker, subject: EffectSubject) -> f64 {
+pub(super) fn known_m(model: &Model, follower: &Follower, subject: EffectSubject) -> f64 {
     let terms = model.effects.iter().filter(|effect| effect.term.regressor.id.subject() == subject);
     let metres = terms.map(|effect| {
-        let regressor_m = tracker.regressor_m(effect.term.regressor).unwrap_or(0.0);
+        let regressor_m = follower.raw_m(effect.term.regressor).unwrap_or(0.0);
         f64::from(effect.term.coefficient) * f64::from(regressor_m)
     });
     metres.sum()

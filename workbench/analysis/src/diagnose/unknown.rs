@@ -12,10 +12,10 @@ use super::whitener::whiten;
 /// effect of the catalogue, for which physics speaks.
 const EVIDENCE: f64 = 16.0;
 /// And this share of what the effects found explain: their formulas are no better than that.
-const SHAPE: f64 = 0.05;
+pub const SHAPE: f64 = 0.05;
 /// A signal that takes the chosen effects' place is better than they are where it leaves less by this share of what they
 /// explain: as much as a right formula of measured signals may miss (as in `search`).
-const BETTER: f64 = 0.02;
+pub const BETTER: f64 = 0.02;
 /// A signal's shape that shares this much with a candidate of the catalogue is that candidate's.
 const IN_CATALOGUE: f64 = 0.9;
 /// Columns that are tested in one pass.
@@ -32,7 +32,7 @@ const JUMPS: usize = 12;
 
 /// The same where the climb rate is not measured: lags are then fitted as pure delays, whose shape a low pass has to some 15 %,
 /// which is 28 % of the squares.
-const SHAPE_WITHOUT_CLIMB_RATE: f64 = 0.28;
+pub const SHAPE_WITHOUT_CLIMB_RATE: f64 = 0.28;
 
 /// What speaks against taking a rest for a sensor's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

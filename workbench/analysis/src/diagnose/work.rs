@@ -6,13 +6,13 @@ use kf_core::sensor::Sensor;
 use super::candidates::Candidate;
 use super::diagnosis::{DiagnosedFlight, Diagnosis, Untested};
 use super::epochs::Epochs;
-use super::judge::Judge;
+use super::judge::{Findings, Judge};
 use super::lesson::Lesson;
 use super::named_replay::NamedReplay;
 use super::noise::NoisePrior;
 use super::prepare::Prepared;
 use super::problem::Problem;
-use super::search::Search;
+use super::search::{Explanation, Search};
 use super::wish::Wish;
 use crate::progress::{Cancelled, Progress};
 use replay::{Usage, barometer};
@@ -40,6 +40,39 @@ pub(super) fn work(
     progress: &mut Progress<'_>,
     executor: &dyn Executor,
 ) -> Result<(Diagnosis, Option<Lesson>), Cancelled> {
+    let of = |judged: &mut Judged<'_, '_>, _: &mut Progress<'_>| {
+        let findings = judged.findings.take().zip(wish);
+        Ok(findings.and_then(|(findings, (wish, _))| judged.judge.lesson(judged.search, findings, wish.effect)))
+    };
+    let (diagnosis, lesson) = judged(flights, hold_outs, wish, progress, executor, of)?;
+    Ok((diagnosis, lesson.flatten()))
+}
+
+/// A diagnosis, and what it rests on.
+pub(crate) struct Judged<'a, 'b> {
+    pub(crate) judge: &'b Judge<'a>,
+    pub(crate) prepared: &'b Prepared,
+    search: &'b mut Search<'a>,
+    /// There until they are taken.
+    findings: Option<Findings>,
+}
+
+impl Judged<'_, '_> {
+    /// The effects that explain the residuals, with the noise beside them.
+    pub(crate) fn explanation(&self) -> Option<&Explanation> {
+        self.findings.as_ref().map(|findings| &findings.explanation)
+    }
+}
+
+/// A diagnosis, and what `then` makes of what it rests on (nothing without a flight).
+pub(crate) fn judged<T>(
+    flights: &[NamedReplay<'_>],
+    hold_outs: &[NamedReplay<'_>],
+    wish: Option<(Wish, &[f32])>,
+    progress: &mut Progress<'_>,
+    executor: &dyn Executor,
+    then: impl FnOnce(&mut Judged<'_, '_>, &mut Progress<'_>) -> Result<T, Cancelled>,
+) -> Result<(Diagnosis, Option<T>), Cancelled> {
     let Some(first) = flights.first() else { return Ok((Diagnosis::default(), None)) };
     let model = first.replay.model();
     let prepared = Prepared::new(flights, hold_outs, model, wish, executor);
@@ -63,8 +96,10 @@ pub(super) fn work(
     diagnosis.flights = flights.iter().zip(epochs).map(|(named, epochs)| facts(named, epochs)).collect();
     diagnosis.hold_outs = hold_outs.iter().map(|named| named.file.clone()).collect();
     diagnosis.untested = untested(candidates, flights, epochs);
-    let lesson = wish.and_then(|(wish, _)| judge.lesson(&mut search, findings, wish.effect));
-    Ok((diagnosis, lesson))
+    let findings = Some(findings);
+    let mut judged = Judged { judge: &judge, prepared: &prepared, search: &mut search, findings };
+    let made = then(&mut judged, progress)?;
+    Ok((diagnosis, Some(made)))
 }
 
 fn facts(named: &NamedReplay<'_>, epochs: &Epochs) -> DiagnosedFlight {

@@ -201,6 +201,10 @@ fn fill(table: &mut dyn TableLike, effect: &Effect, date: Date) {
     }
     set(table, "date", datetime(date));
     put_time_constant(table, effect);
+    // A learned coefficient belongs to its formula.
+    if let Some(parts) = term.id().formula() {
+        set(table, "formula", model::fingerprint_text(parts.fingerprint));
+    }
     match term.envelope_m {
         Some(envelope_m) => set(table, "envelope_m", Array::from_iter(envelope_m.map(decimal))),
         None => drop(table.remove("envelope_m")),

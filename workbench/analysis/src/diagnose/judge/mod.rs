@@ -45,11 +45,11 @@ const STAND_INS: [(EffectId, EffectId); 4] = [
 /// The least probability at which an effect is a suspect: odds of 19 to 1.
 const SUSPECT: f64 = 0.05;
 
-pub(super) struct Judge<'a> {
-    pub(super) problem: &'a Problem<'a>,
-    pub(super) held: Option<&'a Problem<'a>>,
+pub(crate) struct Judge<'a> {
+    pub(crate) problem: &'a Problem<'a>,
+    pub(crate) held: Option<&'a Problem<'a>>,
     pub(super) candidates: &'a [Candidate],
-    pub(super) suspects: &'a Suspects<'a>,
+    pub(crate) suspects: &'a Suspects<'a>,
     pub(super) epochs: &'a [Epochs],
     /// Whether the climb rate is measured.
     pub(super) has_climb_rate: bool,

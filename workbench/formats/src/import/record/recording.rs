@@ -120,6 +120,8 @@ fn cells(input: &TickInput) -> [Option<f32>; CHANNELS.len() - 1] {
         imu_slave_altitude_m,
         imu,
         signals,
+        // No flight computer has any.
+        columns: _,
     } = input;
     let kf_core::input::Signals {
         true_airspeed_mps,

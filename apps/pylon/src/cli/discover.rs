@@ -1,0 +1,170 @@
+//! `pylon discover`.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use pylon::contained::contained;
+use pylon::discover::{Discovery, discover, id, text, with_definition};
+use pylon::output_file::prepare;
+use pylon::replay::{CalibrationWindow, Replay};
+
+use super::failure::Failure;
+use super::model_lock::lock_model;
+use super::overwriting::{Role, refuse_overwriting};
+use super::places::Places;
+use super::progress::Counter;
+use super::{load, terminal};
+
+const EXAMPLES: &str = "\
+Examples:
+  pylon discover flight.csv
+      laws over the recorded signals that explain what the default model and the catalogue leave, or that there is none
+  pylon discover monday.csv tuesday.csv --hold-out friday.csv --model ours.toml
+      learn from two flights; a law that the third speaks against is not proposed
+  pylon discover flight.csv --write ours.toml 1
+      the first law becomes an [[effect_definition]] of ours.toml; `pylon add` goes on
+  pylon discover flight.csv --json | jq .laws[0].regressor
+      for other programs";
+
+/// Search for a law over the recorded signals where nothing in the catalogue explains the misfit
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// Flights to learn from: flights' CSV, logs that `pylon import` reads, or folders of them
+    #[arg(value_name = "FLIGHT", required = true)]
+    flights: Vec<PathBuf>,
+    /// The model: a TOML file, `default` or `paper`
+    #[arg(long, value_name = "MODEL", default_value = "default")]
+    model: String,
+    /// Judge laws on this flight as well, and the errors on it instead of on held-out manoeuvres (may be repeated)
+    #[arg(long, value_name = "FLIGHT")]
+    hold_out: Vec<PathBuf>,
+    /// Calibrate on this part of the flights (seconds of the flight's own clock, as `pylon open` shows it: an imported log's begins with its first record) and say launch at its end
+    #[arg(long, value_name = "START..END")]
+    calibrate: Option<CalibrationWindow>,
+    /// Make law N, as this command numbers it, an effect definition of this model file
+    #[arg(long, num_args = 2, value_names = ["MODEL.toml", "N"])]
+    write: Option<Vec<String>>,
+    /// The id of the definition that `--write` makes; without, what it acts on and its signals
+    #[arg(long, value_name = "ID", requires = "write")]
+    id: Option<String>,
+    /// Refuse all flights if one of them cannot be used, instead of skipping and naming it
+    #[arg(long)]
+    strict: bool,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let wanted = arguments.write.as_deref().map(target).transpose()?;
+    let model = load::model(&arguments.model)?;
+    let [given, held_files] = [Places::find(&arguments.flights)?, Places::find(&arguments.hold_out)?];
+    load::refuse_repeats(&given.files, &held_files.files)?;
+    if let Some((file, _)) = wanted {
+        let flights: Vec<_> =
+            given.files.iter().chain(&held_files.files).map(|flight| Role::new(flight, "a flight")).collect();
+        refuse_overwriting(&flights, &[Role::new(file, "the model")])?;
+        readable(file)?;
+    }
+    let batch = load::Batch::read(&given.files, arguments.strict, |flight| {
+        Replay::calibrated_or_not(flight, &model, arguments.calibrate).map(|_| ())
+    })?;
+    let held = load::flights(&held_files.files)?;
+    let notes = |files: &[PathBuf], flights: &[load::Read]| -> Vec<String> {
+        let pairs = files.iter().zip(flights);
+        pairs
+            .flat_map(|(file, (_, notes))| notes.iter().map(|note| format!("{}: {note}", file.display())))
+            .collect()
+    };
+    let warnings = [notes(&batch.files, &batch.flights), notes(&held_files.files, &held)].concat();
+    let learned = load::replays_to_diagnose(&batch.files, &batch.flights, &model, arguments.calibrate)?;
+    let held = load::replays_to_diagnose(&held_files.files, &held, &model, arguments.calibrate)?;
+    let mut counter = Counter::new("searching for laws", "fits");
+    let found = contained(|| discover(&learned, &held, &mut || counter.step()));
+    drop(counter);
+    let mut discovery = found.map_err(|why| {
+        Failure::input(format!("the flights were not searched, by a defect of pylon; please report it: {why}"))
+    })?;
+    discovery.model.clone_from(&arguments.model);
+    discovery.warnings.splice(0..0, warnings);
+    given.write_notes();
+    held_files.write_notes();
+    batch.write_skipped();
+    let written = wanted.map(|(file, number)| write(file, number, arguments, &discovery)).transpose()?;
+    if arguments.json {
+        let mut json = serde_json::to_string_pretty(&discovery)?;
+        json.push('\n');
+        terminal::put(&json)
+    } else if let Some(written) = written {
+        terminal::put(&written)
+    } else {
+        terminal::put(&text(&discovery, &command(arguments)))
+    }
+}
+
+/// The file and the number after `--write`.
+fn target(values: &[String]) -> Result<(&Path, usize), Failure> {
+    match values {
+        [file, number] => match number.parse() {
+            Ok(number) if number > 0 => Ok((Path::new(file), number)),
+            _ => Err(Failure::input(format!(
+                "--write {file} {number}: expected the number of a law, such as 1, after the model"
+            ))),
+        },
+        _ => Err(Failure::input("--write: expected a model file and the number of a law".to_owned())),
+    }
+}
+
+fn readable(file: &Path) -> Result<String, Failure> {
+    std::fs::read_to_string(file).map_err(|error| {
+        let hint = if error.kind() == std::io::ErrorKind::NotFound {
+            format!(" (an empty file is a model: touch {})", file.display())
+        } else {
+            String::new()
+        };
+        Failure::input(format!("{}: can not be read: {error}{hint}", file.display()))
+    })
+}
+
+/// Makes a law an effect definition; says so.
+fn write(file: &Path, number: usize, arguments: &Arguments, discovery: &Discovery) -> Result<String, Failure> {
+    let law = discovery.laws.get(number - 1).ok_or_else(|| {
+        let there = match discovery.laws.len() {
+            0 => "no law is proposed".to_owned(),
+            1 => "there is one law, number 1".to_owned(),
+            n => format!("there are laws 1 to {n}"),
+        };
+        Failure::input(format!("law {number} is not there: {there}; nothing was written"))
+    })?;
+    let id = arguments.id.clone().unwrap_or_else(|| id(law, &discovery.signals));
+    let _lock = lock_model(file)?;
+    let changed = with_definition(&readable(file)?, &id, law)
+        .map_err(|error| Failure::input(format!("{}: {error}", file.display())))?;
+    prepare(file, |out| std::io::Write::write_all(out, changed.as_bytes()))?.publish()?;
+    let flight = discovery.flights.first().map_or("FLIGHT", String::as_str);
+    let model = file.display();
+    Ok(format!(
+        "{model} now defines {id}: {} += c * {}\n\nTo learn its coefficient and see the error fall:\n  pylon add {id} --model {model} --from {flight}\n",
+        law.on, law.regressor
+    ))
+}
+
+/// The command that was run, to be pasted.
+fn command(arguments: &Arguments) -> String {
+    let mut command = "pylon discover".to_owned();
+    for flight in &arguments.flights {
+        command += &format!(" {}", flight.display());
+    }
+    for flight in &arguments.hold_out {
+        command += &format!(" --hold-out {}", flight.display());
+    }
+    if arguments.model != "default" {
+        command += &format!(" --model {}", arguments.model);
+    }
+    if let Some(window) = arguments.calibrate {
+        command += &format!(" --calibrate {window}");
+    }
+    command
+}

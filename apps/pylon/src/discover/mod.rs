@@ -1,0 +1,20 @@
+//! Laws that nobody wrote down: [`analysis::discover`] with the machine's threads, and its text.
+
+mod text;
+
+pub use analysis::discover::*;
+pub use text::text;
+
+use crate::diagnose::{NamedReplay, endless};
+use crate::threads::Threads;
+
+/// Looks for laws; all replays have the same model. `progress` is called once a step.
+#[must_use]
+pub fn discover(
+    flights: &[NamedReplay<'_>],
+    hold_outs: &[NamedReplay<'_>],
+    progress: &mut dyn FnMut(),
+) -> Discovery {
+    let found = analysis::discover::discover(flights, hold_outs, &mut endless(progress), &Threads);
+    found.unwrap_or_else(|_| unreachable!("it is never cancelled"))
+}

@@ -1,0 +1,113 @@
+//! An effect by formula: a row of one's own for the catalogue.
+
+use core::cmp::Ordering;
+use core::fmt;
+use core::hash::{Hash, Hasher};
+
+use super::catalogue::{EffectSubject, Row};
+use crate::formula::{self, Frame, Program, Silent};
+use crate::input::{GpsFix, TickInput};
+
+use super::SignalTracker;
+
+/// What runs formulas. Reached by a reference from each definition, so that an image without any does not have it.
+pub(crate) struct Machine {
+    pub take: fn(&mut Frame, u64, &TickInput, Option<&GpsFix>, &SignalTracker),
+    pub step: fn(&Program, &mut [f32], &Frame, f32) -> Result<f32, Silent>,
+}
+
+static MACHINE: Machine = Machine { take: Frame::take, step: formula::step };
+
+/// What an effect by formula is made of.
+#[derive(Clone, Copy, Debug)]
+pub struct Parts {
+    /// Its id in model files and on the command line.
+    pub name: &'static str,
+    /// What it acts on.
+    pub subject: EffectSubject,
+    /// Unit of its coefficient; times the formula's it is metres.
+    pub unit: &'static str,
+    /// Columns of a flight that the formula reads.
+    pub needs: &'static [&'static str],
+    /// Range in which nature keeps the coefficient, in that unit.
+    pub plausible: [f32; 2],
+    /// See [`super::EffectId::typical_regressor_m`].
+    pub typical_regressor_m: f32,
+    /// The formula, metres per unit of the coefficient.
+    pub program: Program,
+    /// Its text.
+    pub law: &'static str,
+    /// What it is, for the reader.
+    pub about: &'static str,
+    /// Stands for what it acts on, its unit and its formula, whatever its layout: a learned coefficient is one of this.
+    pub fingerprint: u64,
+}
+
+/// An effect by formula, for [`super::EffectId::Defined`]. Two with the same name and fingerprint are the same.
+pub struct Definition {
+    parts: Parts,
+    pub(super) row: Row,
+    pub(crate) machine: &'static Machine,
+}
+
+impl Definition {
+    /// The effect of these parts.
+    #[must_use]
+    pub const fn new(parts: Parts, has_time_constant: bool) -> Self {
+        let row = Row {
+            name: parts.name,
+            unit: parts.unit,
+            subject: parts.subject,
+            needs: parts.needs,
+            uses: formula::uses(parts.program.signals()),
+            plausible: parts.plausible,
+            typical_regressor_m: parts.typical_regressor_m,
+            has_time_constant,
+            // A formula has a state, which the tracker of signals does not keep.
+            value: |_, _| None,
+        };
+        Self { parts, row, machine: &MACHINE }
+    }
+
+    /// What it was made of.
+    #[must_use]
+    pub const fn parts(&self) -> &Parts {
+        &self.parts
+    }
+
+    fn key(&self) -> (&'static str, u64) {
+        (self.parts.name, self.parts.fingerprint)
+    }
+}
+
+impl fmt::Debug for Definition {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(self.parts.name)
+    }
+}
+
+impl PartialEq for Definition {
+    fn eq(&self, other: &Self) -> bool {
+        self.key() == other.key()
+    }
+}
+
+impl Eq for Definition {}
+
+impl Hash for Definition {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.key().hash(state);
+    }
+}
+
+impl PartialOrd for Definition {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Definition {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.key().cmp(&other.key())
+    }
+}

@@ -1,0 +1,146 @@
+//! The formulas of a model, tick by tick.
+
+use super::definition::Machine;
+use super::{EffectId, EffectTerm, SignalTracker};
+use crate::config::{MAX_CONSTANT_EFFECTS, MAX_ESTIMATED_EFFECTS, MissionConfig};
+use crate::formula::{Frame, Silent};
+use crate::input::{GpsFix, TickInput};
+
+/// How many numbers the formulas of a model can remember, all together.
+pub const MAX_FORMULA_WORDS: usize = 96;
+
+/// What the formulas of a mission remember.
+pub(crate) type FormulaWords = heapless::Vec<f32, MAX_FORMULA_WORDS>;
+
+/// Signals, memory and values of a model's effects by formula; costs nothing but its room where there are none.
+#[derive(Clone, Debug)]
+pub(crate) struct Formulas {
+    machine: Option<&'static Machine>,
+    used: u64,
+    frame: Frame,
+    state: [f32; MAX_FORMULA_WORDS],
+    estimated_m: [Option<f32>; MAX_ESTIMATED_EFFECTS],
+    constant_m: [Option<f32>; MAX_CONSTANT_EFFECTS],
+    /// The integrals could not be continued over a restart.
+    integrals_lost: bool,
+}
+
+impl core::fmt::Debug for Machine {
+    fn fmt(&self, formatter: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        formatter.write_str("Machine")
+    }
+}
+
+impl Formulas {
+    /// Of a model's effects; `None` where they remember more than [`MAX_FORMULA_WORDS`].
+    pub(crate) fn of<const E: usize>(config: &MissionConfig<E>) -> Option<Self> {
+        let mut formulas = Self {
+            machine: None,
+            used: 0,
+            frame: Frame::default(),
+            state: [0.0; MAX_FORMULA_WORDS],
+            estimated_m: [None; MAX_ESTIMATED_EFFECTS],
+            constant_m: [None; MAX_CONSTANT_EFFECTS],
+            integrals_lost: false,
+        };
+        for term in config.estimated_effects.iter().chain(&config.constant_effects) {
+            if let EffectId::Defined(definition) = term.id() {
+                formulas.machine = Some(definition.machine);
+                formulas.used |= definition.parts().program.signals();
+            }
+        }
+        (words(config) <= MAX_FORMULA_WORDS).then_some(formulas)
+    }
+
+    /// See [`SignalTracker::begin_calibration`].
+    pub(crate) const fn begin_calibration(&mut self) {
+        self.frame.begin_calibration();
+    }
+
+    /// See [`SignalTracker::lose_integrals`].
+    pub(crate) const fn lose_integrals(&mut self) {
+        self.integrals_lost = true;
+    }
+
+    /// See [`SignalTracker::resume_captive`].
+    pub(crate) const fn resume_captive(&mut self) {
+        self.integrals_lost = false;
+    }
+
+    /// Takes a tick that the tracker of signals has taken; returns how many formulas had no value though their signals are there.
+    #[inline]
+    pub(crate) fn take<const E: usize>(
+        &mut self,
+        config: &MissionConfig<E>,
+        input: &TickInput,
+        fix: Option<&GpsFix>,
+        tracker: &SignalTracker,
+    ) -> u32 {
+        match self.machine {
+            None => 0,
+            Some(machine) => self.run(machine, config, input, fix, tracker),
+        }
+    }
+
+    fn run<const E: usize>(
+        &mut self,
+        machine: &Machine,
+        config: &MissionConfig<E>,
+        input: &TickInput,
+        fix: Option<&GpsFix>,
+        tracker: &SignalTracker,
+    ) -> u32 {
+        (machine.take)(&mut self.frame, self.used, input, fix, tracker);
+        let mut silent = 0_u32;
+        let mut left = self.state.as_mut_slice();
+        let terms = config.estimated_effects.iter().zip(&mut self.estimated_m);
+        for (term, value_m) in terms.chain(config.constant_effects.iter().zip(&mut self.constant_m)) {
+            let EffectId::Defined(definition) = term.id() else { continue };
+            let program = &definition.parts().program;
+            let Some((state, rest)) = left.split_at_mut_checked(program.state_words()) else { break };
+            left = rest;
+            let value = (machine.step)(program, state, &self.frame, term.regressor.time_constant_s);
+            silent += u32::from(value.is_err_and(|why| why != Silent::NotYet));
+            let is_lost = self.integrals_lost && program.is_integrated();
+            *value_m = value.ok().filter(|_| !is_lost);
+        }
+        self.frame.end();
+        silent
+    }
+
+    /// Value of the estimated effect of that number, metres per unit of coefficient.
+    #[inline]
+    pub(crate) fn estimated_m(&self, effect: usize) -> Option<f32> {
+        self.estimated_m.get(effect).copied().flatten()
+    }
+
+    /// Value of the constant effect of that number.
+    #[inline]
+    pub(crate) fn constant_m(&self, effect: usize) -> Option<f32> {
+        self.constant_m.get(effect).copied().flatten()
+    }
+
+    /// What is remembered, to be kept over a restart.
+    pub(crate) fn kept<const E: usize>(&self, config: &MissionConfig<E>) -> FormulaWords {
+        self.state.iter().copied().take(words(config)).collect()
+    }
+
+    /// Whether that is a memory of this model's formulas.
+    pub(crate) fn is_ours<const E: usize>(config: &MissionConfig<E>, kept: &FormulaWords) -> bool {
+        kept.len() == words(config) && kept.iter().all(|word| word.is_finite())
+    }
+
+    /// Goes on from what was kept at a time: the next tick's step is from there.
+    pub(crate) fn resume(&mut self, kept: &FormulaWords, last_us: u64) {
+        for (word, kept) in self.state.iter_mut().zip(kept) {
+            *word = *kept;
+        }
+        self.frame.resume(last_us);
+    }
+}
+
+/// How many numbers a model's formulas remember.
+fn words<const E: usize>(config: &MissionConfig<E>) -> usize {
+    let terms = config.estimated_effects.iter().chain(&config.constant_effects);
+    terms.map(EffectTerm::id).map(|id| id.formula().map_or(0, |formula| formula.program.state_words())).sum()
+}

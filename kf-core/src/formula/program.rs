@@ -1,0 +1,279 @@
+//! A formula, compiled: operations of a stack machine.
+
+use super::signal::SIGNALS;
+
+/// Most operations of a program.
+pub const MAX_OPS: usize = 48;
+/// Deepest stack.
+pub const MAX_DEPTH: usize = 16;
+/// Most sets of signals that functions with memory wait for.
+pub const MAX_MASKS: usize = 6;
+/// Most numbers that one program remembers.
+pub const MAX_STATE_WORDS: usize = 64;
+
+/// One operation. Arguments are taken from the stack, the last one from its top, and the result takes their place; `at` is where the
+/// operation's memory begins, `mask` which of the program's sets of signals it samples its argument at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Op {
+    /// A number.
+    Constant(f32),
+    /// A signal, by its place in a [`super::Frame`].
+    Signal(u8),
+    /// The term's time constant, seconds.
+    TimeConstant,
+    /// `a + b`.
+    Add,
+    /// `a - b`.
+    Subtract,
+    /// `a b`.
+    Multiply,
+    /// `a / b`; silent where `b` is 0.
+    Divide,
+    /// The smaller.
+    Min,
+    /// The larger.
+    Max,
+    /// 1 where `a < b`, else 0.
+    Less,
+    /// 1 where `a <= b`, else 0.
+    LessOrEqual,
+    /// 1 where `a = b`, else 0.
+    Equal,
+    /// `-a`.
+    Negate,
+    /// `|a|`.
+    Absolute,
+    /// `1 - a`: the opposite of a comparison.
+    Not,
+    /// 1 where `a > 0`, else 0.
+    Step,
+    /// Square root; silent below 0.
+    Root,
+    /// `exp a`.
+    Exponential,
+    /// Natural logarithm; silent at 0 and below.
+    Logarithm,
+    /// Sine of radians; silent beyond a thousand.
+    Sine,
+    /// Cosine of radians; silent beyond a thousand.
+    Cosine,
+    /// A whole power.
+    Power(i8),
+    /// Any power; silent below 0.
+    RealPower(f32),
+    /// Pressure altitude (m) of a pressure (Pa), ICAO Doc 7488.
+    IsaAltitude,
+    /// Pressure (Pa) of the standard atmosphere at an altitude (m).
+    IsaPressure,
+    /// Temperature (K) of the standard atmosphere at an altitude (m).
+    IsaTemperature,
+    /// Density of the standard atmosphere at an altitude (m), Pa s^2/m^2 (kg/m^3).
+    IsaDensity,
+    /// Change over time, between the samples of the signals of the mask.
+    Rate {
+        /// Four words.
+        at: u8,
+        /// When to look.
+        mask: u8,
+    },
+    /// Integral over time from launch on, by trapezia; 0 before.
+    Integral {
+        /// Four words.
+        at: u8,
+    },
+    /// Integral of the integral from launch on; 0 before.
+    DoubleIntegral {
+        /// Six words.
+        at: u8,
+    },
+    /// First-order low pass of `a` with the time constant `b` (s), backward Euler, begun at the first value.
+    LowPass {
+        /// Two words.
+        at: u8,
+    },
+    /// `a` as it was `b` seconds ago, from sixteen samples over that time with straight lines between them; silent until then.
+    Delay {
+        /// [`super::delay::WORDS`] words.
+        at: u8,
+    },
+    /// Mean of `a` over the samples of the calibration (before it: of all so far), and that of captive flight after launch.
+    Captive {
+        /// Three words.
+        at: u8,
+        /// What is a sample.
+        mask: u8,
+    },
+    /// `a` at the first sample of the calibration; before it, at the first of all.
+    AtCalibration {
+        /// Two words.
+        at: u8,
+        /// What is a sample.
+        mask: u8,
+    },
+    /// `a` itself before launch, after it as it was at launch.
+    AtLaunch {
+        /// Two words.
+        at: u8,
+    },
+}
+
+impl Op {
+    /// How many arguments it takes from the stack.
+    #[must_use]
+    pub const fn arguments(self) -> usize {
+        match self {
+            Self::Constant(_) | Self::Signal(_) | Self::TimeConstant => 0,
+            Self::Add
+            | Self::Subtract
+            | Self::Multiply
+            | Self::Divide
+            | Self::Min
+            | Self::Max
+            | Self::Less
+            | Self::LessOrEqual
+            | Self::Equal
+            | Self::LowPass { .. }
+            | Self::Delay { .. } => 2,
+            _ => 1,
+        }
+    }
+
+    /// Where its memory begins, and how many words it has; `None` for one without.
+    #[must_use]
+    pub const fn memory(self) -> Option<(u8, usize)> {
+        match self {
+            Self::Rate { at, .. } | Self::Integral { at } => Some((at, 4)),
+            Self::DoubleIntegral { at } => Some((at, 6)),
+            Self::LowPass { at } | Self::AtCalibration { at, .. } | Self::AtLaunch { at } => Some((at, 2)),
+            Self::Delay { at } => Some((at, super::delay::WORDS)),
+            Self::Captive { at, .. } => Some((at, 3)),
+            _ => None,
+        }
+    }
+
+    const fn mask(self) -> Option<u8> {
+        match self {
+            Self::Rate { mask, .. } | Self::Captive { mask, .. } | Self::AtCalibration { mask, .. } => {
+                Some(mask)
+            }
+            _ => None,
+        }
+    }
+}
+
+/// A program; made by `model::formula`, or by hand with [`Program::new`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Program {
+    ops: [Op; MAX_OPS],
+    length: u8,
+    state_words: u8,
+    masks: [u64; MAX_MASKS],
+    signals: u64,
+}
+
+impl Program {
+    /// A program of these operations; `masks` are sets of signals, a bit for each place in a [`super::Frame`]. `None` where it is too
+    /// long, reads what is not on the stack, leaves other than one number there, needs a stack that is too deep, has more memory than
+    /// there is, or memory that is not laid out in the operations' order.
+    #[must_use]
+    pub const fn new(ops: &[Op], masks: &[u64]) -> Option<Self> {
+        if ops.is_empty() || ops.len() > MAX_OPS || masks.len() > MAX_MASKS {
+            return None;
+        }
+        let mut program = Self {
+            ops: [Op::TimeConstant; MAX_OPS],
+            length: ops.len() as u8,
+            state_words: 0,
+            masks: [0; MAX_MASKS],
+            signals: 0,
+        };
+        let mut k = 0;
+        while k < masks.len() {
+            program.masks[k] = masks[k];
+            k += 1;
+        }
+        let (mut depth, mut words, mut k) = (0, 0, 0);
+        while k < ops.len() {
+            let op = ops[k];
+            if depth < op.arguments() {
+                return None;
+            }
+            depth = depth + 1 - op.arguments();
+            if depth > MAX_DEPTH {
+                return None;
+            }
+            if let Some((at, count)) = op.memory() {
+                if at as usize != words || words + count > MAX_STATE_WORDS {
+                    return None;
+                }
+                words += count;
+            }
+            if let Some(mask) = op.mask()
+                && mask as usize >= masks.len()
+            {
+                return None;
+            }
+            if let Op::Signal(place) = op {
+                if place as usize >= SIGNALS {
+                    return None;
+                }
+                program.signals |= 1 << place;
+            }
+            program.ops[k] = op;
+            k += 1;
+        }
+        program.state_words = words as u8;
+        if depth == 1 { Some(program) } else { None }
+    }
+
+    /// The program, or where there is none one that is always 0: for a constant that is known to be one.
+    #[must_use]
+    pub const fn or_nothing(program: Option<Self>) -> Self {
+        match program {
+            Some(program) => program,
+            None => Self {
+                ops: [Op::Constant(0.0); MAX_OPS],
+                length: 1,
+                state_words: 0,
+                masks: [0; MAX_MASKS],
+                signals: 0,
+            },
+        }
+    }
+
+    /// Its operations, in the order in which they are done.
+    #[must_use]
+    pub fn ops(&self) -> &[Op] {
+        self.ops.get(..usize::from(self.length)).unwrap_or(&self.ops)
+    }
+
+    /// Its sets of signals.
+    #[must_use]
+    pub const fn masks(&self) -> &[u64; MAX_MASKS] {
+        &self.masks
+    }
+
+    /// How many numbers it remembers from one tick to the next; all 0 at the start.
+    #[must_use]
+    pub const fn state_words(&self) -> usize {
+        self.state_words as usize
+    }
+
+    /// The signals that it reads, a bit for each place in a [`super::Frame`].
+    #[must_use]
+    pub const fn signals(&self) -> u64 {
+        self.signals
+    }
+
+    /// Whether it reads the term's time constant.
+    #[must_use]
+    pub fn has_time_constant(&self) -> bool {
+        self.ops().contains(&Op::TimeConstant)
+    }
+
+    /// Whether it has all of the free flight in it, by an integral.
+    #[must_use]
+    pub fn is_integrated(&self) -> bool {
+        self.ops().iter().any(|op| matches!(op, Op::Integral { .. } | Op::DoubleIntegral { .. }))
+    }
+}

@@ -1,0 +1,297 @@
+//! One tick of a program.
+
+use super::program::{MAX_DEPTH, MAX_STATE_WORDS, Op, Program};
+use super::words::{at_calibration, at_launch, captive, double_integral, integral, low_pass, rate, words};
+use super::{Frame, delay};
+use crate::atmosphere::{
+    AIR_GAS_CONSTANT, LAPSE_RATE_K_PER_M, SEA_LEVEL_TEMPERATURE_K, TROPOPAUSE_ALTITUDE_M,
+    pressure_altitude_m, static_pressure_pa,
+};
+use crate::root::reciprocal_root;
+use crate::trigonometry::sine_and_cosine;
+
+/// Why a formula has no value at a tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Silent {
+    /// A signal has not been seen, or a function of the past has not enough of it yet.
+    NotYet,
+    /// A division by zero.
+    DivisionByZero,
+    /// A root, a logarithm or a power that is not whole, of a number that has none.
+    NoRoot,
+    /// An angle, altitude, pressure or time that is out of its function's range.
+    OutOfRange,
+    /// A number that is too large.
+    Overflow,
+}
+
+impl Silent {
+    /// Why, in a few words.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::NotYet => "a signal not seen yet",
+            Self::DivisionByZero => "a division by zero",
+            Self::NoRoot => "a root or logarithm of a negative number",
+            Self::OutOfRange => "an argument out of range",
+            Self::Overflow => "a number too large",
+        }
+    }
+}
+
+/// A program and what it remembers.
+#[derive(Clone, Copy, Debug)]
+pub struct Evaluation {
+    program: Program,
+    time_constant_s: f32,
+    state: [f32; MAX_STATE_WORDS],
+}
+
+impl Evaluation {
+    /// Before its first tick.
+    #[must_use]
+    pub const fn new(program: &Program, time_constant_s: f32) -> Self {
+        Self { program: *program, time_constant_s, state: [0.0; MAX_STATE_WORDS] }
+    }
+
+    /// The formula's value at a tick.
+    ///
+    /// # Errors
+    /// [`Silent`]: it has none.
+    pub fn step(&mut self, frame: &Frame) -> Result<f32, Silent> {
+        step(&self.program, &mut self.state, frame, self.time_constant_s)
+    }
+
+    /// What it remembers; finite numbers.
+    #[must_use]
+    pub const fn state(&self) -> &[f32; MAX_STATE_WORDS] {
+        &self.state
+    }
+}
+
+/// Runs a program over a tick's signals. `state` has at least [`Program::state_words`] numbers, 0 before the first tick, then as they
+/// were left.
+///
+/// # Errors
+/// [`Silent`]: the first thing that left the formula without a value.
+pub fn step(
+    program: &Program,
+    state: &mut [f32],
+    frame: &Frame,
+    time_constant_s: f32,
+) -> Result<f32, Silent> {
+    let mut why = Silent::NotYet;
+    let mut is_known = false;
+    let mut stack = [0.0_f32; MAX_DEPTH];
+    let mut depth = 0_usize;
+    let mut top = 0.0_f32;
+    let (seconds, launched, begins) = (frame.seconds, frame.launched, frame.calibration_begins);
+    // The program has been checked: what it takes is there. Masks keep every index inside for the compiler to see.
+    for op in program.ops() {
+        let arguments = op.arguments();
+        let was_number;
+        let value = if arguments == 0 {
+            stack[depth & (MAX_DEPTH - 1)] = top;
+            depth += 1;
+            was_number = true;
+            match *op {
+                Op::Constant(value) => value,
+                Op::Signal(place) => frame.values.get(usize::from(place)).copied().unwrap_or(f32::NAN),
+                _ => time_constant_s,
+            }
+        } else if arguments == 2 {
+            depth = depth.wrapping_sub(1);
+            let under = stack[depth & (MAX_DEPTH - 1)];
+            was_number = !(under.is_nan() || top.is_nan());
+            binary(*op, under, top, state, seconds, was_number)
+        } else {
+            was_number = !top.is_nan();
+            match *op {
+                Op::Rate { at, mask } => match words(state, at) {
+                    Some(memory) => rate(memory, top, seconds, is_new(program, frame, mask)),
+                    None => f32::NAN,
+                },
+                Op::Integral { at } => match words(state, at) {
+                    Some(memory) => integral(memory, top, seconds, launched),
+                    None => f32::NAN,
+                },
+                Op::DoubleIntegral { at } => match words(state, at) {
+                    Some(memory) => double_integral(memory, top, seconds, launched),
+                    None => f32::NAN,
+                },
+                Op::Captive { at, mask } => match words(state, at) {
+                    Some(memory) => captive(memory, top, is_new(program, frame, mask), launched, begins),
+                    None => f32::NAN,
+                },
+                Op::AtCalibration { at, mask } => match words(state, at) {
+                    Some(memory) => at_calibration(memory, top, is_new(program, frame, mask), begins),
+                    None => f32::NAN,
+                },
+                Op::AtLaunch { at } => match words(state, at) {
+                    Some(memory) => at_launch(memory, top, launched),
+                    None => f32::NAN,
+                },
+                _ if was_number => unary(*op, top),
+                _ => top,
+            }
+        };
+        if value.is_finite() {
+            top = value;
+        } else {
+            if !is_known {
+                is_known = true;
+                why = reason(*op, top, was_number, value);
+            }
+            top = f32::NAN;
+        }
+    }
+    if top.is_nan() { Err(why) } else { Ok(top) }
+}
+
+#[inline(always)]
+fn is_new(program: &Program, frame: &Frame, mask: u8) -> bool {
+    program.masks().get(usize::from(mask)).is_some_and(|mask| mask & frame.new != 0)
+}
+
+#[inline(always)]
+fn binary(op: Op, a: f32, b: f32, state: &mut [f32], seconds: f32, are_numbers: bool) -> f32 {
+    match op {
+        Op::Add => a + b,
+        Op::Subtract => a - b,
+        Op::Multiply => a * b,
+        Op::Divide if b == 0.0 => f32::NAN,
+        Op::Divide => a / b,
+        Op::LowPass { at } => match words(state, at) {
+            Some(memory) => low_pass(memory, a, b, seconds),
+            None => f32::NAN,
+        },
+        Op::Delay { at } => match words(state, at) {
+            Some(memory) => delay::delay(memory, a, b, seconds),
+            None => f32::NAN,
+        },
+        _ if !are_numbers => f32::NAN,
+        Op::Min => {
+            if a < b {
+                a
+            } else {
+                b
+            }
+        }
+        Op::Max => {
+            if a > b {
+                a
+            } else {
+                b
+            }
+        }
+        Op::Less => truth(a < b),
+        Op::LessOrEqual => truth(a <= b),
+        _ => truth(a == b),
+    }
+}
+
+#[inline(always)]
+fn truth(is_true: bool) -> f32 {
+    if is_true { 1.0 } else { 0.0 }
+}
+
+/// Of a number.
+#[inline(always)]
+fn unary(op: Op, a: f32) -> f32 {
+    match op {
+        Op::Negate => -a,
+        Op::Absolute => a.abs(),
+        Op::Not => 1.0 - a,
+        Op::Step => truth(a > 0.0),
+        Op::Power(exponent) => power(a, exponent),
+        op => function(op, a),
+    }
+}
+
+#[inline(never)]
+fn function(op: Op, a: f32) -> f32 {
+    match op {
+        Op::Root => root(a),
+        Op::Exponential => libm::expf(a),
+        Op::Logarithm => logarithm(a),
+        Op::Sine => sine_and_cosine(a).map_or(f32::NAN, |(sine, _)| sine),
+        Op::Cosine => sine_and_cosine(a).map_or(f32::NAN, |(_, cosine)| cosine),
+        Op::RealPower(exponent) if a == 0.0 && exponent > 0.0 => 0.0,
+        // Not `powf`: libm's calls its square root, which no tick may.
+        Op::RealPower(exponent) => libm::expf(exponent * logarithm(a)),
+        Op::IsaAltitude => pressure_altitude_m(a).unwrap_or(f32::NAN),
+        Op::IsaPressure => static_pressure_pa(a).unwrap_or(f32::NAN),
+        Op::IsaTemperature => temperature_k(a),
+        Op::IsaDensity => static_pressure_pa(a)
+            .map_or(f32::NAN, |pressure_pa| pressure_pa / (AIR_GAS_CONSTANT * temperature_k(a))),
+        _ => f32::NAN,
+    }
+}
+
+/// Temperature of the standard atmosphere, K.
+fn temperature_k(altitude_m: f32) -> f32 {
+    let in_troposphere_m =
+        if altitude_m < TROPOPAUSE_ALTITUDE_M { altitude_m } else { TROPOPAUSE_ALTITUDE_M };
+    SEA_LEVEL_TEMPERATURE_K - LAPSE_RATE_K_PER_M * in_troposphere_m
+}
+
+fn logarithm(a: f32) -> f32 {
+    if a > 0.0 { libm::logf(a) } else { f32::NAN }
+}
+
+/// Within a rounding: one of Heron's steps after the reciprocal's.
+fn root(a: f32) -> f32 {
+    if a < 0.0 {
+        return f32::NAN;
+    }
+    if a < f32::MIN_POSITIVE {
+        return 0.0;
+    }
+    let guess = a * reciprocal_root(a);
+    0.5 * (guess + a / guess)
+}
+
+/// By squaring.
+#[inline]
+fn power(a: f32, exponent: i8) -> f32 {
+    if exponent == 2 {
+        return a * a;
+    }
+    if exponent < 0 && a == 0.0 {
+        return f32::NAN;
+    }
+    let mut left = exponent.unsigned_abs();
+    let (mut result, mut square) = (1.0, a);
+    while left != 0 {
+        if left & 1 == 1 {
+            result *= square;
+        }
+        left >>= 1;
+        if left != 0 {
+            square *= square;
+        }
+    }
+    if exponent < 0 { 1.0 / result } else { result }
+}
+
+/// Why an operation made no number; `top` is its last argument.
+#[cold]
+fn reason(op: Op, top: f32, was_number: bool, value: f32) -> Silent {
+    if !was_number {
+        return Silent::NotYet;
+    }
+    match op {
+        Op::Divide if top == 0.0 => Silent::DivisionByZero,
+        Op::Power(exponent) if exponent < 0 && top == 0.0 => Silent::DivisionByZero,
+        Op::RealPower(exponent) if exponent < 0.0 && top == 0.0 => Silent::DivisionByZero,
+        Op::Root | Op::Logarithm | Op::RealPower(_) if value.is_nan() => Silent::NoRoot,
+        Op::Sine | Op::Cosine | Op::IsaAltitude | Op::IsaPressure | Op::IsaDensity => Silent::OutOfRange,
+        Op::Signal(_)
+        | Op::TimeConstant
+        | Op::Captive { .. }
+        | Op::AtCalibration { .. }
+        | Op::AtLaunch { .. } => Silent::NotYet,
+        Op::Rate { .. } | Op::Delay { .. } if value.is_nan() => Silent::NotYet,
+        _ => Silent::Overflow,
+    }
+}

@@ -1,0 +1,167 @@
+//! Functions with memory: what they are, what waits, and what never enters them.
+
+use proptest::prelude::*;
+
+use super::*;
+
+/// A program of one operation on the throttle, or on it and a number.
+fn of(op: impl Fn(u8, u8) -> Op, second: Option<f32>) -> Evaluation {
+    let mut ops = vec![Op::Signal(Signal::Throttle.place())];
+    ops.extend(second.map(Op::Constant));
+    ops.push(op(0, 0));
+    Evaluation::new(&Program::new(&ops, &[Signal::Throttle.bit()]).unwrap(), 1.0)
+}
+
+/// Runs it over ticks of a tenth of a second, launched at the `launch`-th.
+fn run(evaluation: &mut Evaluation, launch: usize, values: &[Option<f32>]) -> Vec<Result<f32, Silent>> {
+    let mut frame = Frame::default();
+    let ticks = values.iter().enumerate();
+    ticks
+        .map(|(k, value)| {
+            frame.begin(if k == 0 { 0.0 } else { 0.1 }, k >= launch, false);
+            if let Some(value) = value {
+                frame.set(Signal::Throttle.place(), *value);
+            }
+            evaluation.step(&frame)
+        })
+        .collect()
+}
+
+fn close(got: Result<f32, Silent>, expected: f32) -> bool {
+    got.is_ok_and(|got| (got - expected).abs() < 1e-5 * expected.abs().max(1.0))
+}
+
+#[test]
+fn integrals_begin_at_launch() {
+    let ramp: Vec<_> = (0..31_u8).map(|k| Some(f32::from(k) * 0.1)).collect();
+    // From 1 s to 3 s of t: (9 - 1)/2; and of t - 1 integrated twice from there: t^3/6 - t/2 + 1/3 at 3.
+    assert!(close(run(&mut of(|at, _| Op::Integral { at }, None), 10, &ramp)[30], 4.0));
+    assert!(close(
+        run(&mut of(|at, _| Op::DoubleIntegral { at }, None), 10, &ramp)[30],
+        27.0 / 6.0 - 1.5 + 1.0 / 3.0
+    ));
+    let values = run(&mut of(|at, _| Op::Integral { at }, None), 10, &ramp);
+    assert!(values[..=10].iter().all(|value| *value == Ok(0.0)));
+}
+
+#[test]
+fn an_hour_of_integral_loses_nothing() {
+    let mut evaluation = of(|at, _| Op::Integral { at }, None);
+    let mut frame = Frame::default();
+    frame.set(Signal::Throttle.place(), 0.1);
+    let mut last = Ok(0.0);
+    for k in 0..=720_000 {
+        frame.begin(if k == 0 { 0.0 } else { 0.005 }, true, false);
+        last = evaluation.step(&frame);
+    }
+    // Uncompensated f32 is 1 % off by then.
+    assert!((last.unwrap() / 360.0 - 1.0).abs() < 3e-7, "{last:?}");
+}
+
+#[test]
+fn a_rate_is_from_sample_to_sample() {
+    let mut values = vec![None; 20];
+    (values[0], values[5], values[10]) = (Some(1.0), Some(2.0), Some(1.0));
+    let rates = run(&mut of(|at, mask| Op::Rate { at, mask }, None), 99, &values);
+    assert!(rates[..5].iter().all(|rate| *rate == Err(Silent::NotYet)));
+    assert!(rates[5..10].iter().all(|rate| close(*rate, 2.0)), "{rates:?}");
+    assert!(rates[10..].iter().all(|rate| close(*rate, -2.0)));
+}
+
+#[test]
+fn a_low_pass_follows_a_step_as_a_first_order_lag_does() {
+    let values: Vec<_> = (0..400).map(|k| Some(if k == 0 { 0.0 } else { 1.0 })).collect();
+    let filtered = run(&mut of(|at, _| Op::LowPass { at }, Some(5.0)), 99, &values);
+    // Backward Euler with steps of a fiftieth of the time constant.
+    let expected = 1.0 - (1.0_f32 / (1.0 + 0.1 / 5.0)).powi(50);
+    assert!(close(filtered[50], expected), "{:?} {expected}", filtered[50]);
+    assert!((expected - (1.0 - (-1.0_f32).exp())).abs() < 0.01);
+}
+
+#[test]
+fn a_delay_is_one_for_straight_lines() {
+    let ramp: Vec<_> = (0..300_u16).map(|k| Some(f32::from(k) * 0.1)).collect();
+    for delay_s in [0.05_f32, 0.4, 1.0, 3.3, 20.0] {
+        let delayed = run(&mut of(|at, _| Op::Delay { at }, Some(delay_s)), 99, &ramp);
+        let first = delayed.iter().position(Result::is_ok).unwrap();
+        assert!((first as f32 * 0.1 - delay_s).abs() < 0.1 + delay_s / 16.0, "{delay_s}: {first}");
+        for (k, value) in delayed.iter().enumerate().skip(first) {
+            let expected = k as f32 * 0.1 - delay_s;
+            assert!((value.unwrap() - expected).abs() < 2e-4, "{delay_s} at {k}: {value:?} {expected}");
+        }
+    }
+}
+
+#[test]
+fn a_delay_crosses_a_gap_of_any_length() {
+    let mut evaluation = of(|at, _| Op::Delay { at }, Some(2.0));
+    let mut frame = Frame::default();
+    for (k, seconds) in [0.0, 0.1, 1.0, 0.1, 30.0, 0.5, 1e6, 0.1].into_iter().enumerate() {
+        frame.begin(seconds, false, false);
+        frame.set(Signal::Throttle.place(), 3.0);
+        let value = evaluation.step(&frame);
+        assert!(if k < 4 { value == Err(Silent::NotYet) } else { close(value, 3.0) }, "{k}: {value:?}");
+    }
+}
+
+#[test]
+fn what_is_kept_of_captive_flight_stays_after_launch() {
+    let values: Vec<_> = (0..20_u8).map(|k| Some(f32::from(k))).collect();
+    let means = run(&mut of(|at, mask| Op::Captive { at, mask }, None), 10, &values);
+    assert!(close(means[9], 4.5) && means[10..].iter().all(|mean| close(*mean, 4.5)), "{means:?}");
+    let latched = run(&mut of(|at, _| Op::AtLaunch { at }, None), 10, &values);
+    assert!(close(latched[4], 4.0) && latched[10..].iter().all(|value| close(*value, 9.0)), "{latched:?}");
+    // The calibration begins at the fifth tick: what was before does not count.
+    let mut evaluations =
+        [of(|at, mask| Op::Captive { at, mask }, None), of(|at, mask| Op::AtCalibration { at, mask }, None)];
+    let mut frame = Frame::default();
+    for k in 0..10_u8 {
+        frame.begin(0.1, false, k == 5);
+        frame.set(Signal::Throttle.place(), f32::from(k));
+        let [mean, first] = evaluations.each_mut().map(|evaluation| evaluation.step(&frame));
+        assert!(close(first, if k < 5 { 0.0 } else { 5.0 }), "{k}: {first:?}");
+        assert!(
+            close(mean, if k < 5 { f32::from(k) / 2.0 } else { f32::from(5 + k) / 2.0 }),
+            "{k}: {mean:?}"
+        );
+    }
+}
+
+#[test]
+fn what_is_no_number_waits_and_is_made_up_for() {
+    // 1/throttle over twenty ticks, at seven of which the throttle is 0: nothing is known there, and the line goes across.
+    let ops = [Op::Constant(1.0), Op::Signal(Signal::Throttle.place()), Op::Divide, Op::Integral { at: 0 }];
+    let mut evaluation = Evaluation::new(&Program::new(&ops, &[]).unwrap(), 1.0);
+    let values: Vec<_> = (0..21).map(|k| Some(if (5..12).contains(&k) { 0.0 } else { 0.5 })).collect();
+    let integrals = run(&mut evaluation, 0, &values);
+    assert!(integrals[5..12].iter().all(|value| *value == Err(Silent::DivisionByZero)));
+    assert!(close(integrals[20], 4.0), "{:?}", integrals[20]);
+    assert!(evaluation.state().iter().all(|word| word.is_finite()));
+}
+
+#[test]
+fn a_program_that_could_not_run_is_none() {
+    let throttle = Op::Signal(Signal::Throttle.place());
+    assert!(Program::new(&[], &[]).is_none());
+    assert!(Program::new(&[Op::Add], &[]).is_none());
+    assert!(Program::new(&[throttle, throttle], &[]).is_none());
+    assert!(Program::new(&[Op::Signal(200)], &[]).is_none());
+    assert!(Program::new(&[throttle, Op::Integral { at: 3 }], &[]).is_none());
+    assert!(Program::new(&[throttle, Op::Rate { at: 0, mask: 0 }], &[]).is_none());
+    assert!(Program::new(&[throttle; MAX_OPS + 1], &[]).is_none());
+    assert!(Program::new(&[throttle; MAX_DEPTH + 1], &[]).is_none());
+    // A stack as deep as there is, and with it the operation that empties it.
+    let mut deep = vec![throttle; MAX_DEPTH];
+    deep.extend([Op::Add; MAX_DEPTH - 1]);
+    let mut evaluation = Evaluation::new(&Program::new(&deep, &[]).unwrap(), 1.0);
+    assert!(close(run(&mut evaluation, 99, &[Some(0.5)])[0], 8.0));
+}
+
+proptest! {
+    #[test]
+    fn a_root_is_within_a_rounding(x in prop_oneof![0.0_f32..1e-30, 1e-30_f32..1e30, Just(f32::MAX), Just(0.0)]) {
+        let got = run(&mut of(|_, _| Op::Root, None), 99, &[Some(x)])[0].unwrap();
+        let exact = f64::from(x).sqrt();
+        prop_assert!((f64::from(got) - exact).abs() <= 1.2e-7 * exact + 1.1e-19, "{x}: {got} {exact}");
+    }
+}

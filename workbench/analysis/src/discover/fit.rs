@@ -1,0 +1,222 @@
+//! Laws with the noise fitted anew beside them: the likelihood of the diagnosis.
+
+use super::grammar::Law;
+use super::screen::{Column, Subject};
+use super::search::{Scored, Search};
+use super::weigh::{SIZE_M, Weight};
+use crate::diagnose::HeldOutVerdict;
+use crate::diagnose::parts::{
+    Candidate, Explanation, Fitted as Term, HeldOut, NoiseFit, Prepared, Problem, Series, Suspects, flights,
+    inflation, manoeuvres, of_flights, of_folds,
+};
+
+/// Correlation (of the columns themselves) beyond which two laws are not both worth a fit.
+const SAME: f64 = 0.999;
+
+/// A law with its noise.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// The law.
+    pub law: Law,
+    /// What it acts on.
+    pub subject: Subject,
+    /// Effects of the catalogue beside it.
+    pub beside: Vec<usize>,
+    /// The noise.
+    pub fit: NoiseFit,
+    /// What it weighs.
+    pub weight: Weight,
+    /// Its column in the learning flights.
+    pub column: Column,
+    /// Its coefficient.
+    pub coefficient: f64,
+    /// One sigma of it.
+    pub sigma: f64,
+    /// By how much the coefficient's variance is larger than the fit's.
+    pub inflation: f64,
+    /// Spread of the column in free flight, metres per unit of the coefficient.
+    pub spread: f64,
+}
+
+impl Fitted {
+    /// Twice the logarithm of its odds against none.
+    pub fn merit(&self) -> f64 {
+        self.weight.twice_log_odds()
+    }
+}
+
+/// What laws are fitted on.
+pub struct Bench<'a> {
+    /// The flights and the noise's prior.
+    pub problem: &'a Problem<'a>,
+    /// The flights held out.
+    pub held: Option<&'a Problem<'a>>,
+    /// Candidates and columns.
+    pub prepared: &'a Prepared,
+    /// What is known of the candidates.
+    pub suspects: &'a Suspects<'a>,
+    /// The signals.
+    pub search: &'a Search<'a>,
+    /// What the catalogue explains.
+    pub explanation: &'a Explanation,
+}
+
+/// What was held out, without a law and with it.
+#[derive(Clone, Copy, Debug)]
+pub struct OnHeldOut {
+    /// Root mean square of the errors without it, m.
+    pub rms_before_m: Option<f64>,
+    /// With it, m.
+    pub rms_after_m: Option<f64>,
+    /// The stretches of the learning flights, each with the coefficient of the others.
+    pub stretches: HeldOutVerdict,
+    /// The flights held out.
+    pub flights: Option<HeldOutVerdict>,
+}
+
+impl Bench<'_> {
+    /// The effects that stand beside a law on a subject: all that were found, and those on other subjects only. What was chosen on
+    /// this one may be no more than the nearest likeness of the law.
+    pub fn variants(&self, subject: Subject) -> Vec<Vec<usize>> {
+        let all = self.explanation.columns.clone();
+        let is_other = |column: &usize| match (self.prepared.candidates.get(*column).map(Candidate::sensor), subject) {
+            (Some(Some(sensor)), Subject::Sensor(own)) => sensor.index() != own,
+            _ => false,
+        };
+        let others: Vec<usize> = all.iter().copied().filter(is_other).collect();
+        if others == all { vec![all] } else { vec![all, others] }
+    }
+
+    /// Flights with more columns, which come after all others.
+    pub fn with_columns(&self, series: &[Series], columns: &[(Subject, &Column)]) -> Vec<Series> {
+        let mut more = series.to_vec();
+        for (flight, series) in more.iter_mut().enumerate() {
+            for (subject, column) in columns {
+                let values = column.get(flight).map_or(&[] as &[f64], Vec::as_slice);
+                series.columns.push(values.iter().map(|value| subject.spread(*value)).collect());
+            }
+        }
+        more
+    }
+
+    /// The same problem of other flights.
+    pub fn problem_of<'b>(&'b self, series: &'b [Series]) -> Problem<'b> {
+        Problem::new(series, self.problem.prior.clone(), self.problem.known.clone(), self.search.executor)
+    }
+
+    /// Those of some laws, the best first, that are not the same as a better one.
+    pub fn different(&self, laws: &[Scored], most: usize) -> Vec<Scored> {
+        let mut kept: Vec<(Scored, Vec<f64>)> = Vec::new();
+        for scored in laws {
+            let Some(column) = self.search.column(&scored.law, 0..self.search.flights) else { continue };
+            let centred = centred(&column);
+            let is_same = |other: &[f64]| {
+                let product: f64 = centred.iter().zip(other).map(|(a, b)| a * b).sum();
+                product.abs() > SAME
+            };
+            if !kept.iter().any(|(_, other)| is_same(other)) {
+                kept.push((scored.clone(), centred));
+            }
+            if kept.len() == most {
+                break;
+            }
+        }
+        kept.into_iter().map(|(scored, _)| scored).collect()
+    }
+
+    /// Fits the noise beside a law, from near there.
+    pub fn fit(&self, law: &Law, subject: Subject, beside: &[usize], near: &NoiseFit) -> Option<Fitted> {
+        let column = self.search.column(law, 0..self.search.flights)?;
+        let series = self.with_columns(self.problem.flights, &[(subject, &column)]);
+        let problem = self.problem_of(&series);
+        let picks: Vec<usize> = beside.iter().copied().chain([self.law_column()]).collect();
+        let fit = problem.fit_noise(&self.problem.prior, &picks, &near.values);
+        let all: Vec<usize> = (0..picks.len()).collect();
+        let solution = problem.information(&fit.noise, &picks).solve(&all)?;
+        let (coefficient, variance) = (*solution.coefficients.last()?, *solution.covariance.last()?);
+        let inflation = inflation(&problem, &fit.noise, &picks).last().copied().unwrap_or(1.0);
+        let spread = spread(self.problem.flights, &column);
+        let signals = self.search.signals.signals.len();
+        let size = SIZE_M / spread.max(f64::MIN_POSITIVE);
+        let dropped = self.explanation.columns.len() - beside.len();
+        let weight = Weight {
+            evidence: (fit.twice_log_posterior - self.explanation.fit.twice_log_posterior) / inflation,
+            bits: law.bits(signals, self.search.subjects),
+            surprise: size * size / (variance * inflation),
+            instead_of: self.suspects.penalty() * dropped as f64,
+        };
+        let sigma = (variance * inflation).sqrt();
+        let (law, beside) = (law.clone(), beside.to_vec());
+        Some(Fitted { law, subject, beside, fit, weight, column, coefficient, sigma, inflation, spread })
+    }
+
+    /// Where a law's column stands that was added to the flights.
+    pub fn law_column(&self) -> usize {
+        self.problem.flights.first().map_or(0, |flight| flight.columns.len())
+    }
+
+    /// What was held out, without a law and with it.
+    pub fn held_out(&self, fitted: &Fitted) -> OnHeldOut {
+        let column = self.law_column();
+        let series = self.with_columns(self.problem.flights, &[(fitted.subject, &fitted.column)]);
+        let problem = self.problem_of(&series);
+        let noise = &fitted.fit.noise;
+        let term = Term { noise, others: &fitted.beside, column, inflation: fitted.inflation };
+        let stretches = HeldOutVerdict::on_stretches(&of_folds(&problem, &term));
+        let picks: Vec<usize> = fitted.beside.iter().copied().chain([column]).collect();
+        let before = self.explanation.columns.as_slice();
+        let mut sigmas = self.suspects.prior(&fitted.beside);
+        sigmas.push(SIZE_M / fitted.spread.max(f64::MIN_POSITIVE));
+        let before_sigmas = self.suspects.prior(before);
+        let rms = |errors: HeldOut| match fitted.subject {
+            Subject::Sensor(sensor) => errors.rms_m(sensor),
+            Subject::Reference => errors.rms_all_m(),
+        };
+        let all = self.search.signals.flights.len();
+        let held_column = self.search.column(&fitted.law, self.search.flights..all);
+        let Some((held, held_column)) = self.held.zip(held_column) else {
+            return OnHeldOut {
+                rms_before_m: rms(manoeuvres(&problem, noise, before, &before_sigmas)),
+                rms_after_m: rms(manoeuvres(&problem, noise, &picks, &sigmas)),
+                stretches,
+                flights: None,
+            };
+        };
+        let held_series = self.with_columns(held.flights, &[(fitted.subject, &held_column)]);
+        let held = self.problem_of(&held_series);
+        OnHeldOut {
+            rms_before_m: rms(flights(&problem, &held, noise, before, &before_sigmas)),
+            rms_after_m: rms(flights(&problem, &held, noise, &picks, &sigmas)),
+            stretches,
+            flights: Some(HeldOutVerdict::on_flights(&of_flights(&held, &term), fitted.coefficient)),
+        }
+    }
+}
+
+/// All values of a column about their mean, of unit length.
+fn centred(column: &Column) -> Vec<f64> {
+    let mut values: Vec<f64> = column.iter().flatten().copied().collect();
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    values.iter_mut().for_each(|value| *value -= mean);
+    let length = values.iter().map(|value| value * value).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
+    values.iter_mut().for_each(|value| *value /= length);
+    values
+}
+
+/// Spread of a column in free flight about its captive mean, or its own where there is none.
+fn spread(flights: &[Series], column: &Column) -> f64 {
+    let (mut sum, mut count) = (0.0, 0_u32);
+    for (series, values) in flights.iter().zip(column) {
+        let of = |free: bool| {
+            series.free.iter().zip(values).filter(move |(is_free, _)| **is_free == free).map(|(_, value)| *value)
+        };
+        let base: Vec<f64> = if of(false).next().is_some() { of(false).collect() } else { of(true).collect() };
+        let mean = base.iter().sum::<f64>() / base.len().max(1) as f64;
+        for value in of(true) {
+            sum += (value - mean) * (value - mean);
+            count += 1;
+        }
+    }
+    (sum / f64::from(count.max(1))).sqrt()
+}
+

@@ -1,0 +1,251 @@
+//! The laws that are searched, and how long each takes to say.
+//!
+//! A law is a product of at most three factors and at most one term. A factor is a power of a signal, or of its rate, integral, lag, low pass
+//! or deviation from its captive mean; the term is a threshold or a periodic function of a signal. What a law takes to say is the number of
+//! bits of the code below; the prior of a law is two to the power of minus that, so that a law that is longer by a bit must explain twice as
+//! much. Every choice among n equals costs log2 n bits:
+//!
+//! - what it acts on: among the sensors that are searched;
+//! - a bit before each factor and after the last, and a bit for whether there is a term. Two orders of the same factors are one law, which
+//!   gives log2 2! or log2 3! bits back;
+//! - a factor: which signal; a bit where it is the signal itself, else two bits more to name one of the four groups (deviation, rate,
+//!   integral, memory) and, for the memory, which of the delays and low passes of the grid; a bit where its power is 1, else two bits more;
+//! - a term: its kind, its signal, its constant among those of the grid;
+//! - a constant that was moved off its grid: two bits for the quarter of its cell that it ended in.
+//!
+//! The codes are prefix-free, so that the priors of all laws add up to one at most (Kraft's inequality; Rissanen, "Modeling by shortest data
+//! description", Automatica 14, 1978).
+
+use std::fmt::Write as _;
+
+/// Time constants of the low passes that are tried first, seconds: a factor of three apart, as the catalogue's.
+pub const LOW_PASSES_S: [f64; 4] = [2.0, 6.0, 20.0, 60.0];
+/// Delays that are tried first, seconds.
+pub const DELAYS_S: [f64; 2] = [1.0, 3.0];
+/// Thresholds that are tried first: the quantiles of the signal in free flight.
+pub const QUANTILES: usize = 9;
+/// Phases of a periodic term that are tried first, over half a turn.
+pub const PHASES: usize = 4;
+/// Most factors of a law.
+pub const MOST_FACTORS: usize = 3;
+/// Bits of a constant that was moved off its grid.
+pub const OFF_GRID_BITS: f64 = 2.0;
+
+/// What is done with a signal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Operator {
+    /// The signal itself.
+    Itself,
+    /// Its deviation from its mean in captive flight.
+    Deviation,
+    /// Its change a second.
+    Rate,
+    /// Its integral from launch on.
+    Integral,
+    /// A first-order low pass with that time constant, seconds.
+    LowPass(f64),
+    /// The signal so many seconds ago.
+    Delay(f64),
+}
+
+/// A power.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Power {
+    /// The number itself.
+    One,
+    /// Its square.
+    Two,
+    /// Its third power.
+    Three,
+    /// The number without its sign, for those that have both signs; else the square root.
+    MagnitudeOrRoot,
+    /// Its inverse, for those that stay away from zero.
+    Inverse,
+}
+
+impl Power {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::One, Self::Two, Self::Three, Self::MagnitudeOrRoot, Self::Inverse];
+}
+
+/// A power of a signal or of what was made of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Factor {
+    /// Its place among the signals.
+    pub signal: usize,
+    /// What is done with it.
+    pub operator: Operator,
+    /// The power.
+    pub power: Power,
+    /// Whether its values have both signs.
+    pub is_signed: bool,
+}
+
+/// What a term does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TermKind {
+    /// One above the constant, else zero.
+    Above,
+    /// One where the magnitude is above the constant, else zero.
+    Beyond,
+    /// The excess over the constant, else zero.
+    Excess,
+    /// What it lacks to the constant, else zero.
+    Lack,
+    /// The cosine of an angle less the constant.
+    Cosine,
+    /// The cosine of twice the angle less the constant.
+    SecondCosine,
+}
+
+impl TermKind {
+    /// Kinds among which a term chooses.
+    pub const COUNT: usize = 6;
+}
+
+/// A threshold or a periodic function of a signal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Term {
+    /// Its place among the signals.
+    pub signal: usize,
+    /// What it does.
+    pub kind: TermKind,
+    /// The threshold, in the signal's unit, or the phase, rad.
+    pub constant: f64,
+}
+
+/// A law.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Law {
+    /// Its factors.
+    pub factors: Vec<Factor>,
+    /// Its term.
+    pub term: Option<Term>,
+    /// Constants that were moved off their grid.
+    pub off_grid: usize,
+}
+
+/// A signal as formulas name it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Name {
+    /// Its name in a formula.
+    pub name: String,
+    /// Its unit there, as a formula's numbers take it; `1` for a plain number.
+    pub unit: String,
+}
+
+impl Factor {
+    /// Bits to say it.
+    #[must_use]
+    pub fn bits(&self, signals: usize) -> f64 {
+        let memories = (LOW_PASSES_S.len() + DELAYS_S.len()) as f64;
+        let operator = match self.operator {
+            Operator::Itself => 1.0,
+            Operator::Deviation | Operator::Rate | Operator::Integral => 3.0,
+            Operator::LowPass(_) | Operator::Delay(_) => 3.0 + libm::log2(memories),
+        };
+        let power = if self.power == Power::One { 1.0 } else { 3.0 };
+        libm::log2(signals as f64) + operator + power
+    }
+
+    fn write(&self, text: &mut String, names: &[Name]) {
+        let Some(name) = names.get(self.signal).map(|name| name.name.as_str()) else { return };
+        let inner = match self.operator {
+            Operator::Itself => name.to_owned(),
+            Operator::Deviation => format!("({name} - captive({name}))"),
+            Operator::Rate => format!("rate({name})"),
+            Operator::Integral => format!("integral({name})"),
+            Operator::LowPass(time_s) => format!("lowpass({name}, {}[s])", number(time_s)),
+            Operator::Delay(time_s) => format!("delay({name}, {}[s])", number(time_s)),
+        };
+        // Writing to a string can not fail.
+        let _ = match self.power {
+            Power::One => write!(text, "{inner}"),
+            Power::Two => write!(text, "{inner}^2"),
+            Power::Three => write!(text, "{inner}^3"),
+            Power::MagnitudeOrRoot if self.is_signed => write!(text, "abs({inner})"),
+            Power::MagnitudeOrRoot => write!(text, "sqrt({inner})"),
+            Power::Inverse => write!(text, "(1/{inner})"),
+        };
+    }
+}
+
+impl Term {
+    /// Bits to say it.
+    #[must_use]
+    pub fn bits(&self, signals: usize) -> f64 {
+        let constants = match self.kind {
+            TermKind::Cosine | TermKind::SecondCosine => PHASES,
+            _ => QUANTILES,
+        };
+        libm::log2(TermKind::COUNT as f64) + libm::log2(signals as f64) + libm::log2(constants as f64)
+    }
+
+    fn write(&self, text: &mut String, names: &[Name]) {
+        let Some(Name { name, unit }) = names.get(self.signal) else { return };
+        let with_unit = |value: f64| match unit.as_str() {
+            "1" => number(value),
+            unit => format!("{}[{unit}]", number(value)),
+        };
+        let constant = match with_unit(self.constant) {
+            negative if self.constant < 0.0 => format!("({negative})"),
+            positive => positive,
+        };
+        // Writing to a string can not fail.
+        let _ = match self.kind {
+            TermKind::Above => write!(text, "step({name} > {constant})"),
+            TermKind::Beyond => write!(text, "step(abs({name}) > {constant})"),
+            TermKind::Excess => write!(text, "max({name} - {constant}, {})", with_unit(0.0)),
+            TermKind::Lack => write!(text, "max({constant} - {name}, {})", with_unit(0.0)),
+            TermKind::Cosine => write!(text, "cos({name} - {constant})"),
+            TermKind::SecondCosine => write!(text, "cos(2*({name} - {constant}))"),
+        };
+    }
+}
+
+impl Law {
+    /// Bits to say it, of so many signals on one of so many sensors.
+    #[must_use]
+    pub fn bits(&self, signals: usize, subjects: usize) -> f64 {
+        let n = self.factors.len();
+        let same: f64 = (1..=n).map(|k| k as f64).product();
+        let factors: f64 = self.factors.iter().map(|factor| factor.bits(signals)).sum();
+        let term = self.term.map_or(0.0, |term| term.bits(signals));
+        libm::log2(subjects as f64) + (n + 2) as f64 - libm::log2(same)
+            + factors
+            + term
+            + OFF_GRID_BITS * self.off_grid as f64
+    }
+
+    /// The law as the regressor of an effect definition.
+    #[must_use]
+    pub fn formula(&self, names: &[Name]) -> String {
+        let mut text = String::new();
+        for factor in &self.factors {
+            if !text.is_empty() {
+                text.push_str(" * ");
+            }
+            factor.write(&mut text, names);
+        }
+        if let Some(term) = self.term {
+            if !text.is_empty() {
+                text.push_str(" * ");
+            }
+            term.write(&mut text, names);
+        }
+        text
+    }
+}
+
+/// A constant with the digits that it is known to: three.
+fn number(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return "0".to_owned();
+    }
+    let digits = 2 - libm::floor(libm::log10(value.abs())) as i32;
+    let text = format!("{value:.*}", digits.clamp(0, 12) as usize);
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
+}

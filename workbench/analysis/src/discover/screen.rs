@@ -1,0 +1,176 @@
+//! Many columns scored at once, the noise held: what each would gain in twice the log likelihood, alone beside what is known.
+
+use executor::Executor;
+use kf_core::sensor::SENSORS;
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+use crate::diagnose::parts::{BySensor, LANES, Noise, Problem, whiten_by_groups};
+
+/// Columns that are whitened in one pass.
+const CHUNK: usize = 64;
+/// A column whose projection keeps less than this share of its square is what is known already.
+const COLLINEAR: f64 = 1e-6;
+
+/// Which residuals a law acts on, with what sign.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Subject {
+    /// One sensor.
+    Sensor(usize),
+    /// The reference, and so with the other sign all sensors.
+    Reference,
+}
+
+impl Subject {
+    /// A block's values by sensor.
+    #[must_use]
+    pub fn spread(self, value: f64) -> BySensor {
+        match self {
+            Self::Sensor(sensor) => std::array::from_fn(|i| if i == sensor { value } else { 0.0 }),
+            Self::Reference => [-value; SENSORS],
+        }
+    }
+}
+
+/// The score of one column.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Score {
+    /// What it gains in twice the log likelihood.
+    pub gain: f64,
+    /// Its information: the inverse of the variance that its coefficient would have.
+    pub information: f64,
+}
+
+/// Column of one candidate by flight and block.
+pub type Column = Vec<Vec<f64>>;
+
+/// What is known and whitened already: the residuals, biases, and the effects beside.
+pub struct Screen<'a> {
+    problem: &'a Problem<'a>,
+    noise: Noise,
+    picks: Vec<usize>,
+    subject: Subject,
+    /// Of each flight: its own columns that are there, the factor of their products, and these with residual and picks.
+    flights: Vec<Own>,
+    /// Factor of the picks' products, and these with the residual.
+    common: Option<(Cholesky<f64, Dyn>, DVector<f64>)>,
+}
+
+struct Own {
+    present: Vec<usize>,
+    factor: Option<Cholesky<f64, Dyn>>,
+    /// The own columns' products with the residual and the picks, the inner products' inverse applied.
+    solved: DMatrix<f64>,
+}
+
+impl<'a> Screen<'a> {
+    /// Beside the effects of `picks`, under a noise, for laws on a subject.
+    #[must_use]
+    pub fn new(problem: &'a Problem<'a>, noise: Noise, picks: &[usize], subject: Subject) -> Self {
+        let own = problem.own();
+        let outer: Vec<usize> = std::iter::once(0).chain(1 + own..1 + own + picks.len()).collect();
+        let n = picks.len();
+        let mut sum = DMatrix::zeros(n + 1, n + 1);
+        let mut flights = Vec::new();
+        for flight in problem.flights {
+            let products =
+                problem.products(flight, &noise, &problem.columns(flight, picks), &|_| true).products;
+            let present: Vec<usize> = (1..=own).filter(|b| products[(*b, *b)] > 0.0).collect();
+            let factor = products.select_rows(&present).select_columns(&present).cholesky();
+            let cross = products.select_rows(&present).select_columns(&outer);
+            let solved = factor.as_ref().map_or_else(|| cross.clone() * 0.0, |factor| factor.solve(&cross));
+            sum += products.select_rows(&outer).select_columns(&outer) - cross.tr_mul(&solved);
+            flights.push(Own { present, factor, solved });
+        }
+        let common = (n > 0)
+            .then(|| sum.view((1, 1), (n, n)).clone_owned().cholesky())
+            .flatten()
+            .map(|factor| (factor, sum.view((1, 0), (n, 1)).column(0).clone_owned()));
+        Self { problem, noise, picks: picks.to_vec(), subject, flights, common }
+    }
+
+    /// The scores of columns that `column` makes, in order; nothing where it makes none.
+    pub fn scores(
+        &self,
+        columns: usize,
+        column: &(dyn Fn(usize) -> Option<Column> + Sync),
+        executor: &dyn Executor,
+    ) -> Vec<Option<Score>> {
+        let jobs = (0..columns.div_ceil(CHUNK)).map(|chunk| {
+            move || {
+                let made: Vec<Option<Column>> =
+                    (chunk * CHUNK..columns.min((chunk + 1) * CHUNK)).map(column).collect();
+                self.chunk(&made)
+            }
+        });
+        executor::map(executor, jobs).concat()
+    }
+
+    fn chunk(&self, made: &[Option<Column>]) -> Vec<Option<Score>> {
+        let n = self.picks.len();
+        // Of each candidate over all flights: its square, its product with the residual and with the picks.
+        let mut sums = vec![DVector::<f64>::zeros(n + 2); made.len()];
+        let mut raw = vec![0.0; made.len()];
+        for (at, (flight, own)) in self.problem.flights.iter().zip(&self.flights).enumerate() {
+            let candidates: Vec<Vec<BySensor>> = made
+                .iter()
+                .map(|column| match column.as_ref().and_then(|column| column.get(at)) {
+                    Some(column) => column.iter().map(|value| self.subject.spread(*value)).collect(),
+                    None => vec![[0.0; SENSORS]; flight.len()],
+                })
+                .collect();
+            let mut columns = self.problem.columns(flight, &self.picks);
+            let known = columns.len();
+            let zero = vec![[0.0; SENSORS]; flight.len()];
+            // Candidates begin with a group of their own.
+            let groups = known.div_ceil(LANES);
+            columns.resize(groups * LANES, &zero);
+            columns.extend(candidates.iter().map(Vec::as_slice));
+            let own_groups = candidates.len().div_ceil(LANES);
+            let mut crosses = vec![[[0.0_f64; LANES]; CHUNK / LANES]; known];
+            let mut squares = [[0.0_f64; LANES]; CHUNK / LANES];
+            whiten_by_groups(flight, &self.noise, &columns, &|_| true, &mut |_, _, row| {
+                let (base, candidates) = row.split_at(groups);
+                for (base, crosses) in base.as_flattened().iter().zip(&mut crosses) {
+                    for (cross, values) in crosses.iter_mut().zip(candidates) {
+                        for (cross, value) in cross.iter_mut().zip(values) {
+                            *cross += base * value;
+                        }
+                    }
+                }
+                for (square, values) in squares.iter_mut().zip(candidates) {
+                    for (square, value) in square.iter_mut().zip(values) {
+                        *square += value * value;
+                    }
+                }
+            });
+            debug_assert!(own_groups <= CHUNK / LANES);
+            let first_pick = known - n;
+            for k in 0..made.len() {
+                let cross = |b: usize| crosses[b][k / LANES][k % LANES];
+                let with_own = DVector::from_iterator(own.present.len(), own.present.iter().map(|b| cross(*b)));
+                let square = squares[k / LANES][k % LANES];
+                raw[k] += square;
+                let taken = own.factor.as_ref().map_or(0.0, |factor| with_own.dot(&factor.solve(&with_own)));
+                let sum = &mut sums[k];
+                sum[0] += square - taken;
+                sum[1] += cross(0) - with_own.dot(&own.solved.column(0));
+                for pick in 0..n {
+                    sum[2 + pick] += cross(first_pick + pick) - with_own.dot(&own.solved.column(1 + pick));
+                }
+            }
+        }
+        let score = |(k, sum): (usize, &DVector<f64>)| {
+            made[k].as_ref()?;
+            let (mut information, mut product) = (sum[0], sum[1]);
+            if let Some((factor, residual)) = &self.common {
+                let with_picks = sum.rows(2, n).clone_owned();
+                let solved = factor.solve(&with_picks);
+                information -= solved.dot(&with_picks);
+                product -= solved.dot(residual);
+            }
+            let is_new = information.is_finite() && information > COLLINEAR * raw[k] && raw[k] > 0.0;
+            is_new.then(|| Score { gain: product * product / information, information })
+        };
+        sums.iter().enumerate().map(score).collect()
+    }
+}
