@@ -1,7 +1,7 @@
 //! Trials on real tracks: `cargo xtask real-trials`.
 
 use clap::{Parser, ValueEnum};
-use host_tests::real_trials::{Case, Half, Log, Outcome, logs, of_log, table};
+use host_tests::real_trials::{Case, Half, Log, Outcome, logs, of_log, reliability, table};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
@@ -69,11 +69,12 @@ fn main() -> anyhow::Result<()> {
     let silent = outcomes.iter().filter(|outcome| outcome.said.is_err()).count();
     let longest_s = outcomes.iter().map(|outcome| outcome.took_s).fold(0.0, f64::max);
     println!(
-        "{} logs ({} not read), {} flights diagnosed, {silent} refused; the longest took {longest_s:.1} s\n\n{}",
+        "{} logs ({} not read), {} flights diagnosed, {silent} refused; the longest took {longest_s:.1} s\n\n{}\n{}",
         logs.len(),
         unread.len(),
         outcomes.len() - silent,
-        table(&outcomes)
+        table(&outcomes),
+        reliability(&outcomes)
     );
     Ok(())
 }

@@ -8,9 +8,11 @@ mod added;
 mod logs;
 mod made;
 pub(crate) mod noise;
+mod reliability;
 mod score;
 mod trial;
 
 pub use logs::{Half, Log, logs};
+pub use reliability::reliability;
 pub use score::{Score, table};
 pub use trial::{Case, Outcome, of_log};

@@ -70,6 +70,17 @@ impl Outcome {
         sets
     }
 
+    /// The probability of every effect that was said to have one.
+    #[must_use]
+    pub fn probabilities(&self) -> Vec<(&'static str, f64)> {
+        let sensors = self.said.iter().flat_map(|diagnosis| diagnosis.sensors.values());
+        let candidates = sensors.flat_map(|sensor| &sensor.candidates);
+        let said = candidates.filter_map(|candidate| {
+            Some((EffectId::from_name(&candidate.effect)?.name(), candidate.probability?))
+        });
+        said.collect()
+    }
+
     /// The coefficient of an effect and its sigma.
     #[must_use]
     pub fn fitted(&self, effect: &str) -> Option<(f64, f64)> {

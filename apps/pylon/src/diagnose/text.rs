@@ -147,7 +147,9 @@ pub(crate) fn say(verdict: Verdict) -> &'static str {
 fn write_sensor(out: &mut String, name: &str, sensor: &SensorDiagnosis, has_launch: bool, colour: bool) {
     put!(out, "\n{name}: {}", say(sensor.verdict));
     if !sensor.missing.is_empty() {
-        put!(out, "  missing, the strongest first: {}", sensor.missing.join(", "));
+        let said: Vec<String> =
+            sensor.missing.iter().map(|effect| with_probability(sensor, effect)).collect();
+        put!(out, "  missing, the strongest first: {}", said.join(", "));
     }
     for (set, probabilities) in sensor.indistinguishable.iter().zip(&sensor.probabilities) {
         let said: Vec<String> = set
@@ -188,10 +190,19 @@ fn write_sensor(out: &mut String, name: &str, sensor: &SensorDiagnosis, has_laun
     }
 }
 
+/// An effect and how probable it is that it acts, where that is known.
+pub(crate) fn with_probability(sensor: &SensorDiagnosis, effect: &str) -> String {
+    let of_effect = sensor.candidates.iter().find(|candidate| candidate.effect == effect);
+    match of_effect.and_then(|candidate| candidate.probability) {
+        Some(probability) => format!("{effect} ({})", per_cent(probability)),
+        None => effect.to_owned(),
+    }
+}
+
 fn table(rows: &[&CandidateFacts], colour: bool) -> String {
     let mut table = Table::new();
     table.load_style(STYLE).set_content_arrangement(ContentArrangement::Disabled);
-    let heads = ["  candidate", "coefficient", "", "p-value", "held-out rms", "size, rms"];
+    let heads = ["  candidate", "coefficient", "", "probability", "p-value", "held-out rms", "size, rms"];
     table.set_header(heads.iter().enumerate().map(|(k, head)| {
         let cell = Cell::new(head).add_attribute(Attribute::Bold);
         if k == 0 || k == 2 { cell } else { cell.set_alignment(CellAlignment::Right) }
@@ -205,6 +216,7 @@ fn table(rows: &[&CandidateFacts], colour: bool) -> String {
             if row.chosen { name.fg(Color::Green) } else { name },
             right(with_sigma(row.coefficient, row.sigma)),
             Cell::new(&row.unit),
+            right(row.probability.map_or_else(|| "-".to_owned(), per_cent)),
             right(probability(row.p_value)),
             right(before_after(row.rms_before_m, row.rms_after_m)),
             right(format!("{:.2} m", row.size_m)),
@@ -251,8 +263,8 @@ fn before_after(before_m: Option<f64>, after_m: Option<f64>) -> String {
     }
 }
 
-/// A probability of one suspect in a set; of one that is next to certain it is not said that it is.
-fn per_cent(probability: f64) -> String {
+/// A probability of an effect; of one that is next to certain it is not said that it is.
+pub(crate) fn per_cent(probability: f64) -> String {
     match probability {
         p if p < 0.01 => "< 1 %".to_owned(),
         p if p > 0.99 => "> 99 %".to_owned(),

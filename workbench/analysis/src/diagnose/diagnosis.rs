@@ -121,6 +121,10 @@ pub struct CandidateFacts {
     pub sigma: f64,
     /// Its unit.
     pub unit: Name,
+    /// The probability that it acts, beside what else may: of the sets of effects that explain the flights, those that have it. Where
+    /// the climb rate is measured only what was chosen and what could act in its place has one.
+    #[serde(default)]
+    pub probability: Option<f64>,
     /// Chance of as strong a fit if the effect did not act, times the number of effects tried.
     pub p_value: f64,
     /// Root mean square of the held-out errors without it, m.
@@ -271,6 +275,7 @@ mod tests {
             coefficient: 0.1,
             sigma: 1e-9,
             unit: "s".into(),
+            probability: Some(0.98),
             p_value: 3e-269,
             rms_before_m: Some(2.0),
             rms_after_m: None,

@@ -165,6 +165,7 @@ mod tests {
         };
         Noise {
             reference: GaussMarkov { sigma_m: 2.0, time_s: 40.0 },
+            slow: GaussMarkov { sigma_m: 1.0, time_s: 300.0 },
             fix_sigma_m: 0.3,
             sensors: [sensor; SENSORS],
         }

@@ -28,6 +28,8 @@ pub struct Solution {
     pub coefficients: Vec<f64>,
     /// Their covariance, row after row.
     pub covariance: Vec<f64>,
+    /// Natural logarithm of the covariance's determinant.
+    pub log_determinant: f64,
     /// Sum of squares that is left.
     pub rest: f64,
 }
@@ -79,7 +81,12 @@ impl Information {
     #[must_use]
     pub fn solve(&self, columns: &[usize]) -> Option<Solution> {
         if columns.is_empty() {
-            return Some(Solution { coefficients: Vec::new(), covariance: Vec::new(), rest: self.total() });
+            return Some(Solution {
+                coefficients: Vec::new(),
+                covariance: Vec::new(),
+                log_determinant: 0.0,
+                rest: self.total(),
+            });
         }
         let at: Vec<usize> = columns.iter().map(|column| column + 1).collect();
         if !columns.iter().all(|column| self.is_excited(*column)) {
@@ -95,7 +102,10 @@ impl Information {
         }
         let scaled = factor.solve(&right);
         let inverse = factor.inverse();
+        let diagonal = factor.l_dirty().diagonal();
+        let unscaled: f64 = diagonal.iter().zip(&scale).map(|(entry, scale)| libm::log(entry * scale)).sum();
         Some(Solution {
+            log_determinant: -2.0 * unscaled,
             coefficients: scaled.iter().zip(&scale).map(|(value, scale)| value / scale).collect(),
             covariance: (0..n * n).map(|k| inverse[(k / n, k % n)] / (scale[k / n] * scale[k % n])).collect(),
             rest: self.total() - scaled.dot(&right),
@@ -112,6 +122,12 @@ impl Information {
             with.raw[at] += believed;
         }
         with.solve(columns)
+    }
+
+    /// Twice the part of the log likelihood that does not depend on the columns.
+    #[must_use]
+    pub const fn twice_log_determinant(&self) -> f64 {
+        -self.log_determinant
     }
 
     /// Twice the log likelihood with some columns, up to a constant that all fits of the same data share.

@@ -20,6 +20,7 @@
 mod advice;
 mod blocks;
 mod candidates;
+mod coefficient_prior;
 mod column_noise;
 mod diagnosis;
 mod dump;
@@ -43,6 +44,7 @@ mod matrix;
 mod named_replay;
 mod noise;
 mod physical_range;
+mod posterior;
 mod prepare;
 mod problem;
 mod quasi_newton;

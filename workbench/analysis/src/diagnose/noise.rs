@@ -34,6 +34,8 @@ pub struct SensorNoise {
 pub struct Noise {
     /// The reference's wander: in every residual at once.
     pub reference: GaussMarkov,
+    /// A second, slower wander of the difference of altitudes, in every residual at once; sigma 0: none.
+    pub slow: GaussMarkov,
     /// White noise of one fix, metres.
     pub fix_sigma_m: f64,
     /// The sensors' own.
@@ -45,6 +47,7 @@ pub struct Noise {
 enum Part {
     ReferenceSigma,
     ReferenceTime,
+    SlowSigma,
     FixSigma,
     WanderSigma(usize),
     WanderTime(usize),
@@ -94,6 +97,9 @@ const TIME_ORDER: f64 = 0.7;
 /// Of the ratio of the white noise after launch to that before: a factor of two. The mother ship's flow is
 /// gone, the sensor's own propeller and angle of attack are new.
 const WHITE_ORDER: f64 = 0.7;
+/// Correlation time of the slow wander, seconds: that of a flight's weather and of a receiver's constellation, which a wander of
+/// minutes can not take the part of.
+const SLOW_S: f64 = 1200.0;
 /// Of a factor that is held at one.
 const HELD: f64 = 0.02;
 /// Of the free-flight factor: a healthy sensor is not noisier after launch by more than some 30 %.
@@ -109,6 +115,7 @@ impl NoisePrior {
                 sigma_m: or(reference.sigma_m, 2.0),
                 time_s: or(reference.correlation_time_s, 60.0),
             },
+            slow: GaussMarkov { sigma_m: 0.0, time_s: SLOW_S },
             fix_sigma_m: 0.2 * or(reference.sigma_m, 2.0),
             sensors: sensors.map(|sensor| SensorNoise {
                 wander: GaussMarkov { sigma_m: 0.6 * or(sensor.sigma_m, 1.0), time_s: 30.0 },
@@ -150,6 +157,16 @@ impl NoisePrior {
         Self { parameters, start }
     }
 
+    /// The prior with a slow wander beside the reference's, for flights whose only witness of a slow error is one sensor against the
+    /// receiver: weather, a warming instrument and the receiver's own slow errors are no single Gauss-Markov process, and a drift
+    /// is told from them, not from the one of a minute.
+    #[must_use]
+    pub fn with_slow_wander(mut self) -> Self {
+        let mean = libm::log(0.5 * self.start.reference.sigma_m);
+        self.parameters.push(Parameter { part: Part::SlowSigma, mean, sigma: WANDER_ORDER });
+        self
+    }
+
     /// The prior's means: where a search starts.
     #[must_use]
     pub fn means(&self) -> Vec<f64> {
@@ -176,6 +193,7 @@ impl NoisePrior {
             match parameter.part {
                 Part::ReferenceSigma => noise.reference.sigma_m = value,
                 Part::ReferenceTime => noise.reference.time_s = value,
+                Part::SlowSigma => noise.slow.sigma_m = value,
                 Part::FixSigma => noise.fix_sigma_m = value,
                 Part::WanderSigma(i) => noise.sensors[i].wander.sigma_m = value,
                 Part::WanderTime(i) => noise.sensors[i].wander.time_s = value,

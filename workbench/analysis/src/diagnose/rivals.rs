@@ -25,6 +25,10 @@ pub struct Rivals {
     pub odds: Vec<f64>,
     /// Squares that the chosen column explains and the others chosen do not.
     pub explained: f64,
+    /// The probability that the chosen column's effect acts, where sets of effects have one ([`super::posterior`]).
+    pub acts: Option<f64>,
+    /// The probability that nothing acts in this place.
+    pub empty: f64,
 }
 
 impl Rivals {
@@ -199,7 +203,14 @@ impl Place<'_> {
             }
         }
         found.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let mut rivals = Rivals { column, others: Vec::new(), odds: Vec::new(), explained: self.explained };
+        let mut rivals = Rivals {
+            column,
+            others: Vec::new(),
+            odds: Vec::new(),
+            explained: self.explained,
+            acts: None,
+            empty: 0.0,
+        };
         for (odds, other) in found {
             rivals.add(other, odds);
         }

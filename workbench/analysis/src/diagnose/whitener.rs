@@ -8,8 +8,10 @@ use kf_core::sensor::SENSORS;
 use super::noise::Noise;
 use super::series::{BySensor, Series};
 
-/// Reference's wander, a block's white noise of the fixes, and each sensor's wander.
-const STATES: usize = 2 + SENSORS;
+/// Where the sensors' wanders begin among the states.
+const OWN: usize = 3;
+/// Reference's wander, a block's white noise of the fixes, the slow wander, and each sensor's wander.
+const STATES: usize = OWN + SENSORS;
 type State = [f64; STATES];
 
 /// Columns that the filter takes together: they are in one another's neighbourhood in memory, and the
@@ -47,8 +49,9 @@ pub fn whiten_by_groups<S: FnMut(usize, usize, &[[f64; LANES]])>(
     let mut means: Vec<Means> = vec![[[0.0; LANES]; STATES]; groups];
     let mut covariance = [[0.0; STATES]; STATES];
     covariance[0][0] = square(noise.reference.sigma_m);
+    covariance[2][2] = square(noise.slow.sigma_m);
     for i in 0..SENSORS {
-        covariance[2 + i][2 + i] = square(noise.sensors[i].wander.sigma_m);
+        covariance[OWN + i][OWN + i] = square(noise.sensors[i].wander.sigma_m);
     }
     let mut row = vec![[0.0; LANES]; groups];
     let mut log_determinant = LogarithmOfProduct::default();
@@ -74,13 +77,13 @@ pub fn whiten_by_groups<S: FnMut(usize, usize, &[[f64; LANES]])>(
             let own = &noise.sensors[sensor];
             let white_m = if free { own.free_white_m } else { own.captive_white_m };
             let white = square(white_m) * series.full_block[sensor] / readings;
-            // The measurement's row is [1, 1, ..., 1 at the sensor's wander, ...].
-            let own = 2 + sensor;
+            // The measurement's row is [1, 1, 1, ..., 1 at the sensor's wander, ...].
+            let own = OWN + sensor;
             let mut gain = [0.0; STATES];
             for (gain, row) in gain.iter_mut().zip(&covariance) {
-                *gain = row[0] + row[1] + row[own];
+                *gain = row[0] + row[1] + row[2] + row[own];
             }
-            let variance = gain[0] + gain[1] + gain[own] + white;
+            let variance = gain[0] + gain[1] + gain[2] + gain[own] + white;
             let inverse = 1.0 / variance;
             let scale = inverse.sqrt();
             for (value, column) in row.as_flattened_mut().iter_mut().zip(columns) {
@@ -88,8 +91,9 @@ pub fn whiten_by_groups<S: FnMut(usize, usize, &[[f64; LANES]])>(
             }
             for (values, means) in row.iter_mut().zip(&mut means) {
                 let own = means[own];
-                let innovations: [f64; LANES] =
-                    std::array::from_fn(|lane| values[lane] - means[0][lane] - means[1][lane] - own[lane]);
+                let innovations: [f64; LANES] = std::array::from_fn(|lane| {
+                    values[lane] - means[0][lane] - means[1][lane] - means[2][lane] - own[lane]
+                });
                 let weighted = innovations.map(|innovation| innovation * inverse);
                 *values = innovations.map(|innovation| innovation * scale);
                 for (means, gain) in means.iter_mut().zip(&gain) {
@@ -167,9 +171,10 @@ impl Decay {
             decay.added[state] = square(sigma_m) * (1.0 - kept * kept);
         };
         process(0, noise.reference.sigma_m, noise.reference.time_s);
+        process(2, noise.slow.sigma_m, noise.slow.time_s);
         for (i, sensor) in noise.sensors.iter().enumerate() {
             let factor = if free { sensor.free_flight_factor } else { 1.0 };
-            process(2 + i, sensor.wander.sigma_m * factor, sensor.wander.time_s);
+            process(OWN + i, sensor.wander.sigma_m * factor, sensor.wander.time_s);
         }
         decay
     }
@@ -212,6 +217,7 @@ mod tests {
         };
         Noise {
             reference: GaussMarkov { sigma_m: 2.0, time_s: 40.0 },
+            slow: GaussMarkov { sigma_m: 3.0, time_s: 300.0 },
             fix_sigma_m: 0.4,
             sensors: [sensor(1.0, 5.0, 0.3), sensor(0.5, 20.0, 0.2), sensor(0.7, 9.0, 0.5)],
         }
@@ -249,7 +255,7 @@ mod tests {
         let covariance = DMatrix::from_fn(at.len(), at.len(), |r, c| {
             let ((block, sensor), (other_block, other_sensor)) = (at[r], at[c]);
             let apart = series.time_s[block] - series.time_s[other_block];
-            let mut sum = markov(&noise.reference, apart);
+            let mut sum = markov(&noise.reference, apart) + markov(&noise.slow, apart);
             if block == other_block {
                 sum += noise.fix_sigma_m.powi(2) / series.fixes[block];
             }

@@ -77,7 +77,10 @@ pub(crate) fn judged<T>(
     let model = first.replay.model();
     let prepared = Prepared::new(flights, hold_outs, model, wish, executor);
     let Prepared { candidates, epochs, .. } = &prepared;
-    let prior = NoisePrior::new(&prepared.series, &model.reference, &model.sensors);
+    let mut prior = NoisePrior::new(&prepared.series, &model.reference, &model.sensors);
+    if !prepared.has_climb_rate {
+        prior = prior.with_slow_wander();
+    }
     let problem = |series| Problem::new(series, prior.clone(), prepared.known.clone(), executor);
     let (problem, held) = (problem(&prepared.series), problem(&prepared.held));
     let suspects = prepared.suspects(&problem);

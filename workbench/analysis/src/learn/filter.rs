@@ -1,6 +1,6 @@
 //! A coefficient by the core's own filter: what the flight computer would have learned, had it known the noise.
 //!
-//! The states are the reference's wander, the white noise of a block's fixes, each sensor's wander, the
+//! The states are the reference's wander, the white noise of a block's fixes, the slow wander, each sensor's wander, the
 //! sensors' biases, the wind's two, and one coefficient a term. All of it in single precision.
 
 use kf_core::error::FilterError;
@@ -11,7 +11,7 @@ use thiserror::Error;
 use crate::diagnose::{BySensor, Lesson, Noise, Series, Term};
 
 /// First state of the sensors' wanders.
-const WANDER: usize = 2;
+const WANDER: usize = 3;
 /// First state of the biases.
 const BIAS: usize = WANDER + SENSORS;
 /// First state of the wind's.
@@ -137,6 +137,7 @@ fn fly<const STATES: usize>(
             let mut row = [0.0; STATES];
             row[0] = 1.0;
             row[1] = 1.0;
+            row[2] = 1.0;
             row[WANDER + sensor] = 1.0;
             row[BIAS + sensor] = 1.0;
             for (slot, nuisance) in row.iter_mut().skip(WIND).zip(wind.iter().flatten()) {
@@ -163,7 +164,7 @@ fn begin<const STATES: usize>(
     wind_sigmas: [f64; 2],
 ) -> Result<(), FilterError> {
     let mut added_m2 = [0.0; COEFFICIENTS];
-    let sigmas = [noise.reference.sigma_m, noise.fix_sigma_m / fixes.sqrt()]
+    let sigmas = [noise.reference.sigma_m, noise.fix_sigma_m / fixes.sqrt(), noise.slow.sigma_m]
         .into_iter()
         .chain(noise.sensors.map(|sensor| sensor.wander.sigma_m))
         .chain([BIAS_SIGMA_M; SENSORS])
@@ -190,6 +191,7 @@ fn carry<const STATES: usize>(
         added_m2[state] = (sigma_m * sigma_m * (1.0 - share * share)) as f32;
     };
     process(0, noise.reference.sigma_m, noise.reference.time_s);
+    process(2, noise.slow.sigma_m, noise.slow.time_s);
     for (i, sensor) in noise.sensors.iter().enumerate() {
         let factor = if free { sensor.free_flight_factor } else { 1.0 };
         process(WANDER + i, sensor.wander.sigma_m * factor, sensor.wander.time_s);

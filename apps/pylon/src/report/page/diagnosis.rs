@@ -187,6 +187,7 @@ mod tests {
             coefficient: 0.5,
             sigma: 0.1,
             unit: "s".into(),
+            probability: Some(0.98),
             p_value,
             rms_before_m: Some(4.0),
             rms_after_m: Some(1.0),

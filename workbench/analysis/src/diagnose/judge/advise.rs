@@ -21,7 +21,8 @@ impl Judge<'_> {
             Verdict::NoSignificantMisfit => String::new(),
             Verdict::Identified => {
                 let first = diagnosis.missing.first().map_or("", |first| &**first);
-                format!("Add {first} to the model (pylon add {first}) and check it on another flight.")
+                let caveat = self.untestable(findings, diagnosis);
+                format!("Add {first} to the model (pylon add {first}) and check it on another flight.{caveat}")
             }
             Verdict::Indistinguishable => self.advise_separation(findings, subject, &trim),
             Verdict::InsufficientExcitation => {
@@ -33,6 +34,9 @@ impl Judge<'_> {
                     format!("This flight could not show {} ... Fly {}.", names.join(", "), advice.manoeuvre)
                 })
             }
+            Verdict::UnknownEffect if self.beyond(findings, subject).is_some() => {
+                self.beyond(findings, subject).unwrap_or_default()
+            }
             Verdict::UnknownEffect => match diagnosis.follows.first() {
                 Some(first) => format!(
                     "Nothing in the catalogue explains this sensor. Its residual follows {} (lag {:.0} s): look for a cause there.",
@@ -41,6 +45,40 @@ impl Judge<'_> {
                 None => "Nothing in the catalogue explains this sensor, and its residual follows no recorded signal: look at the installation, and record more signals.".to_owned(),
             },
         }
+    }
+
+    /// What an identified effect is conditional on: that what no column of the flight tells from it does not act.
+    fn untestable(&self, findings: &Findings, diagnosis: &SensorDiagnosis) -> String {
+        let is_slow = |effect: &EffectId| matches!(effect, EffectId::BaroDrift | EffectId::BaroWarmUp);
+        let slow = diagnosis.missing.iter().filter_map(|id| EffectId::from_name(id)).find(is_slow);
+        let has_temperature = self.candidates.iter().enumerate().any(|(column, candidate)| {
+            candidate.effect() == EffectId::BaroTemperature && self.suspects.position(column).is_some()
+        });
+        match slow.filter(|_| findings.posterior.is_some() && !has_temperature) {
+            Some(slow) => format!(
+                " No column has the barometer's temperature (baro_temp_c): one that moves as {} does would look the same.",
+                slow.name()
+            ),
+            None => String::new(),
+        }
+    }
+
+    /// What the nearest effect of the catalogue would have to be, where that is beyond what nature makes.
+    fn beyond(&self, findings: &Findings, subject: Option<Sensor>) -> Option<String> {
+        findings.posterior.as_ref()?;
+        let columns = &findings.explanation.columns;
+        let solution = findings.information.solve(&self.suspects.positions(columns))?;
+        let k = (0..columns.len())
+            .find(|k| self.candidates[columns[*k]].sensor() == subject && self.is_beyond(findings, *k))?;
+        let effect = self.candidates[columns[k]].effect();
+        let [least, most] = effect.plausible();
+        let unit = if effect.unit() == "1" { String::new() } else { format!(" {}", effect.unit()) };
+        Some(format!(
+            "What fits best is {} of {:+.3}{unit}, and nature makes {least} to {most}{unit} of it: look for another cause, such as a \
+             wrong clock, setting or unit.",
+            effect.name(),
+            solution.coefficients[k],
+        ))
     }
 
     fn advise_separation(&self, findings: &Findings, subject: Option<Sensor>, trim: &Trim) -> String {

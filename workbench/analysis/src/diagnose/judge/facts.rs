@@ -1,5 +1,6 @@
 //! The figures that go with the verdicts.
 
+use kf_core::effect::EffectId;
 use kf_core::sensor::{SENSORS, Sensor};
 
 use super::{Findings, Judge};
@@ -123,6 +124,7 @@ impl Judge<'_> {
             coefficient,
             sigma,
             unit: effect.unit().into(),
+            probability: self.probability(findings, effect),
             p_value: self.chance(coefficient, variance),
             rms_before_m: rms(held_out(without)),
             rms_after_m: rms(held_out(with)),
@@ -133,6 +135,16 @@ impl Judge<'_> {
             size_m: coefficient.abs() * spread_m,
             envelope_m,
         })
+    }
+
+    /// The probability that an effect acts: by the sets of effects, or else as one of those in a chosen one's place.
+    fn probability(&self, findings: &Findings, effect: EffectId) -> Option<f64> {
+        if let Some(posterior) = &findings.posterior {
+            return Some(posterior.inclusion(effect));
+        }
+        let places = findings.rivals.iter().flat_map(|rivals| self.set(rivals));
+        let own = places.filter(|(other, _)| *other == effect).map(|(_, probability)| probability);
+        own.max_by(f64::total_cmp)
     }
 
     /// Variance of the noise that the regressors of the effects found bring to a sensor's blocks, m^2.

@@ -88,6 +88,7 @@ impl Judge<'_> {
         let inflation = self.inflation(&explanation, &repeat);
         let information = self.suspects.information(self.problem, &explanation.fit.noise);
         let rivals = Vec::new();
-        Some((Findings { explanation, information, rivals, repeat, inflation }, column))
+        let posterior = findings.posterior;
+        Some((Findings { explanation, information, rivals, repeat, inflation, posterior }, column))
     }
 }

@@ -14,7 +14,8 @@ use super::candidates::Candidate;
 use super::diagnosis::{Diagnosis, SensorDiagnosis, Verdict};
 use super::epochs::Epochs;
 use super::excitation::{Excitation, excitation};
-use super::information::Information;
+use super::information::{Information, Solution};
+use super::posterior::{Posterior, posterior};
 use super::problem::Problem;
 use super::repeatability::{Repeatability, repeatability};
 use super::rivals::{Rivals, rivals};
@@ -45,6 +46,12 @@ const STAND_INS: [(EffectId, EffectId); 4] = [
 /// The least probability at which an effect is a suspect: odds of 19 to 1.
 const SUSPECT: f64 = 0.05;
 
+/// The probability from which on an effect is identified, where sets of effects have probabilities.
+const IDENTIFIED: f64 = 0.95;
+
+/// The probability that something acts from which on a set is offered.
+const OFFERED: f64 = 0.9;
+
 pub(crate) struct Judge<'a> {
     pub(crate) problem: &'a Problem<'a>,
     pub(crate) held: Option<&'a Problem<'a>>,
@@ -63,6 +70,8 @@ pub(super) struct Findings {
     pub(super) repeat: Vec<Repeatability>,
     /// By how much the variance of each chosen coefficient is larger than its fit's.
     pub(super) inflation: Vec<f64>,
+    /// Probabilities of sets of effects, where the climb rate is not measured.
+    pub(super) posterior: Option<Posterior>,
 }
 
 impl Findings {
@@ -78,19 +87,34 @@ impl Judge<'_> {
         mut explanation: Explanation,
         progress: &mut Progress<'_>,
     ) -> Result<(Diagnosis, Findings), Cancelled> {
+        let posterior = if self.has_climb_rate {
+            None
+        } else {
+            let posterior = posterior(search, self.suspects, self.problem, &explanation, progress)?;
+            let columns = posterior.best();
+            let fit = search.fit(&columns, &explanation.fit.values);
+            explanation = Explanation { columns, fit };
+            Some(posterior)
+        };
         // The weakest goes while it may be chance, and several effects while fewer explain as much; the
         // others are fitted anew.
         loop {
             let without = |left_out: usize| -> Vec<usize> {
                 explanation.columns.iter().copied().filter(|column| *column != left_out).collect()
             };
-            let columns = if let Some(simpler) = simpler(self.problem, self.suspects, &explanation) {
+            let columns = if let Some(posterior) = &posterior {
+                // Of sets with probabilities no more goes than what most probably is nothing, and what was held out objects to.
+                match self.doubtful(posterior, &explanation).or_else(|| self.vetoed(&explanation)) {
+                    Some(column) => without(column),
+                    None => break,
+                }
+            } else if let Some(simpler) = simpler(self.problem, self.suspects, &explanation) {
                 simpler
             } else if let Some(weakest) = self.weakest(&explanation) {
                 without(weakest)
             } else if let Some(impossible) = self.impossible(&explanation) {
                 without(impossible)
-            } else if let Some(harmful) = self.harmful(&explanation).or_else(|| self.vetoed(&explanation)) {
+            } else if let Some(harmful) = self.harmful(&explanation) {
                 without(harmful)
             } else {
                 break;
@@ -99,12 +123,17 @@ impl Judge<'_> {
             step(progress)?;
             explanation = Explanation { columns, fit };
         }
-        let mut rivals = rivals(search, self.suspects, self.problem, &explanation);
-        self.merge_cancelling(&explanation, &mut rivals);
+        let rivals = if let Some(posterior) = &posterior {
+            self.rivals_by(posterior, &explanation)
+        } else {
+            let mut rivals = rivals(search, self.suspects, self.problem, &explanation);
+            self.merge_cancelling(&explanation, &mut rivals);
+            rivals
+        };
         let repeat = repeatability(self.problem, &explanation.fit.noise, &explanation.columns);
         let inflation = self.inflation(&explanation, &repeat);
         let information = self.suspects.information(self.problem, &explanation.fit.noise);
-        let findings = Findings { explanation, information, rivals, repeat, inflation };
+        let findings = Findings { explanation, information, rivals, repeat, inflation, posterior };
 
         let mut diagnosis = Diagnosis { noise: self.noise_facts(&findings), ..Diagnosis::default() };
         let mut largest = 0.0;
@@ -130,6 +159,44 @@ impl Judge<'_> {
         Ok((diagnosis, findings))
     }
 
+    /// Whether a chosen coefficient is none that nature makes: it is then not the effect that it looks like.
+    pub(super) fn is_beyond(&self, findings: &Findings, k: usize) -> bool {
+        let columns = &findings.explanation.columns;
+        let solution = findings.information.solve(&self.suspects.positions(columns));
+        let n = columns.len();
+        solution.is_some_and(|solution| {
+            let alone = Solution {
+                coefficients: vec![solution.coefficients[k]],
+                covariance: vec![solution.covariance[k * n + k]],
+                ..solution
+            };
+            !self.suspects.is_possible(&columns[k..=k], &alone)
+        })
+    }
+
+    /// What could act in the place of each chosen column, by the probabilities of sets.
+    fn rivals_by(&self, posterior: &Posterior, explanation: &Explanation) -> Vec<Rivals> {
+        let information = self.suspects.information(self.problem, &explanation.fit.noise);
+        let rest = |columns: &[usize]| {
+            information.solve(&self.suspects.positions(columns)).map_or(0.0, |solution| solution.rest)
+        };
+        let chosen = &explanation.columns;
+        let with_all = rest(chosen);
+        let of_column = |column: &usize| {
+            let others: Vec<usize> = chosen.iter().copied().filter(|other| other != column).collect();
+            posterior.rivals(*column, chosen, (rest(&others) - with_all).max(0.0))
+        };
+        chosen.iter().map(of_column).collect()
+    }
+
+    /// The chosen column in whose place most probably nothing acts, if that is not improbable.
+    fn doubtful(&self, posterior: &Posterior, explanation: &Explanation) -> Option<usize> {
+        let chosen = &explanation.columns;
+        let empty = chosen.iter().map(|column| (*column, posterior.rivals(*column, chosen, 0.0).empty));
+        let most = empty.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        (most.1 > 1.0 - OFFERED).then_some(most.0)
+    }
+
     /// One sensor's diagnosis (`None`: the reference), and the size of its misfit, metres.
     fn sensor(&self, findings: &Findings, subject: Option<Sensor>) -> (SensorDiagnosis, f64) {
         let mut diagnosis = SensorDiagnosis::default();
@@ -150,7 +217,9 @@ impl Judge<'_> {
             misfit_m = misfit_m.max(size_m);
             explained += rivals.explained;
             let verdict = match set.as_slice() {
-                _ if !findings.is_even(k) => {
+                _ if !findings.is_even(k)
+                    || (findings.posterior.is_some() && self.is_beyond(findings, k)) =>
+                {
                     uneven = true;
                     Verdict::UnknownEffect
                 }
@@ -216,6 +285,10 @@ impl Judge<'_> {
         }
         // Wind makes a formula that lacks the airspeed wrong by more than a signal may be right by chance.
         let lacks_airspeed = self.lacks_airspeed_for(findings, subject);
+        // Of one sensor against the receiver what the receiver's effects explain is explained of it too.
+        if findings.posterior.is_some() && subject.is_some() && self.is_alone() {
+            explained = findings.rivals.iter().map(|rivals| rivals.explained).sum();
+        }
         let is_unknown = if lacks_airspeed {
             unexplained > explained
         } else {
@@ -243,7 +316,8 @@ impl Judge<'_> {
     /// alone for that. Where it is measured the effects are more, and collinear beyond what errors of the signals blur: there the
     /// cut costs one true cause in eleven (seeds 5001 to 5100 of the blind trials).
     fn set(&self, rivals: &Rivals) -> Vec<(EffectId, f64)> {
-        let mut set = vec![(self.candidates[rivals.column].effect(), 1.0)];
+        let own = self.candidates[rivals.column].effect();
+        let mut set = vec![(own, 1.0)];
         let others = rivals.others.iter().zip(&rivals.odds);
         for (other, odds) in others.map(|(other, odds)| (self.candidates[*other].effect(), *odds)) {
             if !set.iter().any(|(effect, _)| *effect == other) {
@@ -251,6 +325,10 @@ impl Judge<'_> {
             }
         }
         for (seen, hidden) in STAND_INS {
+            // Without a thermometer every drift may be the temperature's, which is said, and no set that a flight could resolve.
+            if rivals.acts.is_some() && hidden == EffectId::BaroTemperature {
+                continue;
+            }
             let is_hidden = self.candidates.iter().enumerate().any(|(column, candidate)| {
                 candidate.effect() == hidden && self.epochs.iter().any(|epochs| !epochs.available[column])
             });
@@ -267,7 +345,10 @@ impl Judge<'_> {
         for (_, odds) in &mut set {
             *odds /= total;
         }
-        if !self.has_climb_rate {
+        if let Some(acts) = rivals.acts {
+            if acts >= IDENTIFIED && set.first().is_some_and(|(effect, _)| *effect == own) {
+                return vec![(own, acts)];
+            }
             let listed = set.iter().take_while(|(_, probability)| *probability >= SUSPECT).count();
             set.truncate(listed.max(2));
         }

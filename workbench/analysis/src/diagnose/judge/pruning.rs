@@ -78,9 +78,6 @@ impl Judge<'_> {
     /// or else stretches of the flights, each predicted from the others. Where the climb rate is measured `harmful` decides by the
     /// errors, as the blind trials have it, and `pylon add` asks the likelihood.
     pub(super) fn vetoed(&self, explanation: &Explanation) -> Option<usize> {
-        if self.has_climb_rate {
-            return None;
-        }
         let repeat = repeatability(self.problem, &explanation.fit.noise, &explanation.columns);
         let inflation = self.inflation(explanation, &repeat);
         let verdicts = explanation.columns.iter().enumerate().filter_map(|(k, column)| {

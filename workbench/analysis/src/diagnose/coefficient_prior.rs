@@ -1,0 +1,91 @@
+//! What is believed of a coefficient before a flight.
+
+use kf_core::effect::EffectId;
+use statistics::normal_above;
+
+/// The chance that a coefficient is none that nature makes: of a broken part, or of something that only looks like the effect.
+const BEYOND: f64 = 0.01;
+/// How far such a one reaches, in ranges' largest.
+const REACH: f64 = 10.0;
+
+/// A coefficient: half of what is believed of it is what such sensors mostly have, a normal distribution about zero, and half that nature allows all
+/// of its range alike. Both are cut at the range, signs included. One in a hundred is beyond it, so that what no effect can be is said
+/// to be that, and does not go to the next best.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CoefficientPrior {
+    range: [f64; 2],
+    usual: f64,
+}
+
+impl CoefficientPrior {
+    /// Of an effect, with the range that nature allows.
+    #[must_use]
+    pub fn of(effect: EffectId, range: [f64; 2]) -> Self {
+        Self { range, usual: usual(effect, range) }
+    }
+
+    /// Logarithm of the density of an estimate with that variance: the belief and the estimate's normal error folded.
+    #[must_use]
+    pub fn log_density(&self, coefficient: f64, variance: f64) -> f64 {
+        let [least, most] = self.range;
+        let sigma = variance.sqrt();
+        let between = |mean: f64, sigma: f64| {
+            normal_above((least - mean) / sigma) - normal_above((most - mean) / sigma)
+        };
+        let uniform = between(coefficient, sigma) / (most - least);
+        // The product of both normals is one about a mean between them, times one of their distance.
+        let usual = self.usual * self.usual;
+        let together = usual + variance;
+        let mean = coefficient * usual / together;
+        let inside = between(mean, (usual * variance / together).sqrt());
+        let density = libm::exp(-0.5 * coefficient * coefficient / together)
+            / (2.0 * std::f64::consts::PI * together).sqrt();
+        let normal = density * inside / between(0.0, self.usual);
+        let reach = REACH * least.abs().max(most.abs());
+        let beyond = (normal_above((-reach - coefficient) / sigma)
+            - normal_above((reach - coefficient) / sigma))
+            / (2.0 * reach);
+        let density = (1.0 - BEYOND) * (0.5 * uniform + 0.5 * normal) + BEYOND * beyond;
+        libm::log(density.max(f64::MIN_POSITIVE))
+    }
+}
+
+/// Sigma of what sensors in flight mostly have: those of `latent-path.md`'s prototype where it has one (lag and latency 1.5 s, scale 3 %,
+/// dynamic pressure 0.3, drift 5 mm/s, warming up 10 m), else a fifth of the largest that nature makes.
+fn usual(effect: EffectId, range: [f64; 2]) -> f64 {
+    match effect {
+        EffectId::BaroLag | EffectId::GpsLatency => 1.5,
+        EffectId::BaroScale => 0.03,
+        EffectId::BaroDynamicPressure => 0.3,
+        EffectId::BaroDrift => 0.005,
+        EffectId::BaroWarmUp => 10.0,
+        _ => 0.2 * range[0].abs().max(range[1].abs()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Against the sum over a grid of the coefficient, for exact and for poor estimates, inside and outside of the range.
+    #[test]
+    fn the_density_is_the_folding_of_belief_and_error() {
+        let prior = CoefficientPrior { range: [-1.0, 3.0], usual: 1.5 };
+        let normal = |x: f64, sigma: f64| {
+            (-0.5 * (x / sigma) * (x / sigma)).exp() / (sigma * (2.0 * std::f64::consts::PI).sqrt())
+        };
+        let step = 1e-4;
+        let grid: Vec<f64> = (0..40_000).map(|k| -1.0 + (f64::from(k) + 0.5) * step).collect();
+        let inside: f64 = grid.iter().map(|c| normal(*c, 1.5) * step).sum();
+        for (coefficient, sigma) in [(0.5, 0.01), (2.0, 1.0), (-1.3, 0.2), (4.0, 0.5), (9.0, 0.5)] {
+            let within: f64 = grid
+                .iter()
+                .map(|c| (0.5 / 4.0 + 0.5 * normal(*c, 1.5) / inside) * normal(coefficient - c, sigma) * step)
+                .sum();
+            // None of these errors reaches the end of what is beyond, 30 either way.
+            let density = 0.99 * within + 0.01 / 60.0;
+            let folded = prior.log_density(coefficient, sigma * sigma);
+            assert!((folded - density.ln()).abs() < 1e-5, "{coefficient}: {folded} {}", density.ln());
+        }
+    }
+}

@@ -1,0 +1,369 @@
+//! How probable each set of effects is, where the climb rate is not measured.
+//!
+//! The weight of a set is its marginal likelihood: the noise fitted anew beside it, its coefficients integrated out in closed form over
+//! what is believed of them ([`CoefficientPrior`]), and of time constants over the grid. Sets are looked at as in Occam's window (Madigan and Raftery,
+//! "Model selection and accounting for model uncertainty in graphical models using Occam's window", Journal of the American Statistical
+//! Association 89, 1994): from the best one on, those with one effect more, one less or another one, as long as they come near it.
+//!
+//! The noise is no Gauss-Markov process and the formulas are not exact, so the likelihood is trusted with a power below one (Miller
+//! and Dunson, "Robust Bayesian inference via coarsening", Journal of the American Statistical Association 114, 2019). That power
+//! is what makes the probabilities right as often as they say, on the development half of `docs/blind-trials.md`.
+//!
+//! A pressure altitude is off its height by as much as the air is off the standard's temperature. So each set has a scale in it, of
+//! which a kelvin is believed where the set says nothing of one.
+
+use std::collections::BTreeMap;
+
+use kf_core::effect::EffectId;
+
+use super::coefficient_prior::CoefficientPrior;
+use super::information::Information;
+use super::problem::{NoiseFit, Problem};
+use super::rivals::Rivals;
+use super::roughness::unsteadiness;
+use super::search::{Explanation, MOST_EFFECTS, Search};
+use super::suspects::Suspects;
+use crate::progress::{Cancelled, Progress, step};
+
+/// The power of the likelihood: by the reliability diagram of `cargo xtask real-trials --half development`.
+const POWER: f64 = 0.7;
+/// The share of what the effects explain (squares) that formulas and signals make wrong: as the power of the likelihood falls with it, what
+/// an effect leaves because it is not quite as its formula says is not another effect's.
+const SHAPE: f64 = 0.01;
+/// The chance of an effect to act, beforehand.
+const INCLUSION: f64 = 0.1;
+/// Sets are looked at while their weight is not so many times (natural logarithm) below the best one's: 0.2 %.
+const WINDOW: f64 = 6.0;
+/// Sets whose noise is fitted in a round, and rounds.
+const REFITTED: usize = 4;
+const ROUNDS: usize = 4;
+
+/// A set of effects.
+#[derive(Clone, Debug)]
+struct Weighed {
+    /// Its columns, ascending, each effect's most probable one.
+    columns: Vec<usize>,
+    /// Natural logarithm of its probability but for a constant.
+    log_weight: f64,
+}
+
+/// Probabilities of sets of effects.
+#[derive(Clone, Debug)]
+pub struct Posterior {
+    /// Sets with their probabilities, the most probable first.
+    sets: Vec<(Vec<usize>, f64)>,
+    effects: BTreeMap<usize, EffectId>,
+}
+
+/// A set and the noise that goes with it; the set's columns are without the scale's.
+#[derive(Clone)]
+struct Looked {
+    columns: Vec<usize>,
+    fit: NoiseFit,
+}
+
+/// Weighs the sets around the one that a search found.
+///
+/// # Errors
+/// [`Cancelled`] when `progress` says so.
+pub fn posterior(
+    search: &mut Search<'_>,
+    suspects: &Suspects<'_>,
+    problem: &Problem<'_>,
+    found: &Explanation,
+    progress: &mut Progress<'_>,
+) -> Result<Posterior, Cancelled> {
+    let effect = |column: usize| suspects.candidate(column).effect();
+    let scale = suspects.usable().iter().copied().find(|column| effect(*column) == EffectId::BaroScale);
+    let mut weigher = Weigher { suspects, problem, scale, power: POWER };
+    let mut sets: BTreeMap<Vec<EffectId>, Weighed> = BTreeMap::new();
+    let mut refitted: BTreeMap<Vec<EffectId>, Looked> = BTreeMap::new();
+    let start: Vec<usize> = found.columns.iter().copied().filter(|column| Some(*column) != scale).collect();
+    let mut best = weigher.look(search, &start, &found.fit.values);
+    step(progress)?;
+    weigher.temper(&best);
+    let mut best_weight = f64::NEG_INFINITY;
+    for _ in 0..ROUNDS {
+        // All around the best one under its noise, and then the nearest with their own.
+        let information = suspects.information(problem, &best.fit.noise);
+        refitted.insert(weigher.effects(&best.columns), best.clone());
+        let around = weigher.around(&information, &best);
+        for (effects, weighed) in weigher.weigh(&information, &best.columns, &best.fit) {
+            best_weight = best_weight.max(weighed.log_weight);
+            sets.insert(effects, weighed);
+        }
+        let mut near: Vec<(f64, Vec<usize>)> = Vec::new();
+        for columns in around {
+            for (effects, weighed) in weigher.weigh(&information, &columns, &best.fit) {
+                let bare: Vec<usize> =
+                    weighed.columns.iter().copied().filter(|column| Some(*column) != scale).collect();
+                let is_known = refitted.contains_key(&weigher.effects(&bare));
+                if !is_known && weighed.log_weight > best_weight - WINDOW {
+                    near.push((weighed.log_weight, bare));
+                }
+                if !is_known {
+                    let slot = sets.entry(effects).or_insert_with(|| weighed.clone());
+                    if weighed.log_weight > slot.log_weight {
+                        *slot = weighed;
+                    }
+                }
+            }
+        }
+        near.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut next: Option<(f64, Looked)> = None;
+        let mut count = 0;
+        for (_, columns) in near {
+            if count == REFITTED || refitted.contains_key(&weigher.effects(&columns)) {
+                continue;
+            }
+            count += 1;
+            let looked = weigher.look(search, &columns, &best.fit.values);
+            step(progress)?;
+            let information = suspects.information(problem, &looked.fit.noise);
+            let mut most = f64::NEG_INFINITY;
+            for (effects, weighed) in weigher.weigh(&information, &columns, &looked.fit) {
+                most = most.max(weighed.log_weight);
+                sets.insert(effects, weighed);
+            }
+            refitted.insert(weigher.effects(&columns), looked.clone());
+            if most > best_weight && next.as_ref().is_none_or(|(weight, _)| most > *weight) {
+                next = Some((most, looked));
+            }
+        }
+        match next {
+            Some((weight, looked)) => {
+                best = looked;
+                best_weight = weight;
+            }
+            None if count < REFITTED => break,
+            None => {}
+        }
+    }
+    Ok(weigher.normalised(sets))
+}
+
+struct Weigher<'a> {
+    suspects: &'a Suspects<'a>,
+    problem: &'a Problem<'a>,
+    /// The scale's column.
+    scale: Option<usize>,
+    power: f64,
+}
+
+impl Weigher<'_> {
+    fn effects(&self, columns: &[usize]) -> Vec<EffectId> {
+        let mut effects: Vec<EffectId> =
+            columns.iter().map(|column| self.suspects.candidate(*column).effect()).collect();
+        effects.sort_unstable();
+        effects
+    }
+
+    /// The columns and the scale's.
+    fn with_scale(&self, columns: &[usize]) -> Vec<usize> {
+        let mut all: Vec<usize> = columns.iter().copied().chain(self.scale).collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
+    fn look(&self, search: &mut Search<'_>, columns: &[usize], start: &[f64]) -> Looked {
+        let fit = search.fit(&self.with_scale(columns), start);
+        Looked { columns: columns.to_vec(), fit }
+    }
+
+    /// Trusts the likelihood the less the more the effects explain.
+    fn temper(&mut self, best: &Looked) {
+        let information = self.suspects.information(self.problem, &best.fit.noise);
+        let rest = |columns: &[usize]| {
+            information.solve(&self.suspects.positions(columns)).map_or(0.0, |solution| solution.rest)
+        };
+        let explained = (information.total() - rest(&self.with_scale(&best.columns))).max(0.0);
+        self.power = 1.0 / (1.0 / POWER + 0.5 * SHAPE * explained);
+    }
+
+    /// Sets with one effect less, one more or another one; all without the scale.
+    fn around(&self, information: &Information, best: &Looked) -> Vec<Vec<usize>> {
+        let effect = |column: usize| self.suspects.candidate(column).effect();
+        let mut bases = vec![best.columns.clone()];
+        for left_out in &best.columns {
+            bases.push(best.columns.iter().copied().filter(|column| column != left_out).collect());
+        }
+        let mut around = bases.clone();
+        around.push(Vec::new());
+        for base in &bases {
+            if base.len() >= MOST_EFFECTS {
+                continue;
+            }
+            // Of each effect the column that fits best.
+            let mut of_effect: BTreeMap<EffectId, (f64, Vec<usize>)> = BTreeMap::new();
+            for column in self.suspects.usable().iter().copied() {
+                let is_there = base.iter().any(|other| effect(*other) == effect(column));
+                if is_there || Some(column) == self.scale {
+                    continue;
+                }
+                let mut set = base.clone();
+                set.push(column);
+                set.sort_unstable();
+                let positions = self.suspects.positions(&self.with_scale(&set));
+                let Some(solution) = information.solve(&positions) else { continue };
+                let slot = of_effect.entry(effect(column)).or_insert((f64::INFINITY, Vec::new()));
+                if solution.rest < slot.0 {
+                    *slot = (solution.rest, set);
+                }
+            }
+            around.extend(of_effect.into_values().map(|(_, set)| set));
+        }
+        around
+    }
+
+    /// The weight of a set of columns under a noise, with the air's scale alone and with one as an effect.
+    fn weigh(
+        &self,
+        information: &Information,
+        columns: &[usize],
+        fit: &NoiseFit,
+    ) -> Vec<(Vec<EffectId>, Weighed)> {
+        let mut weighed = Vec::new();
+        for has_scale in [false, true] {
+            if has_scale && (self.scale.is_none() || columns.len() >= MOST_EFFECTS) {
+                continue;
+            }
+            let mut set = columns.to_vec();
+            if has_scale {
+                set = self.with_scale(columns);
+            }
+            if let Some(log_weight) = self.log_weight(information, columns, fit, has_scale) {
+                let of_grid = self.of_time_constants(information, columns, fit, has_scale, log_weight);
+                weighed.push((self.effects(&set), Weighed { columns: set, log_weight: of_grid }));
+            }
+        }
+        weighed
+    }
+
+    /// The mean over the grids of time constants, one effect's after the other's.
+    fn of_time_constants(
+        &self,
+        information: &Information,
+        columns: &[usize],
+        fit: &NoiseFit,
+        has_scale: bool,
+        log_weight: f64,
+    ) -> f64 {
+        let mut sum = log_weight;
+        for (k, column) in columns.iter().enumerate() {
+            let grid =
+                self.suspects.usable().iter().filter(|other| self.suspects.same_effect(**other, *column));
+            let mut count = 0_u32;
+            let mut share = 0.0;
+            for other in grid {
+                count += 1;
+                let mut set = columns.to_vec();
+                set[k] = *other;
+                if let Some(weight) = self.log_weight(information, &set, fit, has_scale) {
+                    share += libm::exp((weight - log_weight).min(0.0));
+                }
+            }
+            sum += libm::log(share / f64::from(count.max(1)));
+        }
+        sum
+    }
+
+    fn log_weight(
+        &self,
+        information: &Information,
+        columns: &[usize],
+        fit: &NoiseFit,
+        has_scale: bool,
+    ) -> Option<f64> {
+        let all = self.with_scale(columns);
+        let positions = self.suspects.positions(&all);
+        let of_air = unsteadiness(EffectId::BaroScale, false) * self.power.sqrt();
+        let believed: Vec<f64> = all
+            .iter()
+            .map(|column| if Some(*column) == self.scale && !has_scale { of_air } else { f64::INFINITY })
+            .collect();
+        let solution = information.solve_with_prior(&positions, &believed)?;
+        let noise = self.problem.prior.log_density(&fit.values);
+        let likelihood = 0.5 * information.twice_log_determinant() - 0.5 * solution.rest + noise;
+        let n = all.len();
+        let mut weight = self.power * likelihood;
+        // The determinant of the covariance, tempered as the likelihood is.
+        weight += 0.5 * solution.log_determinant
+            + 0.5 * n as f64 * libm::log(2.0 * std::f64::consts::PI / self.power);
+        for (k, column) in all.iter().enumerate() {
+            let variance = solution.covariance[k * n + k] / self.power;
+            let effect = self.suspects.candidate(*column).effect();
+            if Some(*column) == self.scale && !has_scale {
+                let own = unsteadiness(effect, false);
+                weight -= libm::log(own * (2.0 * std::f64::consts::PI).sqrt());
+            } else {
+                let unsteady = unsteadiness(effect, false);
+                let prior = CoefficientPrior::of(effect, self.suspects.range(*column));
+                weight += prior.log_density(solution.coefficients[k], variance + unsteady * unsteady);
+                weight += libm::log(INCLUSION / (1.0 - INCLUSION));
+            }
+        }
+        Some(weight)
+    }
+
+    fn normalised(self, sets: BTreeMap<Vec<EffectId>, Weighed>) -> Posterior {
+        let best = sets.values().map(|set| set.log_weight).fold(f64::NEG_INFINITY, f64::max);
+        let total: f64 = sets.values().map(|set| libm::exp(set.log_weight - best)).sum();
+        let mut found: Vec<(Vec<usize>, f64)> =
+            sets.into_values().map(|set| (set.columns, libm::exp(set.log_weight - best) / total)).collect();
+        found.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let usable = self.suspects.usable().iter();
+        let effects = usable.map(|column| (*column, self.suspects.candidate(*column).effect())).collect();
+        Posterior { sets: found, effects }
+    }
+}
+
+impl Posterior {
+    /// The columns of the most probable set.
+    #[must_use]
+    pub fn best(&self) -> Vec<usize> {
+        self.sets.first().map_or_else(Vec::new, |(columns, _)| columns.clone())
+    }
+
+    /// The probability that an effect acts.
+    #[must_use]
+    pub fn inclusion(&self, effect: EffectId) -> f64 {
+        self.share(|set| self.has(set, effect))
+    }
+
+    /// What could act in the place of a column of the most probable set: another effect with the share of the sets that have it
+    /// and not the column's. And the probability that its place is empty.
+    #[must_use]
+    pub fn rivals(&self, column: usize, chosen: &[usize], explained: f64) -> Rivals {
+        let own = self.effects.get(&column).copied();
+        let lacks_own = |set: &[usize]| own.is_none_or(|own| !self.has(set, own));
+        let is_chosen = |effect: EffectId| self.has(chosen, effect);
+        let mut columns: BTreeMap<EffectId, (f64, usize)> = BTreeMap::new();
+        for (set, probability) in self.sets.iter().filter(|(set, _)| lacks_own(set)) {
+            for other in set {
+                if let Some(effect) = self.effects.get(other).copied().filter(|effect| !is_chosen(*effect)) {
+                    columns.entry(effect).or_insert((0.0, *other)).0 += probability;
+                }
+            }
+        }
+        let acts = own.map_or(0.0, |own| self.inclusion(own)).max(f64::MIN_POSITIVE);
+        let mut found: Vec<(f64, usize)> = columns.into_values().collect();
+        found.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let empty =
+            self.share(|set| lacks_own(set) && set.iter().all(|other| self.has(chosen, self.effects[other])));
+        let mut rivals =
+            Rivals { column, others: Vec::new(), odds: Vec::new(), explained, acts: Some(acts), empty };
+        for (probability, other) in found {
+            rivals.add(other, probability / acts);
+        }
+        rivals
+    }
+
+    fn has(&self, set: &[usize], effect: EffectId) -> bool {
+        set.iter().any(|column| self.effects.get(column) == Some(&effect))
+    }
+
+    fn share(&self, of: impl Fn(&[usize]) -> bool) -> f64 {
+        self.sets.iter().filter(|(set, _)| of(set)).map(|(_, probability)| probability).sum()
+    }
+}
