@@ -161,7 +161,12 @@ fn missing_columns_are_named() {
     };
     assert!(without(&["gps_alt_m"]).contains("made.csv: row 5: no column gps_alt_m; expected it"));
     let none = without(&["baro_alt_m", "imu_master_alt_m", "imu_slave_alt_m"]);
-    assert!(none.contains("made.csv: no altitude besides gps_alt_m; expected"), "{none}");
+    assert!(
+        none.contains(
+            "made.csv: no altitude besides gps_alt_m: no barometer, and so nothing to calibrate; expected"
+        ),
+        "{none}"
+    );
     assert!(without(&["time_s"]).contains("no column time_s"));
 }
 
@@ -378,6 +383,57 @@ fn an_open_quote_a_leaping_clock_utf_16_and_a_folder_that_is_not_are_said_as_suc
 
     let said = refusal(path, &["export", "leap.csv", "--format", "parquet", "-o", "none/x.parquet"]);
     assert!(said.ends_with("none/x.parquet: can not be written: folder none does not exist\n"), "{said}");
+}
+
+/// A copy looks like the best of all barometers.
+#[test]
+fn a_barometer_that_is_a_copy_of_the_receiver_is_said_before_everything_else() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    // An IGC file whose recorder put the receiver's altitude, 47 m lower, into the pressure's field.
+    let fixes: String = (0..1_200)
+        .map(|second| {
+            let up = (second % 700).min(700 - second % 700);
+            let (minute, second) = (second / 60, second % 60);
+            format!("B10{minute:02}{second:02}4647{:03}N00812000EA{:05}{:05}\n", up, 900 + up - 47, 900 + up)
+        })
+        .collect();
+    fs::write(path.join("copy.igc"), format!("AXXXABC\nHFDTE010124\n{fixes}")).unwrap();
+    let words = "no barometer: what stands in its place is the receiver's altitude, -47 m, copied";
+    let text = stdout(path, &["open", "copy.igc"]);
+    assert!(text.lines().nth(1).unwrap().contains(words), "{text}");
+    assert!(!text.contains("used  ") && !text.contains("pylon diagnose"), "{text}");
+    for command in
+        [&["compare", "copy.igc"][..], &["diagnose", "copy.igc"], &["report", "copy.igc", "-o", "page.html"]]
+    {
+        let said = refusal(path, command);
+        assert!(said.starts_with(&format!("error: copy.igc: {words}")), "{said}");
+    }
+    assert_eq!(files(path), ["copy.igc"]);
+}
+
+/// Logs that are known for what they are, and have nothing to compare with.
+#[test]
+fn logs_of_computers_without_a_receivers_altitude_are_named() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    let mut cats = b"3.0.1\0".to_vec();
+    for k in 0..100_u32 {
+        cats.extend(
+            [(k * 10).to_le_bytes(), 0x20_u32.to_le_bytes(), 95_000_u32.to_le_bytes(), [0; 4]].concat(),
+        );
+    }
+    fs::write(path.join("flight.cfl"), cats).unwrap();
+    let names = "Year,Month,Day,Time,Flight_Time_(s),Temperature_(F),Baro_Press_(atm)";
+    let rows: String = (0..50).map(|k| format!("2024,5,1,10:00:00,{k},70,0.95\n")).collect();
+    fs::write(path.join("raven.csv"), format!("{names}\n{rows}")).unwrap();
+    for (file, what) in [("flight.cfl", "CATS flight computer"), ("raven.csv", "Featherweight Blue Raven")] {
+        for command in [&["open", file][..], &["import", file, "-o", "flight.csv"]] {
+            let said = refusal(path, command);
+            assert!(said.contains(what) && said.contains("nothing to compare its barometer with"), "{said}");
+        }
+    }
+    assert_eq!(files(path), ["flight.cfl", "raven.csv"]);
 }
 
 /// Never `baro.scale = -1`, which is what a barometer that does not move looks like.

@@ -69,6 +69,30 @@ fn add_learns_from_what_is_of_use_in_a_folder_and_strict_refuses() {
     assert!(output.status.success(), "{said}");
     assert!(said.contains("skipped 1 of 2 flights (--strict refuses instead):\n  logs/cut.csv: "), "{said}");
     assert!(fs::read_to_string(path.join("ours.toml")).unwrap().contains("baro.lag"));
+    // A log without the effect's own signal is of no use for it either; held-out ones are treated alike.
+    fs::rename(path.join("logs/cut.csv"), path.join("cut.csv")).unwrap();
+    let text = fs::read_to_string(path.join("logs/made.csv")).unwrap();
+    let bare: String = text
+        .lines()
+        .map(|line| match line.strip_prefix('#') {
+            Some(_) => format!("{line}\n"),
+            None => line.split(',').take(7).collect::<Vec<_>>().join(",") + "\n",
+        })
+        .collect();
+    fs::write(path.join("logs/bare.csv"), bare).unwrap();
+    fs::write(path.join("ours.toml"), common::MODEL).unwrap();
+    let add = [&add[..], &["--hold-out", "cut.csv", "other.csv"]].concat();
+    fs::copy(path.join("logs/made.csv"), path.join("other.csv")).unwrap();
+    let output = pylon(
+        path,
+        &add.iter().map(|word| if *word == "baro.lag" { "baro.propwash" } else { word }).collect::<Vec<_>>(),
+    );
+    let said = errors(&output);
+    assert!(said.contains("can't be learned, the flight has no throttle"), "{said}");
+    let output = pylon(path, &add);
+    let said = errors(&output);
+    assert!(output.status.success(), "{said}");
+    assert!(said.contains("skipped 1 of 2 flights (--strict refuses instead):\n  cut.csv: "), "{said}");
 }
 
 #[test]

@@ -22,6 +22,15 @@ fn made() -> (tempfile::TempDir, Flight) {
     let (_, baro) = flight.channels.iter_mut().find(|(channel, _)| *channel == Channel::BaroAltM).unwrap();
     baro.set(7, Some(f32::NAN));
     baro.set(8, None);
+    let position = |start: f32| {
+        let mut column = Column::empty(flight.rows());
+        let fixes = flight.channel(Channel::GpsAltM).unwrap().samples();
+        fixes.for_each(|(row, _)| assert!(column.set(row, Some(start + row as f32 / 65_536.0))));
+        column
+    };
+    let (latitude, longitude) = (position(47.0), position(8.0));
+    flight.extra.push(("latitude_deg".to_owned(), latitude));
+    flight.extra.push(("longitude_deg".to_owned(), longitude));
     flight.header.other.push(("recorder".to_owned(), "Größe \"7\"".to_owned()));
     pylon::flight::write(&directory.path().join("made.csv"), &flight).unwrap();
     (directory, flight)
@@ -37,7 +46,8 @@ fn expected(flight: &Flight) -> Vec<(String, [f64; 3])> {
     let rows = flight.rows() as f64;
     let time = ("time_s".to_owned(), [rows, rows, flight.time_s.iter().sum()]);
     let known = flight.channels.iter().map(|(channel, column)| (channel.name().to_owned(), told(column)));
-    std::iter::once(time).chain(known).collect()
+    let signals = flight.extra.iter().map(|(name, column)| (name.clone(), told(column)));
+    std::iter::once(time).chain(known).chain(signals).collect()
 }
 
 fn assert_same(reader: &str, found: &Value, expected: &[(String, [f64; 3])], relative: f64) {
@@ -149,6 +159,16 @@ fn foxgloves_own_reader_reads_the_mcap_by_its_schemas() {
     }
     let schema_of = |topic: &str| read["channels"][topic].as_str().unwrap().to_owned();
     assert_eq!((schema_of("/gps"), schema_of("/baro")), ("pylon.gps".to_owned(), "pylon.baro".to_owned()));
+    // The fixes are on Foxglove's map as well.
+    assert_eq!(schema_of("/gps/fix"), "foxglove.LocationFix");
+    let fixes = flight.extra[0].1.samples().count();
+    let last = &read["fixes"][fixes - 1];
+    assert_eq!(read["fixes"].as_array().unwrap().len(), fixes);
+    let (row, latitude) = flight.extra[0].1.samples().last().unwrap();
+    assert!((last["latitude"].as_f64().unwrap() - f64::from(latitude)).abs() < 1e-5, "{last}");
+    let time_s =
+        last["timestamp"]["sec"].as_f64().unwrap() + last["timestamp"]["nsec"].as_f64().unwrap() / 1e9;
+    assert!((time_s - flight.time_s[row]).abs() < 1e-9, "{last}");
     assert_eq!(read["metadata"][0][0], "pylon-flight");
     assert_eq!(read["metadata"][0][1]["recorder"], "Größe \"7\"");
 }

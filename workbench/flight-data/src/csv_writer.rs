@@ -9,6 +9,8 @@ use super::{Channel, Flight, MAX_TIME_S};
 
 /// Bytes of rows that are handed on at once.
 const WRITTEN_AT_ONCE: usize = 1 << 16;
+/// Smaller numbers have no exponent, or a negative one.
+const LARGE: f32 = 1e12;
 
 /// Writes a flight as CSV text: the known channels in the order of [`Channel::ALL`], then the others.
 ///
@@ -29,15 +31,20 @@ pub fn to_writer<W: Write>(out: W, flight: &Flight) -> io::Result<()> {
     csv.write_record(std::iter::once(names::TIME).chain(names))?;
     let mut text = csv.into_inner().map_err(csv::IntoInnerError::into_error)?;
     // A number needs no quotes, and every row has its time: most of the writing is spared the look for what to escape.
-    let mut buffer = ryu::Buffer::new();
+    let mut buffer = zmij::Buffer::new();
     for (row, time_s) in flight.time_s.iter().enumerate() {
-        text.extend_from_slice(shortest(buffer.format(*time_s)).as_bytes());
+        put(&mut text, buffer.format(*time_s), false);
+        // Most cells are empty: their commas are written with the next one that is not.
+        let mut commas = 0;
         for column in &columns {
-            text.push(b',');
+            commas += 1;
             if let Some(value) = column.get(row) {
-                text.extend_from_slice(shortest(buffer.format(value)).as_bytes());
+                text.resize(text.len() + commas, b',');
+                commas = 0;
+                put(&mut text, buffer.format(value), value.abs() >= LARGE);
             }
         }
+        text.resize(text.len() + commas, b',');
         text.push(b'\n');
         if text.len() >= WRITTEN_AT_ONCE {
             out.write_all(&text)?;
@@ -48,9 +55,17 @@ pub fn to_writer<W: Write>(out: W, flight: &Flight) -> io::Result<()> {
     out.flush()
 }
 
-/// Ryu's text without the `.0` that it gives whole numbers; `nan` in lower case as the format has it.
-fn shortest(text: &str) -> &str {
-    if text == "NaN" { "nan" } else { text.strip_suffix(".0").unwrap_or(text) }
+/// Appends a number without the `.0` of whole ones and, where it is large enough for an exponent, its plus sign; `nan` in lower case as the
+/// format has it.
+fn put(text: &mut Vec<u8>, number: &str, is_large: bool) {
+    if number == "NaN" {
+        text.extend_from_slice(b"nan");
+    } else if let Some((before, after)) = is_large.then(|| number.split_once('+')).flatten() {
+        text.extend_from_slice(before.as_bytes());
+        text.extend_from_slice(after.as_bytes());
+    } else {
+        text.extend_from_slice(number.strip_suffix(".0").unwrap_or(number).as_bytes());
+    }
 }
 
 fn write_header<W: Write>(out: &mut W, flight: &Flight) -> io::Result<()> {

@@ -136,7 +136,7 @@ pub enum CsvProblem {
     },
     /// No altitude to compare with the reference.
     #[error(
-        "no altitude besides gps_alt_m; expected baro_pa, baro_alt_m, imu_slave_alt_m, imu_master_alt_m, or all three accel_ and all three gyro_ columns"
+        "no altitude besides gps_alt_m: no barometer, and so nothing to calibrate; expected baro_pa, baro_alt_m, imu_slave_alt_m, imu_master_alt_m, or all three accel_ and all three gyro_ columns"
     )]
     NoSecondAltitude,
     /// Column names and no row after them.

@@ -4,8 +4,11 @@ use kf_core::atmosphere::pressure_altitude_m;
 
 use flight_data::{Channel, Flight, Note};
 
-/// A barometer that follows the receiver's altitude this closely, metres, is no barometer: both show whole metres at best.
-const COPIED_M: f64 = 0.51;
+/// A copy differs from the receiver by rounding alone ([`rounding_m`]), and by this much of arithmetic, metres. A barometer differs by its
+/// noise, its lag and the air besides, however good the receiver is.
+const ARITHMETIC_M: f64 = 0.01;
+/// Steps that are larger than this are no column's resolution, metres.
+const COARSEST_M: f64 = 1.0;
 /// Over less than this an equal barometer may be chance, metres.
 const RANGE_M: f64 = 10.0;
 /// A barometer that moved by less than this while the receiver moved by [`RANGE_M`] is stuck, metres.
@@ -52,7 +55,22 @@ pub fn check(flight: &Flight) -> Option<Fault> {
         return Some(Fault::Stuck);
     }
     let apart = ends(&|(own, other)| own - other);
-    (range(apart) <= 2.0 * COPIED_M).then_some(Fault::Copied { apart_m: 0.5 * (apart.0 + apart.1) })
+    let rounding_m = rounding_m(step(pairs.iter().map(|pair| pair.0)), step(pairs.iter().map(|pair| pair.1)));
+    (range(apart) <= rounding_m + 2.0 * ARITHMETIC_M)
+        .then_some(Fault::Copied { apart_m: 0.5 * (apart.0 + apart.1) })
+}
+
+/// How far apart differences of one and the same altitude, plus a constant, can be where both are rounded to whole steps: with equal steps
+/// they are two neighbouring multiples of one.
+fn rounding_m(one_m: f64, other_m: f64) -> f64 {
+    if (one_m - other_m).abs() < 1e-3 { one_m } else { one_m + other_m }
+}
+
+/// The smallest step between neighbouring values, metres: what a column is rounded to at most.
+fn step(values: impl Iterator<Item = f64> + Clone) -> f64 {
+    let steps = values.clone().zip(values.skip(1)).map(|(one, next)| (next - one).abs());
+    // Less than this is arithmetic.
+    steps.filter(|step| *step > 1e-3).fold(COARSEST_M, f64::min)
 }
 
 impl Fault {
@@ -102,6 +120,27 @@ mod tests {
         let wild = flight(|row, altitude_m| if row % 60 == 0 { 9_000.0 } else { altitude_m });
         assert_eq!(check(&wild), Some(Fault::Copied { apart_m: 0.0 }));
         assert_eq!(check(&flight(|_, _| 512.0)), Some(Fault::Stuck));
+        // What was rounded apart from the receiver is a copy all the same; a metre of noise is none, nor is a decimetre of it where
+        // nothing is rounded.
+        let noise_m = |row: usize| 1.2 * (row as f32 * 1.7).sin();
+        assert_eq!(check(&flight(|row, altitude_m| (altitude_m + 0.35 + noise_m(row)).round())), None);
+        let fine = |noise_m: f32| {
+            let mut flight = flight(|_, altitude_m| altitude_m);
+            let climb_m = |row: usize| 400.0 + 0.37 * row as f32;
+            let of = |value: &dyn Fn(usize) -> f32| {
+                let mut column = Column::default();
+                (0..300).for_each(|row| column.push(Some(value(row))));
+                column
+            };
+            flight.set_channel(Channel::GpsAltM, of(&climb_m));
+            flight.set_channel(
+                Channel::BaroAltM,
+                of(&|row| climb_m(row) + 47.0 + noise_m * (row as f32 * 1.7).sin()),
+            );
+            flight
+        };
+        assert_eq!(check(&fine(0.0)), Some(Fault::Copied { apart_m: 47.0 }));
+        assert_eq!(check(&fine(0.5)), None);
         // One that is right but for a drift of 5 m, and one that lags by 3 s.
         assert_eq!(check(&flight(|row, altitude_m| altitude_m + 47.0 + row as f32 / 60.0)), None);
         assert_eq!(

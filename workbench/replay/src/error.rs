@@ -4,6 +4,7 @@ use kf_core::estimator::ConfigError;
 use model::ModelError;
 use thiserror::Error;
 
+use super::barometer::Fault;
 use super::quiet::Calmest;
 use super::window::WindowError;
 use flight_data::CsvProblem;
@@ -15,12 +16,9 @@ pub enum ReplayError {
     /// The flight lacks what every comparison needs.
     #[error(transparent)]
     Flight(#[from] CsvProblem),
-    /// The barometer says one and the same for the whole flight, and there is no other altitude.
-    #[error(
-        "the barometer is stuck: it says the same for the whole flight while the receiver climbs, and there is no other altitude \
-         to compare with"
-    )]
-    StuckBarometer,
+    /// What is in the barometer's column was not measured by a barometer that works, and there is no other altitude.
+    #[error("{}; there is no other altitude to compare with the receiver's", .0.sentence())]
+    NoBarometer(Fault),
     /// The calibration window does not fit the flight.
     #[error(transparent)]
     Window(#[from] WindowError),

@@ -152,7 +152,7 @@ impl<'a> Replay<'a> {
     /// before the take-off, the first quiet stretch of the flight or, where there is none, the calmest.
     ///
     /// # Errors
-    /// A flight without reference or second altitude, or with a stuck barometer in its place, a window outside the flight or after
+    /// A flight without reference or second altitude, or with a barometer in its place that is stuck or a copy of the receiver, a window outside the flight or after
     /// its landing, or no launch column and nothing to calibrate on.
     pub fn new(
         flight: &'a Flight,
@@ -383,12 +383,14 @@ fn latitude_deg(flight: &Flight) -> Result<Option<f32>, ReplayError> {
 /// Whether there is a barometer to be believed, beside a reference and another altitude.
 fn has_barometer(flight: &Flight) -> Result<bool, ReplayError> {
     flight.require_altitudes()?;
-    let is_stuck = barometer::check(flight) == Some(barometer::Fault::Stuck);
+    let fault = barometer::check(flight);
     let inertial = [Channel::ImuSlaveAltM, Channel::ImuMasterAltM, Channel::AccelXMps2];
-    if is_stuck && !inertial.into_iter().any(|channel| flight.channel(channel).is_some()) {
-        return Err(ReplayError::StuckBarometer);
+    match fault {
+        Some(fault) if !inertial.into_iter().any(|channel| flight.channel(channel).is_some()) => {
+            Err(ReplayError::NoBarometer(fault))
+        }
+        fault => Ok(fault.is_none()),
     }
-    Ok(!is_stuck)
 }
 
 #[cfg(test)]

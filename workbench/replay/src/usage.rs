@@ -76,5 +76,5 @@ impl Usage {
 #[must_use]
 pub fn clock(at_s: f64) -> String {
     let whole = at_s.round().max(0.0) as u64;
-    format!("{:02}:{:02}:{:02} ({at_s:.0} s)", whole / 3600, whole / 60 % 60, whole % 60)
+    format!("{:02}:{:02}:{:02} ({whole} s)", whole / 3600, whole / 60 % 60, whole % 60)
 }

@@ -7,9 +7,10 @@ use clap::{Args, ValueEnum};
 use kf_core::effect::{Clock, EffectId};
 use model::Model;
 use pylon::diagnose::Wish;
+use pylon::flight::Flight;
 use pylon::learn::{Addition, Request, add, addition_text};
 use pylon::output_file::prepare;
-use pylon::replay::{CalibrationWindow, Replay};
+use pylon::replay::{CalibrationWindow, Replay, missing_columns};
 use time::{Date, OffsetDateTime};
 
 use super::failure::Failure;
@@ -104,15 +105,27 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     refuse_overwriting(&flights, &[Role::new(&output, "the model")])?;
     let date = today()?;
     load::refuse_repeats(&given.files, &held_files.files)?;
-    let batch = load::Batch::read(&given.files, arguments.strict, |flight| {
-        Replay::calibrated_or_not(flight, &before, arguments.calibrate).map(|_| ())
-    })?;
-    let held_out = load::flights(&held_files.files)?;
+    let is_usable = |flight: &Flight| {
+        let lacking = missing_columns(flight, effect);
+        if !lacking.is_empty() {
+            return Err(format!(
+                "{} can't be learned, the flight has no {}",
+                effect.name(),
+                lacking.join(", ")
+            ));
+        }
+        let replay = Replay::calibrated_or_not(flight, &before, arguments.calibrate);
+        replay.map(|_| ()).map_err(|error| error.to_string())
+    };
+    let [batch, held_out] =
+        [&given.files, &held_files.files].map(|files| load::Batch::read(files, arguments.strict, is_usable));
+    let (batch, held_out) = (batch?, held_out?);
     given.write_notes();
     held_files.write_notes();
     batch.write_skipped();
+    held_out.write_skipped();
     let window = arguments.calibrate;
-    for (files, flights) in [(&batch.files, &batch.flights), (&held_files.files, &held_out)] {
+    for load::Batch { files, flights, .. } in [&batch, &held_out] {
         load::write_unused(&load::replays_to_diagnose(files, flights, &before, window)?);
     }
     let request = Request {
@@ -128,7 +141,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         estimate: arguments.estimate,
         date,
         learning: load::named(&batch.files, &batch.flights),
-        held_out: load::named(&held_files.files, &held_out),
+        held_out: load::named(&held_out.files, &held_out.flights),
         window: arguments.calibrate,
     };
     let mut counter = Counter::new("learning", "fits and flights");

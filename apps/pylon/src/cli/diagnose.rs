@@ -7,6 +7,7 @@ use clap::Args;
 use pylon::batch::{self, Batch};
 use pylon::contained::contained;
 use pylon::diagnose::{Diagnosis, diagnose, text};
+use pylon::flight::Flight;
 use pylon::replay::{CalibrationWindow, Replay};
 use serde::Serialize;
 
@@ -58,19 +59,23 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let model = load::model(&arguments.model)?;
     let [given, held_files] = [Places::find(&arguments.flights)?, Places::find(&arguments.hold_out)?];
     load::refuse_repeats(&given.files, &held_files.files)?;
-    let batch = load::Batch::read(&given.files, arguments.strict, |flight| {
-        Replay::calibrated_or_not(flight, &model, arguments.calibrate).map(|_| ())
-    })?;
-    let held = load::flights(&held_files.files)?;
+    let is_usable = |flight: &Flight| {
+        let replay = Replay::calibrated_or_not(flight, &model, arguments.calibrate);
+        replay.map(|_| ()).map_err(|error| error.to_string())
+    };
+    let [batch, held_out] =
+        [&given.files, &held_files.files].map(|files| load::Batch::read(files, arguments.strict, is_usable));
+    let (batch, held_out) = (batch?, held_out?);
     let warnings = |files: &[PathBuf], flights: &[load::Read]| -> Vec<String> {
         let pairs = files.iter().zip(flights);
         pairs
             .flat_map(|(file, (_, notes))| notes.iter().map(|note| format!("{}: {note}", file.display())))
             .collect()
     };
-    let warnings = [warnings(&batch.files, &batch.flights), warnings(&held_files.files, &held)].concat();
+    let warnings =
+        [warnings(&batch.files, &batch.flights), warnings(&held_out.files, &held_out.flights)].concat();
     let learned = load::replays_to_diagnose(&batch.files, &batch.flights, &model, arguments.calibrate)?;
-    let held = load::replays_to_diagnose(&held_files.files, &held, &model, arguments.calibrate)?;
+    let held = load::replays_to_diagnose(&held_out.files, &held_out.flights, &model, arguments.calibrate)?;
     let mut counter = Counter::new("diagnosing", "fits");
     let together = contained(|| diagnose(&learned, &held, &mut || counter.step()));
     drop(counter);
@@ -95,6 +100,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     given.write_notes();
     held_files.write_notes();
     batch.write_skipped();
+    held_out.write_skipped();
     if arguments.json {
         let (together, failed) = together.map_or_else(|why| (None, Some(why)), |found| (Some(found), None));
         let mut json = serde_json::to_string_pretty(&Results { together, failed, one_by_one })?;

@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use model::Model;
 use pylon::contained::contained;
 use pylon::diagnose::NamedReplay;
-use pylon::flight::{Channel, Flight, Note};
-use pylon::import::{self, barometer};
+use pylon::flight::{Flight, Note};
+use pylon::import;
 use pylon::replay::{CalibrationWindow, Replay, ReplayError, Usage};
 
 use super::failure::Failure;
@@ -45,18 +45,6 @@ pub fn refuse_repeats(learned: &[PathBuf], held: &[PathBuf]) -> Result<(), Failu
 /// A flight as it was read, and what was remarkable about it.
 pub type Read = (Flight, Vec<Note>);
 
-/// The flights of some files, in their order.
-pub fn flights(files: &[PathBuf]) -> Result<Vec<Read>, Failure> {
-    files.iter().map(|file| flight(file)).collect()
-}
-
-/// Whether all that there is to compare with the receiver is a copy of it.
-fn is_copy(flight: &Flight) -> bool {
-    let inertial = [Channel::ImuSlaveAltM, Channel::ImuMasterAltM, Channel::AccelXMps2];
-    matches!(barometer::check(flight), Some(barometer::Fault::Copied { .. }))
-        && !inertial.into_iter().any(|channel| flight.channel(channel).is_some())
-}
-
 /// Several flights, without those that are of no use.
 pub struct Batch {
     /// Files of the flights.
@@ -73,18 +61,13 @@ impl Batch {
     pub fn read(
         files: &[PathBuf],
         strict: bool,
-        is_usable: impl Fn(&Flight) -> Result<(), ReplayError>,
+        is_usable: impl Fn(&Flight) -> Result<(), String>,
     ) -> Result<Self, Failure> {
         let mut batch = Self { files: Vec::new(), flights: Vec::new(), skipped: Vec::new() };
         let mut first = None;
         for file in files {
             let usable = contained(|| {
                 flight(file).and_then(|read| match is_usable(&read.0) {
-                    // Alone it is looked at with a warning; among others it would speak for all.
-                    Ok(()) if files.len() > 1 && is_copy(&read.0) => Err(Failure::input(format!(
-                        "{}: no barometer: what stands in its place is the receiver's altitude, copied",
-                        file.display()
-                    ))),
                     Ok(()) => Ok(read),
                     Err(error) => Err(Failure::input(format!("{}: {error}", file.display()))),
                 })

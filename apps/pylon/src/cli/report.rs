@@ -65,9 +65,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let model = load::model(&arguments.model)?;
     load::refuse_repeats(&given.files, &held_files.files)?;
     let batch = load::Batch::read(&given.files, arguments.strict, |flight| {
-        Replay::new(flight, &model, arguments.calibrate).map(|_| ())
+        Replay::new(flight, &model, arguments.calibrate).map(|_| ()).map_err(|error| error.to_string())
     })?;
-    let held = load::flights(&held_files.files)?;
+    let held = load::Batch::read(&held_files.files, arguments.strict, |flight| {
+        let replay = Replay::calibrated_or_not(flight, &model, arguments.calibrate);
+        replay.map(|_| ()).map_err(|error| error.to_string())
+    })?;
     let learned_from = load::replays(&batch.files, &batch.flights, &model, arguments.calibrate)?;
     let mut flights = Vec::with_capacity(batch.files.len());
     let mut without = Vec::new();
@@ -82,10 +85,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let mut counter = Counter::new("diagnosing", "fits");
     // A diagnosis needs nothing quiet to calibrate on.
-    let [to_diagnose, to_judge] = [(&batch.files, &batch.flights), (&held_files.files, &held)];
     let window = arguments.calibrate;
-    let to_diagnose = load::replays_to_diagnose(to_diagnose.0, to_diagnose.1, &model, window)?;
-    let to_judge = load::replays_to_diagnose(to_judge.0, to_judge.1, &model, window)?;
+    let to_diagnose = load::replays_to_diagnose(&batch.files, &batch.flights, &model, window)?;
+    let to_judge = load::replays_to_diagnose(&held.files, &held.flights, &model, window)?;
     let mut diagnosis = diagnose(&to_diagnose, &to_judge, &mut || counter.step());
     drop(counter);
     diagnosis.model.clone_from(&arguments.model);
@@ -100,7 +102,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     });
     keep_most_telling(&mut flights, &one_by_one.iter().flat_map(Batch::odd_files).collect::<Vec<_>>());
     let mut all: Vec<NamedFlight<'_>> = load::named(&batch.files, &batch.flights);
-    all.extend(load::named(&held_files.files, &held));
+    all.extend(load::named(&held.files, &held.flights));
     let mut progress =
         Progress::new("flying every revision", (model.revisions.len() as u64 + 1) * all.len() as u64);
     let mut ladder = ladder(&model, &all, arguments.calibrate, &mut |done| progress.show(done))
@@ -120,6 +122,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     given.write_notes();
     held_files.write_notes();
     batch.write_skipped();
+    held.write_skipped();
     let (count, size) = (flights.len(), html.len() as f64 / 1e6);
     let flights = if count == 1 { "1 flight".to_owned() } else { format!("{count} flights") };
     terminal::put(&format!("{}: {flights}, {size:.1} MB\n", arguments.output.display()))

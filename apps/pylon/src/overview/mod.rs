@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use crate::airborne::Outing;
 use crate::flight::{Channel, Column, Flight, Note};
+use crate::import::barometer;
 use crate::replay::{CalibrationWindow, Replay, Usage, has_launch};
 use model::Model;
 
@@ -45,6 +46,8 @@ pub struct Overview {
     pub calibration_window_s: Option<[f64; 2]>,
     /// Why it can not be analysed, if it can not.
     pub refused: Option<String>,
+    /// What is wrong with the barometer for all of the log, if anything is.
+    pub barometer_fault: Option<String>,
     /// The sensors.
     pub sensors: Vec<SensorView>,
     /// What was remarkable about the log.
@@ -110,6 +113,7 @@ impl Overview {
             calibration_window_s: window_s,
             next: text::next(file, refused.is_none()),
             refused,
+            barometer_fault: barometer::check(flight).map(barometer::Fault::sentence),
             sensors: sensors::views(flight),
             notes: notes.iter().map(ToString::to_string).collect(),
             usage,

@@ -19,6 +19,11 @@ pub fn text(overview: &Overview) -> String {
     let Overview { file, format, vehicle, .. } = overview;
     let of = if vehicle.is_empty() { String::new() } else { format!(", {vehicle}") };
     put!(out, "{file}: {format}{of}");
+    // What nothing below makes up for comes first.
+    if let Some(why) = overview.refused.as_ref().or(overview.barometer_fault.as_ref()) {
+        let what = if overview.refused.is_some() { "not usable" } else { "beware" };
+        put!(out, "  {what:<11}{why}");
+    }
     put!(
         out,
         "  the log    {} in {} rows, from {:.0} s to {:.0} s of its own clock",
@@ -28,12 +33,8 @@ pub fn text(overview: &Overview) -> String {
         overview.first_s + overview.duration_s
     );
     flights(&mut out, overview);
-    match (&overview.calibration, &overview.refused) {
-        (Some(calibration), _) => {
-            put!(out, "  calibrated {}", calibration.strip_prefix("calibrated ").unwrap_or(calibration))
-        }
-        (None, Some(refused)) => put!(out, "  not usable {refused}"),
-        (None, None) => {}
+    if let Some(calibration) = &overview.calibration {
+        put!(out, "  calibrated {}", calibration.strip_prefix("calibrated ").unwrap_or(calibration));
     }
     if overview.refused.is_none() {
         put!(out, "  used       {:.1} % of the log", 100.0 * overview.usage.used_share);

@@ -44,7 +44,9 @@ def mcap_reads():
 
     counts = {}
     with open(recording, "rb") as file:
-        for _, channel, message in make_reader(file).iter_messages():
+        for schema, _, message in make_reader(file).iter_messages():
+            if schema.name == "foxglove.LocationFix":
+                continue
             for name, value in json.loads(message.data).items():
                 count, total = counts.get(name, (0, []))
                 counts[name] = (count + 1, total + ([value] if value is not None else []))

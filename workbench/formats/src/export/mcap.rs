@@ -4,6 +4,10 @@
 //! device has a new sample; keys are the columns' names, which say the units. A sample that is not a
 //! finite number is null. The flight's header is a metadata record named `pylon-flight`. Chunks are
 //! not compressed.
+//!
+//! Where the flight has the position, the fixes are on `/gps/fix` as well, as `foxglove.LocationFix`
+//! (<https://docs.foxglove.dev/docs/visualization/message-schemas/location-fix>), which Foxglove's map
+//! shows.
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -51,6 +55,50 @@ struct Device<'a> {
     sequence: u32,
 }
 
+/// Where the receiver's position goes.
+const FIX_TOPIC: &str = "/gps/fix";
+/// What of `foxglove.LocationFix` is written: its JSON schema, without its descriptions and the covariance.
+const FIX_SCHEMA: &str = r#"{"title":"foxglove.LocationFix","type":"object","properties":{
+"timestamp":{"type":"object","title":"time","properties":{"sec":{"type":"integer","minimum":0},
+"nsec":{"type":"integer","minimum":0,"maximum":999999999}}},
+"frame_id":{"type":"string"},"latitude":{"type":"number"},"longitude":{"type":"number"},"altitude":{"type":"number"}}}"#;
+
+/// The columns of the receiver's position.
+struct Fixes<'a> {
+    channel_id: u16,
+    latitude_deg: &'a Column,
+    longitude_deg: &'a Column,
+    altitude_m: &'a Column,
+}
+
+impl<'a> Fixes<'a> {
+    /// Of a flight that has them.
+    fn of(
+        writer: &mut Writer<NoSeek<&mut dyn Write>>,
+        flight: &'a Flight,
+    ) -> Result<Option<Self>, McapError> {
+        let signal =
+            |wanted: &str| flight.extra.iter().find_map(|(name, column)| (name == wanted).then_some(column));
+        let columns = (signal("latitude_deg"), signal("longitude_deg"), flight.channel(Channel::GpsAltM));
+        let (Some(latitude_deg), Some(longitude_deg), Some(altitude_m)) = columns else { return Ok(None) };
+        let schema_id = writer.add_schema("foxglove.LocationFix", "jsonschema", FIX_SCHEMA.as_bytes())?;
+        let channel_id = writer.add_channel(schema_id, FIX_TOPIC, "json", &BTreeMap::new())?;
+        Ok(Some(Self { channel_id, latitude_deg, longitude_deg, altitude_m }))
+    }
+
+    /// The fix of a row, if it has one.
+    fn message(&self, row: usize, time_ns: u64) -> Option<Value> {
+        let of = |column: &Column| column.get(row).map(number).filter(|value| !value.is_null());
+        Some(json!({
+            "timestamp": { "sec": time_ns / 1_000_000_000, "nsec": time_ns % 1_000_000_000 },
+            "frame_id": "gps",
+            "latitude": of(self.latitude_deg)?,
+            "longitude": of(self.longitude_deg)?,
+            "altitude": of(self.altitude_m)?,
+        }))
+    }
+}
+
 /// Writes a flight.
 ///
 /// # Errors
@@ -68,7 +116,9 @@ fn write_all(out: &mut dyn Write, flight: &Flight) -> Result<McapSummary, McapEr
     let mut writer: Writer<NoSeek<&mut dyn Write>> = options.create(NoSeek::new(out))?;
     writer.write_metadata(&Metadata { name: "pylon-flight".to_owned(), metadata: header(flight) })?;
     let mut devices = devices(&mut writer, flight)?;
-    let mut summary = McapSummary { topics: devices.len(), messages: 0 };
+    let fixes = Fixes::of(&mut writer, flight)?;
+    let mut summary = McapSummary { topics: devices.len() + usize::from(fixes.is_some()), messages: 0 };
+    let mut sequence = 0_u32;
     for (row, time_s) in flight.time_s.iter().enumerate() {
         let time_ns = (time_s * 1e9).round() as u64;
         for device in &mut devices {
@@ -86,6 +136,19 @@ fn write_all(out: &mut dyn Write, flight: &Flight) -> Result<McapSummary, McapEr
             };
             writer.write_to_known_channel(&header, Value::Object(message).to_string().as_bytes())?;
             device.sequence = device.sequence.wrapping_add(1);
+            summary.messages += 1;
+        }
+        if let Some((fixes, message)) =
+            fixes.as_ref().and_then(|fixes| Some((fixes, fixes.message(row, time_ns)?)))
+        {
+            let header = MessageHeader {
+                channel_id: fixes.channel_id,
+                sequence,
+                log_time: time_ns,
+                publish_time: time_ns,
+            };
+            writer.write_to_known_channel(&header, message.to_string().as_bytes())?;
+            sequence = sequence.wrapping_add(1);
             summary.messages += 1;
         }
     }

@@ -27,6 +27,12 @@ pub enum ImportError {
     /// Parquet that can not be read.
     #[error(transparent)]
     Parquet(#[from] super::parquet::ParquetError),
+    /// A log of a known maker in which there is no altitude of a receiver.
+    #[error("{what}; there is nothing to compare its barometer with")]
+    WithoutReceiver {
+        /// What it is, and what to do.
+        what: &'static str,
+    },
     /// MCAP of another program.
     #[error(
         "MCAP that pylon did not write, expected one of 'pylon export FLIGHT --format mcap': what another program's topics \

@@ -157,6 +157,10 @@ impl Reader {
     }
 
     fn row(&mut self, time_s: f64, cells: &serde_json::Map<String, Value>) {
+        // A `foxglove.LocationFix` says once more what the columns say.
+        if cells.get("frame_id").is_some_and(Value::is_string) {
+            return;
+        }
         let is_new =
             self.time_s.last() != Some(&time_s) || cells.keys().any(|name| self.in_row.contains(name));
         if is_new {

@@ -11,6 +11,7 @@ mod damage;
 pub mod dataflash;
 mod error;
 mod fixes;
+mod foreign;
 mod gps_time;
 pub mod guess;
 pub mod igc;
@@ -19,6 +20,7 @@ pub mod mapping;
 pub mod mcap;
 mod own_header;
 pub mod parquet;
+mod receivers;
 pub mod record;
 pub mod signs;
 mod stamps;
@@ -107,7 +109,11 @@ pub fn as_logged(log: &[u8]) -> Result<(Flight, Vec<Note>), ImportError> {
         Some(importer) => importer.import(log),
         None if parquet::is_cut(log) => Err(ImportError::Parquet(parquet::ParquetError::Cut)),
         None if is_utf16(log) => Err(ImportError::Utf16),
-        None => Err(archive(log).map_or(ImportError::UnknownFormat, |kind| ImportError::Packed { kind })),
+        None => {
+            let packed = || archive(log).map(|kind| ImportError::Packed { kind });
+            let known = foreign::without_receiver(log).map(|what| ImportError::WithoutReceiver { what });
+            Err(known.or_else(packed).unwrap_or(ImportError::UnknownFormat))
+        }
     }
 }
 
@@ -155,6 +161,9 @@ pub fn open(bytes: &[u8], name: &str, executor: &dyn Executor) -> Result<(Flight
     if parquet::is_cut(bytes) {
         return Err(ImportError::Parquet(parquet::ParquetError::Cut).into());
     }
+    if let Some(what) = foreign::without_receiver(bytes).filter(|_| !is_csv) {
+        return Err(ImportError::WithoutReceiver { what }.into());
+    }
     if !is_csv && !has_flights_names(bytes) && mapping::is_table(bytes) {
         return Err(ImportError::Table { file: name.to_owned() }.into());
     }
@@ -165,6 +174,7 @@ pub fn open(bytes: &[u8], name: &str, executor: &dyn Executor) -> Result<(Flight
     notes.extend(leap::leave_out(&mut flight));
     notes.extend(leap::backward(&flight));
     notes.extend(unit_check::notes(&flight));
+    notes.extend(barometer::note(&flight));
     Ok((flight, notes))
 }
 

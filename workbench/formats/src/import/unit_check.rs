@@ -74,9 +74,11 @@ fn of_column(channel: Channel, column: &Column) -> Option<String> {
         format!("in {} they would be", others.join(" or "))
     };
     Some(format!(
-        "{}: values from {low} to {high} are not plausible in {own}; {meant}. Nothing is converted: write them in {own}, or read the \
+        "{}: values from {} to {} are not plausible in {own}; {meant}. Nothing is converted: write them in {own}, or read the \
          table by a mapping that says their unit",
-        channel.name()
+        channel.name(),
+        low as f32,
+        high as f32
     ))
 }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::collect::Collected;
 use super::format::Layout;
-use super::gps::{Receiver, receiver};
+use super::gps::{self, Receiver, receiver};
 use super::rules::{BARO_ABOVE_GROUND, RULES, Rule, Target};
 use super::throttle;
 use crate::import::ImportError;
@@ -71,7 +71,7 @@ pub fn convert(
     let mut first = summary(&collected, layouts, messages, duration_s);
     first.append(&mut notes);
     first.append(&mut clock_notes);
-    fix_notes(&receiver, &mut first);
+    fix_notes(&receiver, &times_us, &mut first);
     first.append(&mut used_notes);
     for unit in &collected.other_units {
         first.push(format!("{unit}, which is not what that field is elsewhere; left out"));
@@ -119,15 +119,9 @@ fn summary(collected: &Collected, layouts: &[Layout], messages: usize, duration_
     notes
 }
 
-fn fix_notes(receiver: &Receiver, notes: &mut Vec<String>) {
-    for (instance, count) in &receiver.others {
-        notes.push(format!(
-            "receiver {}: {count} 3D fixes, left out; receiver {} with {} is used",
-            instance + 1,
-            receiver.instance + 1,
-            receiver.fixes.fixes.len()
-        ));
-    }
+fn fix_notes(receiver: &Receiver, times_us: &[Option<u64>], notes: &mut Vec<String>) {
+    let used = gps::name(receiver.instance);
+    notes.extend(receiver.others.iter().map(|other| other.sentence((&used, &receiver.fixes), times_us)));
     for (count, what) in [
         (receiver.without, "GPS messages without a 3D fix, which give no sample"),
         (receiver.fixes.repeated, "GPS messages that repeat the fix before them, taken once"),

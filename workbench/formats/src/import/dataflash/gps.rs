@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::collect::{Collected, GpsMessage};
 use crate::import::fixes::{Fix, Fixes};
 use crate::import::gps_time::gps_us;
+use crate::import::receivers::Other;
 use crate::import::table::{Destination, Filling};
 use flight_data::Channel;
 
@@ -71,8 +72,8 @@ pub struct Receiver {
     pub without: usize,
     /// Its number, from 0.
     pub instance: u8,
-    /// 3D fixes of the other receivers.
-    pub others: Vec<(u8, usize)>,
+    /// The other receivers with 3D fixes.
+    pub others: Vec<Other>,
 }
 
 /// The receiver that has most fixes. `times_us` has the time of each stamp that is believed.
@@ -86,8 +87,18 @@ pub fn receiver(collected: &Collected, times_us: &[Option<u64>]) -> Receiver {
         return Receiver { without: collected.gps.len(), ..Receiver::default() };
     };
     let own = || collected.gps.iter().filter(|message| message.instance == instance);
-    let fixes = Fixes::new(own().filter(|message| message.is_3d()).map(GpsMessage::fix), times_us);
+    let fixes_of = |instance: u8| {
+        let own = collected.gps.iter().filter(|message| message.instance == instance && message.is_3d());
+        Fixes::new(own.map(GpsMessage::fix), times_us)
+    };
+    let fixes = fixes_of(instance);
+    let others: Vec<Other> = counts
+        .keys()
+        .filter(|other| **other != instance)
+        .map(|other| Other { name: name(*other), number: usize::from(*other) + 1, fixes: fixes_of(*other) })
+        .collect();
     let mut fillings = fixes.fillings(times_us);
+    fillings.extend(others.iter().flat_map(Other::fillings));
     fillings.push(Filling {
         destination: Destination::signal("gps_hdop"),
         samples: own()
@@ -96,13 +107,12 @@ pub fn receiver(collected: &Collected, times_us: &[Option<u64>]) -> Receiver {
             .collect(),
     });
     fillings.extend(accuracies(collected, &fixes.fixes, instance, times_us));
-    Receiver {
-        fillings,
-        without: own().filter(|message| !message.is_3d()).count(),
-        instance,
-        others: counts.into_iter().filter(|(other, _)| *other != instance).collect(),
-        fixes,
-    }
+    Receiver { fillings, without: own().filter(|message| !message.is_3d()).count(), instance, others, fixes }
+}
+
+/// What users call a receiver.
+pub fn name(instance: u8) -> String {
+    format!("receiver {}", u16::from(instance) + 1)
 }
 
 /// The accuracies that were logged behind the fixes, at the fixes' times.

@@ -317,6 +317,29 @@ fn text_lines_that_can_not_be_read_are_counted_and_named() {
     }
 }
 
+#[test]
+fn a_second_receiver_is_kept_beside_the_one_with_most_fixes() {
+    let mut log = copter(10);
+    for k in 0..24 {
+        let time_us = 2.000_5e6 + f64::from(k) * 4e5;
+        let week_ms = 100_000.0 + f64::from(k) * 400.0;
+        let altitude_m = 504.0 + f64::from(k) * 0.25;
+        put!(log, "GPS", time_us, 1.0, 3.0, week_ms, WEEK, 9.0, 0.8, 47.1, 8.7, altitude_m, 10.0, 90.0, -1.5);
+    }
+    for (flight, notes) in [import(&log.binary), import(log.text.as_bytes())] {
+        assert_eq!(samples(&flight, Channel::GpsAltM).len(), 25);
+        assert_eq!(signal(&flight, "gps_2_alt_m")[..2], [504.0, 504.25]);
+        assert_eq!(signal(&flight, "gps_2_sats"), [9.0; 24]);
+        assert!(
+            said(
+                &notes,
+                "receiver 1, with 25 3D fixes, is the reference; receiver 2, with 24, is kept as gps_2_alt_m"
+            ) && said(&notes, "is +4.0 m from the other's in the middle"),
+            "{notes:#?}"
+        );
+    }
+}
+
 /// A plane of 2014: times in milliseconds, the receiver's by its own field, throttle in per cent, no instances.
 #[test]
 fn a_log_of_milliseconds_has_the_receivers_own_time_beside_the_autopilots() {

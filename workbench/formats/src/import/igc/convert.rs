@@ -114,8 +114,10 @@ impl Converter {
         let mut notes = Vec::new();
         if losses.corrupt_lines > 0 {
             notes.push(format!(
-                "lines that could not be read and were left out: {}, the first is line {}",
-                losses.corrupt_lines, losses.first_corrupt_line
+                "lines that could not be read and were left out: {}, the first is line {}; records that were read: {}",
+                losses.corrupt_lines,
+                losses.first_corrupt_line,
+                self.flight.time_s.len()
             ));
         }
         if losses.bad_extension_records > 0 {
@@ -129,8 +131,8 @@ impl Converter {
         }
         if losses.before_first_fix > 0 {
             notes.push(format!(
-                "records with a time before the first fix's, left out: {}",
-                losses.before_first_fix
+                "records with a time before the first fix's, left out: {} of {}, the first is line {}",
+                losses.before_first_fix, losses.records, losses.first_before_line
             ));
         }
         let times = &self.flight.time_s;

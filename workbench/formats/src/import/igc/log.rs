@@ -31,6 +31,10 @@ pub struct Losses {
     pub blank_values: usize,
     /// Records with a time before the first fix.
     pub before_first_fix: usize,
+    /// The first of them, as a line of the file, from 1.
+    pub first_before_line: usize,
+    /// B and K records.
+    pub records: usize,
 }
 
 /// A log as read: one cell a row in each column, because a row of its own on the heap takes several times its line.
@@ -100,8 +104,12 @@ impl Log {
         let mut date = None;
         for (index, line) in lines(text).enumerate() {
             let line = line.trim_ascii_end();
+            let before = log.losses.before_first_fix;
+            log.losses.records += usize::from(matches!(line.first(), Some(b'B' | b'K')));
             let good = match line.first() {
                 None => true,
+                // No recorder writes a zero: what was on the card there is lost.
+                Some(_) if memchr::memchr(0, line).is_some() => false,
                 Some(b'B') => log.take_fix(line, &fix_extensions, &mut clock, date),
                 Some(b'K') => log.take_data(line, &data_extensions, &mut clock),
                 Some(kind @ (b'I' | b'J')) => {
@@ -131,6 +139,9 @@ impl Log {
                 }
                 Some(other) => other.is_ascii_uppercase(),
             };
+            if log.losses.before_first_fix > before && before == 0 {
+                log.losses.first_before_line = index + 1;
+            }
             if !good {
                 if log.losses.corrupt_lines == 0 {
                     log.losses.first_corrupt_line = index + 1;
@@ -361,7 +372,8 @@ mod tests {
                 first_corrupt_line: 6,
                 bad_extension_records: 1,
                 blank_values: 2,
-                before_first_fix: 0
+                records: 5,
+                ..Losses::default()
             }
         );
         assert_eq!(log.start, Some(((2003, 2, 1), 57_760)));

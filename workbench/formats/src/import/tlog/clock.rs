@@ -3,7 +3,7 @@
 use super::value::{Stamp, Timed};
 
 /// Times in microseconds beyond this are since 1970 (it is the year 2001), not since the sender started.
-const EPOCH_US: u64 = 1_000_000_000_000_000;
+pub const EPOCH_US: u64 = 1_000_000_000_000_000;
 /// A clock that goes back by more has started anew: messages of one sender come in a slightly other order than
 /// their times.
 const RESTART_US: u64 = 5_000_000;

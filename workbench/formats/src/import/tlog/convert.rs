@@ -1,14 +1,15 @@
 //! From a recording's values to a flight's columns.
 
 use super::Sender;
-use super::clock::{Clock, Time, longest_run};
+use super::clock::{Clock, EPOCH_US, Time, longest_run};
 use super::frame::Losses;
 use super::rows::Rows;
 use super::value::{Fix, Global, Sampled, Timed, Value};
 use crate::import::ImportError;
 use crate::import::airspeed::put_true_airspeed;
+use crate::import::damage::percent;
 use crate::import::gps_time::utc_text;
-use crate::import::leap;
+use crate::import::{leap, receivers};
 use flight_data::{Channel, Column, Flight, Header, Note};
 
 /// The phase of a Pylon in free flight (HEARTBEAT's custom_mode).
@@ -41,7 +42,13 @@ pub fn convert(
     let clock = Clock::of(&values);
     let times: Vec<Time> = values.iter().map(|timed| clock.time(timed)).collect();
     let rows = Rows::new(&times);
-    let start_us = values.iter().map(|timed| timed.recorded_us).min().unwrap_or(0);
+    // Without receiver's times they are since the sender's start.
+    let start_us = values
+        .iter()
+        .map(|timed| timed.recorded_us)
+        .min()
+        .filter(|start_us| *start_us >= EPOCH_US)
+        .unwrap_or(0);
     let header = Header {
         vehicle: format!("MAVLink system {}, component {}", sender.0, sender.1),
         source: "imported MAVLink tlog".to_owned(),
@@ -76,7 +83,6 @@ impl Converter {
         let counted = [
             (losses.bad_crc, "frames whose CRC is wrong, left out"),
             (losses.unreadable, "frames with values that MAVLink does not know, left out"),
-            (losses.garbage_bytes, "bytes between frames that are no frame"),
             (losses.unknown, "frames of messages that are not in MAVLink's common set, left out"),
             (
                 losses.backward,
@@ -89,6 +95,15 @@ impl Converter {
             if count > 0 {
                 self.note(format!("{what}: {count}"));
             }
+        }
+        if losses.garbage_bytes > 0 {
+            self.note(format!(
+                "damaged: {} of the file's {} bytes ({}) are no frame, the first at byte {}; what is before and after was read",
+                losses.garbage_bytes,
+                losses.bytes,
+                percent(losses.garbage_bytes, losses.bytes),
+                losses.first_garbage
+            ));
         }
         if losses.cut {
             self.note("the last frame is cut off");
@@ -164,6 +179,7 @@ impl Converter {
         let first_us = fixes.iter().map(|(_, fix)| fix.fix_time_us).min().unwrap_or(0);
         let times = fixes.iter().map(|(row, fix)| (*row, fix.fix_time_us.abs_diff(first_us) as f64 / 1e6));
         self.put(Channel::GpsTimeS, times.collect::<Vec<_>>());
+        self.second_receiver(&fixes);
 
         let down = self.named(Sampled::VelocityDown);
         if !down.is_empty() {
@@ -173,6 +189,33 @@ impl Converter {
             self.put(Channel::GpsVdMps, beside);
             self.note("gps_vd_mps is GLOBAL_POSITION_INT's velocity down: the autopilot's estimate, not the receiver's");
         }
+    }
+
+    fn second_receiver(&mut self, used: &[(usize, Fix)]) {
+        let fixes = self.picked(|value| if let Value::OtherFix(fix) = value { Some(*fix) } else { None });
+        if fixes.is_empty() {
+            return;
+        }
+        let each = |pick: fn(&Fix) -> Option<f64>| -> Vec<(usize, f64)> {
+            fixes.iter().filter_map(|(row, fix)| Some((*row, pick(fix)?))).collect()
+        };
+        for (name, samples) in [
+            ("gps_2_alt_m", each(|fix| Some(fix.altitude_m))),
+            ("gps_2_vn_mps", each(|fix| fix.ground_mps.map(|(north, _)| north))),
+            ("gps_2_ve_mps", each(|fix| fix.ground_mps.map(|(_, east)| east))),
+            ("gps_2_vacc_m", each(|fix| fix.vertical_accuracy_m)),
+            ("gps_2_sats", each(|fix| fix.satellites.map(f64::from))),
+        ] {
+            self.put_signal(name, samples);
+        }
+        let time_us = |row: &usize| (self.flight.time_s.get(*row).copied().unwrap_or(0.0) * 1e6) as u64;
+        let altitudes = |fixes: &[(usize, Fix)]| -> Vec<(u64, f64)> {
+            fixes.iter().map(|(row, fix)| (time_us(row), fix.altitude_m)).collect()
+        };
+        self.note(receivers::sentence(
+            ("GPS_RAW_INT", &mut altitudes(used)),
+            ("GPS2_RAW", 2, &altitudes(&fixes)),
+        ));
     }
 
     /// The velocity down of the position that is nearest to each fix.

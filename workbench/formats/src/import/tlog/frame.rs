@@ -7,8 +7,12 @@ use mavlink::{MavlinkVersion, Message, calculate_crc};
 
 use super::Sender;
 
-/// Bytes of the receiver's time.
-const STAMP: usize = 8;
+/// Bytes of the receiver's time before each frame of a recording.
+pub const STAMP: usize = 8;
+/// Bytes before each frame of a stream as it was sent.
+pub const NO_STAMP: usize = 0;
+/// A stream without stamps has at least so many frames: the check of one has 16 bits.
+const LEAST_UNSTAMPED: usize = 3;
 const MARKER_1: u8 = 0xfe;
 const MARKER_2: u8 = 0xfd;
 /// Marker and header.
@@ -43,6 +47,10 @@ pub struct Losses {
     pub unreadable: usize,
     /// Bytes that are no frame, between frames.
     pub garbage_bytes: usize,
+    /// Where the first of them is.
+    pub first_garbage: usize,
+    /// Bytes of all.
+    pub bytes: usize,
     /// Whether the last frame is cut off.
     pub cut: bool,
     /// Frames that were received before the one before them.
@@ -54,6 +62,8 @@ pub struct Losses {
 /// The messages of a recording, in its order.
 pub struct Packets<'a> {
     log: &'a [u8],
+    /// Bytes before each frame.
+    stamp: usize,
     at: usize,
     last_us: u64,
     losses: Losses,
@@ -84,9 +94,9 @@ struct Frame<'a> {
 }
 
 impl<'a> Packets<'a> {
-    /// The messages of these bytes.
-    pub fn new(log: &'a [u8]) -> Self {
-        Self { log, at: 0, last_us: 0, losses: Losses::default() }
+    /// The messages of these bytes, before each of whose frames there are so many of a stamp.
+    pub fn new(log: &'a [u8], stamp: usize) -> Self {
+        Self { log, stamp, at: 0, last_us: 0, losses: Losses { bytes: log.len(), ..Losses::default() } }
     }
 
     /// What was left out.
@@ -96,12 +106,14 @@ impl<'a> Packets<'a> {
 
     fn find(&mut self) -> Found {
         let Some(rest) = self.log.get(self.at..) else { return Found::Nothing };
-        let Some((stamp, rest)) = rest.split_first_chunk::<STAMP>() else { return Found::Nothing };
+        let Some((stamp, rest)) = rest.split_at_checked(self.stamp) else { return Found::Nothing };
+        // A stream without stamps says no receiver's time.
+        let recorded_us = stamp.first_chunk::<STAMP>().map_or(0, |stamp| u64::from_be_bytes(*stamp));
         let frame = match parse(rest) {
             Ok(frame) => frame,
             Err(found) => return found,
         };
-        let len = STAMP + frame.len;
+        let len = self.stamp + frame.len;
         if MavMessage::default_message_from_id(frame.id).is_none() {
             // Nothing vouches for it but that another frame follows.
             if !self.is_boundary(self.at + len) {
@@ -124,14 +136,22 @@ impl<'a> Packets<'a> {
         };
         let losses = &self.losses;
         let number = losses.read + losses.bad_crc + losses.unknown + losses.unreadable + 1;
-        let packet =
-            Packet { recorded_us: u64::from_be_bytes(*stamp), number, sender: frame.sender, message };
+        let packet = Packet { recorded_us, number, sender: frame.sender, message };
         Found::Packet(Box::new(packet), len)
+    }
+
+    /// Goes over a byte that is no frame.
+    fn skip(&mut self) {
+        if self.losses.garbage_bytes == 0 {
+            self.losses.first_garbage = self.at;
+        }
+        self.losses.garbage_bytes += 1;
+        self.at += 1;
     }
 
     /// Whether the log ends there, or has a marker where the next frame must have one.
     fn is_boundary(&self, at: usize) -> bool {
-        at == self.log.len() || matches!(self.log.get(at + STAMP), Some(&(MARKER_1 | MARKER_2)))
+        at == self.log.len() || matches!(self.log.get(at + self.stamp), Some(&(MARKER_1 | MARKER_2)))
     }
 }
 
@@ -151,24 +171,31 @@ impl Iterator for Packets<'_> {
                 Found::Skipped(len) => self.at += len,
                 Found::Cut => {
                     // A marker in garbage near the end looks the same; if there are frames after it, it was that.
-                    let mut rest = Packets::new(self.log.get(self.at + 1..).unwrap_or_default());
+                    let mut rest = Packets::new(self.log.get(self.at + 1..).unwrap_or_default(), self.stamp);
                     rest.losses.cut = true;
                     if self.losses.cut || rest.next().is_none() {
                         self.losses.cut = true;
                         self.at = self.log.len();
                     } else {
-                        self.losses.garbage_bytes += 1;
-                        self.at += 1;
+                        self.skip();
                     }
                 }
-                Found::Nothing => {
-                    self.losses.garbage_bytes += 1;
-                    self.at += 1;
-                }
+                Found::Nothing => self.skip(),
             }
         }
         None
     }
+}
+
+/// Bytes before each frame of a log, by what its beginning has more of; `None` where it has no frame at all. A stream without stamps
+/// read as one with them would give every other frame, with a time of nothing.
+pub fn stamp_length(beginning: &[u8]) -> Option<usize> {
+    let frames = |stamp| Packets::new(beginning, stamp).count();
+    let (stamped, unstamped) = (frames(STAMP), frames(NO_STAMP));
+    if unstamped > stamped && unstamped >= LEAST_UNSTAMPED {
+        return Some(NO_STAMP);
+    }
+    (stamped > 0).then_some(STAMP)
 }
 
 /// The frame that these bytes begin with, its CRC not yet checked.

@@ -1,5 +1,5 @@
 //! Recordings of MAVLink streams (`.tlog`), as ground stations make them: before each frame of the stream, the
-//! receiver's time as 8 bytes, big-endian, microseconds since 1970.
+//! receiver's time as 8 bytes, big-endian, microseconds since 1970. And streams as they were sent, without these times.
 //!
 //! | in the log | in the flight |
 //! |---|---|
@@ -29,7 +29,7 @@ use std::collections::BTreeMap;
 use crate::import::{ImportError, Importer};
 use flight_data::{Flight, Note};
 
-use frame::Packets;
+use frame::{NO_STAMP, Packets, STAMP, stamp_length};
 use received::Received;
 use value::Timed;
 
@@ -46,13 +46,14 @@ impl Importer for Tlog {
     }
 
     fn recognises(&self, log: &[u8]) -> bool {
-        Packets::new(log.get(..SNIFFED).unwrap_or(log)).next().is_some()
+        stamp_length(log.get(..SNIFFED).unwrap_or(log)).is_some()
     }
 
     fn import(&self, log: &[u8]) -> Result<(Flight, Vec<Note>), ImportError> {
-        let (sender, others) = sender(log);
-        let mut received = Received::default();
-        let mut packets = Packets::new(log);
+        let stamp = stamp_length(log.get(..SNIFFED).unwrap_or(log)).unwrap_or(STAMP);
+        let (sender, others) = sender(log, stamp);
+        let mut received = Received::new(stamp == NO_STAMP);
+        let mut packets = Packets::new(log, stamp);
         for packet in packets.by_ref().filter(|packet| packet.sender == sender) {
             received.take(&packet);
         }
@@ -65,12 +66,12 @@ impl Importer for Tlog {
 type Sender = (u32, u8);
 
 /// Who sent most of what is of use, and how many messages others sent.
-fn sender(log: &[u8]) -> (Sender, usize) {
+fn sender(log: &[u8], stamp: usize) -> (Sender, usize) {
     let mut useful: BTreeMap<Sender, usize> = BTreeMap::new();
     let mut total = 0;
     let mut of_sender: BTreeMap<Sender, usize> = BTreeMap::new();
     let mut values: Vec<Timed> = Vec::new();
-    for packet in Packets::new(log) {
+    for packet in Packets::new(log, stamp) {
         values.clear();
         value::take(&packet, &mut values);
         *useful.entry(packet.sender).or_default() += values.len();

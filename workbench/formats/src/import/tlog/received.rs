@@ -2,7 +2,7 @@
 
 use super::clock::boot_us;
 use super::frame::Packet;
-use super::value::{self, Timed};
+use super::value::{self, Stamp, Timed};
 use crate::import::gps_time::utc_text;
 use crate::import::stamps;
 
@@ -12,20 +12,49 @@ const AGREES_US: u64 = 1_000_000;
 /// What was received from a sender.
 #[derive(Default)]
 pub struct Received {
+    /// Whether the stream has no receiver's times: each frame counts as received at the latest time that its sender said.
+    is_unstamped: bool,
+    /// That time, and whether it is of a clock that counts milliseconds since the start, as all of a sender's messages but the
+    /// receiver's and the sensors' do.
+    latest: Option<(u64, bool)>,
     values: Vec<Timed>,
     /// Each frame's number, receiver's time, and the end of its values.
     frames: Vec<(usize, u64, usize)>,
 }
 
 impl Received {
+    /// Nothing yet, of a stream with or without receiver's times.
+    pub fn new(is_unstamped: bool) -> Self {
+        Self { is_unstamped, ..Self::default() }
+    }
+
     /// Takes a frame.
     pub fn take(&mut self, packet: &Packet) {
+        let begin = self.values.len();
         value::take(packet, &mut self.values);
-        self.frames.push((packet.number, packet.recorded_us, self.values.len()));
+        let mut recorded_us = packet.recorded_us;
+        if self.is_unstamped {
+            let own = self.values.get_mut(begin..).unwrap_or_default();
+            let said =
+                |timed: &Timed| Some((boot_us(timed.stamp)?, matches!(timed.stamp, Stamp::Milliseconds(_))));
+            let said = own.iter().find_map(said);
+            let is_better =
+                |(_, is_of_start): &(u64, bool)| *is_of_start || !self.latest.is_some_and(|(_, known)| known);
+            self.latest = said.filter(is_better).or(self.latest);
+            recorded_us = self.latest.map_or(0, |(time_us, _)| time_us);
+            own.iter_mut().for_each(|timed| timed.recorded_us = recorded_us);
+        }
+        self.frames.push((packet.number, recorded_us, self.values.len()));
     }
 
     /// The values of the frames whose time is to be believed, and what to say of the others.
     pub fn believed(self) -> (Vec<Timed>, Option<String>) {
+        if self.is_unstamped {
+            // What has no CRC is not there.
+            let said = "a stream without receiver's times: those of its messages are used, and for messages without one the latest before \
+                        them";
+            return (self.values, Some(said.to_owned()));
+        }
         let stamps_us: Vec<u64> = self.frames.iter().map(|(_, stamp, _)| *stamp).collect();
         let contradicting = stamps::contradicting_of_runs(&stamps_us);
         let begin = |frame: usize| {

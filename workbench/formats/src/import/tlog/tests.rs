@@ -108,6 +108,76 @@ fn samples(flight: &Flight, channel: Channel) -> Vec<(f64, f32)> {
     column.samples().map(|(row, sample)| (flight.time_s[row], sample)).collect()
 }
 
+/// A serial line's capture: the same flight, but for the receiver's times, which it has not.
+#[test]
+fn a_stream_without_receivers_times_is_the_same_flight() {
+    let log: Vec<u8> = (0..60_u64)
+        .flat_map(|k| {
+            let at_us = 5_000_000 + k * 1_000_000;
+            let attitude = MavMessage::ATTITUDE(ATTITUDE_DATA {
+                time_boot_ms: (at_us / 1_000) as u32,
+                roll: 0.25,
+                ..ATTITUDE_DATA::default()
+            });
+            let hud = MavMessage::VFR_HUD(VFR_HUD_DATA { airspeed: 20.0, ..VFR_HUD_DATA::default() });
+            [attitude, fix(at_us, 1_000_000 + k as i32), pressure(at_us, 900.0), hud]
+                .map(|message| v2(AHEAD_US + at_us, PYLON, &message))
+        })
+        .flatten()
+        .collect();
+    let (stamped, _) = import(&log);
+    let mut raw = Vec::new();
+    let mut packets = frame::Packets::new(&log, frame::STAMP);
+    let mut at = 0;
+    while packets.next().is_some() {
+        let len = 12 + usize::from(log[at + 9]);
+        raw.extend(&log[at + 8..at + 8 + len]);
+        at += 8 + len;
+    }
+    let (flight, notes) = import(&raw);
+    assert_eq!(flight.time_s, stamped.time_s);
+    for channel in [Channel::GpsAltM, Channel::BaroPa, Channel::RollRad, Channel::TasMps] {
+        assert_eq!(samples(&flight, channel), samples(&stamped, channel), "{}", channel.name());
+    }
+    assert!(!flight.header.other.iter().any(|(key, _)| key == "start_utc"));
+    assert!(notes.iter().any(|note| note.starts_with("a stream without receiver's times")), "{notes:?}");
+    // Garbage between its frames is named with its place.
+    raw.splice(1_000..1_000, [7; 100]);
+    let (_, notes) = import(&raw);
+    assert!(
+        notes
+            .iter()
+            .any(|note| note.starts_with("damaged: ") && note.contains("are no frame, the first at byte ")),
+        "{notes:?}"
+    );
+}
+
+#[test]
+fn a_second_receiver_is_kept_and_compared() {
+    let mut log = seconds(20);
+    for k in 0..20 {
+        let at_us = 5_000_000 + k * 1_000_000;
+        let message = MavMessage::GPS2_RAW(GPS2_RAW_DATA {
+            time_usec: at_us,
+            alt: 1_003_000 + k as i32,
+            fix_type: if k == 0 { GpsFixType::GPS_FIX_TYPE_2D_FIX } else { GpsFixType::GPS_FIX_TYPE_3D_FIX },
+            vel: u16::MAX,
+            satellites_visible: 7,
+            ..GPS2_RAW_DATA::default()
+        });
+        log.extend(v2(AHEAD_US + at_us + 22_000, PYLON, &message));
+    }
+    let (flight, notes) = import(&log);
+    assert_eq!(samples(&flight, Channel::GpsAltM).len(), 20);
+    let second = flight.extra.iter().find(|(name, _)| name == "gps_2_alt_m").unwrap();
+    assert_eq!(second.1.samples().next(), Some((1, 1_003.001)));
+    assert!(
+        notes.iter().any(|note| note.contains("GPS2_RAW, with 19, is kept as gps_2_alt_m")
+            && note.contains("is +3.0 m from the other's in the middle")),
+        "{notes:?}"
+    );
+}
+
 #[test]
 fn every_signal_of_a_pylon_arrives_with_its_unit_and_time() {
     let at_us = 7_005_300;

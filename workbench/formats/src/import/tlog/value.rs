@@ -68,6 +68,8 @@ pub enum Value {
     BarometerC(f32),
     ScaledBarometerC(f32),
     Fix(Fix),
+    /// A fix of the second receiver.
+    OtherFix(Fix),
     NoFix,
     Global(Global),
     AttitudeRad([f32; 3]),
@@ -146,27 +148,34 @@ pub fn take(packet: &Packet, values: &mut Vec<Timed>) {
             add(stamp, Value::ScaledBarometerC(f32::from(pressure.temperature) / 100.0));
         }
         MavMessage::GPS_RAW_INT(fix) => {
-            let stamp = Stamp::Microseconds(fix.time_usec);
-            if (fix.fix_type as u8) < GpsFixType::GPS_FIX_TYPE_3D_FIX as u8 {
-                return add(stamp, Value::NoFix);
-            }
-            let is_known = fix.vel != u16::MAX && fix.cog != u16::MAX;
-            let ground_mps = is_known.then(|| {
-                let (speed_mps, course) =
-                    (f64::from(fix.vel) / 100.0, (f64::from(fix.cog) / 100.0).to_radians());
-                (speed_mps * course.cos(), speed_mps * course.sin())
-            });
-            let has_position = fix.lat != i32::MAX && fix.lon != i32::MAX && (fix.lat, fix.lon) != (0, 0);
-            let position_deg = has_position.then(|| (degrees(fix.lat), degrees(fix.lon)));
-            let fix = Fix {
-                altitude_m: f64::from(fix.alt) / 1_000.0,
-                ground_mps,
-                satellites: (fix.satellites_visible != u8::MAX).then_some(fix.satellites_visible),
-                vertical_accuracy_m: (fix.v_acc != 0).then(|| f64::from(fix.v_acc) / 1_000.0),
-                position_deg,
-                fix_time_us: fix.time_usec,
+            let raw = RawFix {
+                fix_type: fix.fix_type as u8,
+                time_us: fix.time_usec,
+                altitude_mm: fix.alt,
+                latitude_e7: fix.lat,
+                longitude_e7: fix.lon,
+                speed_cmps: fix.vel,
+                course_cdeg: fix.cog,
+                satellites: fix.satellites_visible,
+                vertical_accuracy_mm: fix.v_acc,
             };
-            add(stamp, Value::Fix(fix));
+            add(Stamp::Microseconds(fix.time_usec), raw.fix().map_or(Value::NoFix, Value::Fix));
+        }
+        MavMessage::GPS2_RAW(fix) => {
+            let raw = RawFix {
+                fix_type: fix.fix_type as u8,
+                time_us: fix.time_usec,
+                altitude_mm: fix.alt,
+                latitude_e7: fix.lat,
+                longitude_e7: fix.lon,
+                speed_cmps: fix.vel,
+                course_cdeg: fix.cog,
+                satellites: fix.satellites_visible,
+                vertical_accuracy_mm: fix.v_acc,
+            };
+            if let Some(fix) = raw.fix() {
+                add(Stamp::Microseconds(fix.fix_time_us), Value::OtherFix(fix));
+            }
         }
         MavMessage::GLOBAL_POSITION_INT(position) => {
             let hundredths = |value: i16| f64::from(value) / 100.0;
@@ -200,6 +209,46 @@ pub fn take(packet: &Packet, values: &mut Vec<Timed>) {
             add(Stamp::Milliseconds(value.time_boot_ms), found);
         }
         _ => {}
+    }
+}
+
+/// What the messages of both receivers have.
+struct RawFix {
+    fix_type: u8,
+    time_us: u64,
+    altitude_mm: i32,
+    latitude_e7: i32,
+    longitude_e7: i32,
+    speed_cmps: u16,
+    course_cdeg: u16,
+    satellites: u8,
+    vertical_accuracy_mm: u32,
+}
+
+impl RawFix {
+    /// The fix, if it has an altitude.
+    fn fix(&self) -> Option<Fix> {
+        if self.fix_type < GpsFixType::GPS_FIX_TYPE_3D_FIX as u8 {
+            return None;
+        }
+        let is_known = self.speed_cmps != u16::MAX && self.course_cdeg != u16::MAX;
+        let ground_mps = is_known.then(|| {
+            let (speed_mps, course) =
+                (f64::from(self.speed_cmps) / 100.0, (f64::from(self.course_cdeg) / 100.0).to_radians());
+            (speed_mps * course.cos(), speed_mps * course.sin())
+        });
+        let (latitude_e7, longitude_e7) = (self.latitude_e7, self.longitude_e7);
+        let has_position =
+            latitude_e7 != i32::MAX && longitude_e7 != i32::MAX && (latitude_e7, longitude_e7) != (0, 0);
+        Some(Fix {
+            altitude_m: f64::from(self.altitude_mm) / 1_000.0,
+            ground_mps,
+            satellites: (self.satellites != u8::MAX).then_some(self.satellites),
+            vertical_accuracy_m: (self.vertical_accuracy_mm != 0)
+                .then(|| f64::from(self.vertical_accuracy_mm) / 1_000.0),
+            position_deg: has_position.then(|| (degrees(latitude_e7), degrees(longitude_e7))),
+            fix_time_us: self.time_us,
+        })
     }
 }
 

@@ -7,6 +7,7 @@ use super::rules::{RULES, Target};
 use crate::import::ImportError;
 use crate::import::damage::percent;
 use crate::import::gps_time::utc_text;
+use crate::import::receivers::Other;
 use crate::import::stamps::{self, Believed};
 use crate::import::table::{Destination, Filling, Group, Table, assemble};
 use crate::import::words::most_of;
@@ -40,9 +41,10 @@ pub fn convert(
         let fixes_without = receiver.without;
         return Err(ImportError::NoFixInLog { format, messages, fixes_without, expected, lost: damage });
     }
-    let fillings = receiver.fixes.fillings(&times_us);
+    let mut fillings = receiver.fixes.fillings(&times_us);
+    fillings.extend(receiver.others.iter().flat_map(Other::fillings));
     let mut converter = Converter { collected, fillings, notes: Vec::new() };
-    converter.receiver_notes(&receiver);
+    converter.receiver_notes(&receiver, &times_us);
     converter.barometer();
     converter.attitude();
     converter.airspeed();
@@ -177,13 +179,16 @@ impl Converter<'_> {
         self.fillings.push(Filling { destination: Destination::Channel(channel), samples });
     }
 
-    fn receiver_notes(&mut self, receiver: &Receiver) {
+    fn receiver_notes(&mut self, receiver: &Receiver, times_us: &[Option<u64>]) {
         let (topic, instance) = receiver.source;
-        for (other, number, count) in &receiver.others {
+        let used = format!("{topic} {}", instance + 1);
+        for other in &receiver.others {
+            self.note(other.sentence((&used, &receiver.fixes), times_us));
+        }
+        for (other, number, count) in &receiver.left_out {
             self.note(format!(
-                "{other} {}: {count} 3D fixes, left out; {topic} {} with {} is used",
+                "{other} {}: {count} 3D fixes, left out; {used} with {} is used",
                 number + 1,
-                instance + 1,
                 receiver.fixes.fixes.len()
             ));
         }

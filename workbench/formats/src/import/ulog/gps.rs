@@ -3,6 +3,7 @@
 use super::collect::Collected;
 use super::rules::{FIXES, RULES};
 use crate::import::fixes::{Fix, Fixes};
+use crate::import::receivers::Other;
 use crate::import::table::Group;
 
 /// The least type of a fix with an altitude.
@@ -34,8 +35,10 @@ pub struct Receiver {
     pub source: (&'static str, u8),
     /// Its messages without a 3D fix.
     pub without: usize,
-    /// The others, and how many 3D fixes they have.
-    pub others: Vec<(&'static str, u8, usize)>,
+    /// Other receivers.
+    pub others: Vec<Other>,
+    /// What is no receiver of its own: without a 3D fix, or where the reference itself comes from; and how many 3D fixes it has.
+    pub left_out: Vec<(&'static str, u8, usize)>,
 }
 
 /// A group's messages, each with its numbers.
@@ -55,9 +58,12 @@ fn is_3d(numbers: &[f32; number::WIDTH]) -> bool {
     numbers[number::TYPE] >= IS_3D && numbers[number::ALTITUDE].is_finite()
 }
 
+/// A topic's instance, its messages, and how many of them have a 3D fix.
+type Found<'a> = (&'static str, u8, &'a Group, usize);
+
 /// The receiver that the autopilot flew by, or else the one with most fixes.
 pub fn receiver(collected: &Collected, times_us: &[Option<u64>]) -> Receiver {
-    let mut found: Vec<(&'static str, u8, &Group, usize)> = Vec::new();
+    let mut found: Vec<Found<'_>> = Vec::new();
     for topic in FIXES {
         let Some(place) = RULES.iter().position(|rule| rule.topic == topic) else { continue };
         for ((_, instance), group) in collected.groups.range((place, 0)..=(place, u8::MAX)) {
@@ -76,6 +82,32 @@ pub fn receiver(collected: &Collected, times_us: &[Option<u64>]) -> Receiver {
             ..Receiver::default()
         };
     };
+    let beside = found.iter().filter(|(other, number, ..)| (other, number) != (topic, instance));
+    let (beside, mut left_out): (Vec<&Found<'_>>, Vec<&Found<'_>>) =
+        beside.partition(|(.., count)| *count > 0);
+    // One sensor_gps beside vehicle_gps_position is what that was made of.
+    let alone = |topic: &str| beside.iter().filter(|(other, ..)| *other == topic).count() == 1;
+    let (sources, others): (Vec<&Found<'_>>, Vec<&Found<'_>>) =
+        beside.iter().partition(|(other, ..)| other != topic && alone(other));
+    left_out.extend(sources);
+    Receiver {
+        fixes: fixes(collected, group, times_us),
+        source: (topic, *instance),
+        without: group.len() - count,
+        others: others
+            .into_iter()
+            .map(|(other, number, group, _)| Other {
+                name: format!("{other} {}", number + 1),
+                number: usize::from(*number) + 1,
+                fixes: fixes(collected, group, times_us),
+            })
+            .collect(),
+        left_out: left_out.iter().map(|(other, number, _, count)| (*other, *number, *count)).collect(),
+    }
+}
+
+/// A receiver's 3D fixes.
+fn fixes(collected: &Collected, group: &Group, times_us: &[Option<u64>]) -> Fixes {
     let fixes = messages(group).filter(|(_, numbers)| is_3d(numbers)).map(|(stamp, numbers)| {
         let [time_us, latitude_deg, longitude_deg] =
             collected.exact.get(&stamp).copied().unwrap_or([f64::NAN; 3]);
@@ -92,14 +124,5 @@ pub fn receiver(collected: &Collected, times_us: &[Option<u64>]) -> Receiver {
             longitude_deg,
         }
     });
-    Receiver {
-        fixes: Fixes::new(fixes, times_us),
-        source: (topic, *instance),
-        without: group.len() - count,
-        others: found
-            .iter()
-            .filter(|(other, number, ..)| (other, number) != (topic, instance))
-            .map(|(other, number, _, count)| (*other, *number, *count))
-            .collect(),
-    }
+    Fixes::new(fixes, times_us)
 }

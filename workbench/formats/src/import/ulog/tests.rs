@@ -261,6 +261,74 @@ fn topics_of_newer_and_older_releases_are_known() {
     }
 }
 
+/// The autopilot's choice is the reference, and what each of its two receivers said is kept beside it.
+#[test]
+fn of_several_receivers_each_is_kept_and_how_far_they_are_apart_is_said() {
+    let gps = "uint64_t timestamp;uint64_t time_utc_usec;int32_t lat;int32_t lon;int32_t alt;float epv;float vel_n_m_s;float \
+               vel_e_m_s;float vel_d_m_s;uint8_t fix_type;bool vel_ned_valid;uint8_t satellites_used;";
+    let log_of = |receivers: u8| {
+        let mut log = header();
+        log.format("vehicle_gps_position", gps);
+        log.format("sensor_gps", gps);
+        log.format("sensor_baro", "uint64_t timestamp;float pressure;float temperature;");
+        log.subscribe(0, "vehicle_gps_position", 0);
+        log.subscribe(9, "sensor_baro", 0);
+        for receiver in 0..receivers {
+            log.subscribe(1 + u16::from(receiver), "sensor_gps", receiver);
+        }
+        for k in 0..50 {
+            let time_us = 5e6 + f64::from(k) * 2e5;
+            let mut fix = |id: u16, later_us: f64, up_mm: f64| {
+                let altitude_mm = 500_000.0 + f64::from(k) * 400.0 + up_mm;
+                let utc_us = UTC_US + f64::from(k) * 2e5;
+                log.data(
+                    id,
+                    &[
+                        time_us + later_us,
+                        utc_us,
+                        4.7e8,
+                        8.5e7,
+                        altitude_mm,
+                        1.5,
+                        1.0,
+                        2.0,
+                        -2.0,
+                        3.0,
+                        1.0,
+                        12.0,
+                    ],
+                );
+            };
+            fix(0, 0.0, 0.0);
+            for receiver in 0..receivers {
+                // 0.1 s later at 2 m/s.
+                fix(1 + u16::from(receiver), 1e5, 200.0 + 2_500.0 * f64::from(receiver));
+            }
+            log.data(9, &[time_us, 95_000.0, 30.0]);
+        }
+        log.log
+    };
+    let (flight, notes) = import(&log_of(2));
+    assert_eq!(samples(&flight, Channel::GpsAltM)[..2], [500.0, 500.4]);
+    assert_eq!(signal(&flight, "gps_1_alt_m")[..2], [500.2, 500.6]);
+    assert_eq!(signal(&flight, "gps_2_alt_m")[..2], [502.7, 503.1]);
+    assert_eq!(signal(&flight, "gps_2_vd_mps"), [-2.0; 50]);
+    let words = "vehicle_gps_position 1, with 50 3D fixes, is the reference; sensor_gps 2, with 50, is kept as gps_2_alt_m and other \
+                 signals gps_2_*: its altitude is +2.5 m from the other's in the middle, and +2.5 to +2.5 m in 96 of 100 fixes";
+    assert!(said(&notes, words), "{notes:#?}");
+    // What is written is read again.
+    let mut written = Vec::new();
+    flight_data::to_writer(&mut written, &flight).unwrap();
+    let (again, remarks) = flight_data::parse(&written).unwrap();
+    assert_eq!((signal(&again, "gps_2_alt_m").len(), remarks.len()), (50, 0), "{remarks:?}");
+    // A single one is what the reference was made of.
+    let (flight, notes) = import(&log_of(1));
+    assert!(
+        signal(&flight, "gps_1_alt_m").is_empty() && said(&notes, "sensor_gps 1: 50 3D fixes, left out"),
+        "{notes:?}"
+    );
+}
+
 #[test]
 fn a_log_with_any_byte_changed_costs_that_message_and_moves_no_other() {
     let log = copter(3);

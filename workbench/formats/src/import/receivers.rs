@@ -1,0 +1,114 @@
+//! Several receivers in one log: one is the reference, the others are signals beside it.
+//!
+//! An altitude of two receivers is no mean of both: their errors are largely the same, and one that jumps would pull the other. So one is
+//! used as it stands, and what the others say is kept under names of their own, with how far they are from it.
+
+use super::fixes::{Fix, Fixes};
+use super::table::{Destination, Filling};
+
+/// Between fixes of the receiver that is used that are farther apart nothing is compared: what it would have said is not known.
+const APART_US: u64 = 2_000_000;
+/// Of fewer fixes at common times nothing is said.
+const LEAST_COMMON: usize = 5;
+
+/// A receiver that is not the reference.
+#[derive(Clone, Debug)]
+pub struct Other {
+    /// What the log calls it.
+    pub name: String,
+    /// Its number as users count, from 1.
+    pub number: usize,
+    /// Its fixes.
+    pub fixes: Fixes,
+}
+
+impl Other {
+    /// Its signals.
+    pub fn fillings(&self) -> Vec<Filling> {
+        let signal = |what: &str, value: &dyn Fn(&Fix) -> f64| Filling {
+            destination: Destination::signal(format!("gps_{}_{what}", self.number)),
+            samples: self.fixes.fixes.iter().map(|fix| (fix.stamp, value(fix) as f32)).collect(),
+        };
+        vec![
+            signal("alt_m", &|fix| fix.altitude_m),
+            signal("vn_mps", &|fix| fix.velocity_mps[0]),
+            signal("ve_mps", &|fix| fix.velocity_mps[1]),
+            signal("vd_mps", &|fix| fix.velocity_mps[2]),
+            signal("vacc_m", &|fix| fix.vertical_accuracy_m),
+            signal("sats", &|fix| fix.satellites),
+        ]
+    }
+
+    /// What is to be said of it beside the receiver that is used.
+    pub fn sentence(&self, used: (&str, &Fixes), times_us: &[Option<u64>]) -> String {
+        let altitudes = |fixes: &Fixes| -> Vec<(u64, f64)> {
+            let timed =
+                |fix: &Fix| Some((times_us.get(fix.stamp as usize).copied().flatten()?, fix.altitude_m));
+            fixes.fixes.iter().filter_map(timed).collect()
+        };
+        let (name, fixes) = used;
+        sentence((name, &mut altitudes(fixes)), (&self.name, self.number, &altitudes(&self.fixes)))
+    }
+}
+
+/// What is to be said of a receiver beside the one that is used: names, fixes as times in microseconds and altitudes in metres.
+pub fn sentence(used: (&str, &mut [(u64, f64)]), other: (&str, usize, &[(u64, f64)])) -> String {
+    let (used_name, used) = used;
+    let (name, number, altitudes) = other;
+    used.sort_by_key(|(time_us, _)| *time_us);
+    let mut apart_m: Vec<f64> =
+        altitudes.iter().filter_map(|(time_us, other_m)| Some(other_m - at(used, *time_us)?)).collect();
+    apart_m.sort_by(f64::total_cmp);
+    let share = |percent: usize| apart_m.get((apart_m.len().saturating_sub(1)) * percent / 100).copied();
+    let apart = match [2, 50, 98].map(share) {
+        [Some(least), Some(middle), Some(most)] if apart_m.len() >= LEAST_COMMON => format!(
+            "its altitude is {middle:+.1} m from the other's in the middle, and {least:+.1} to {most:+.1} m in 96 of 100 fixes"
+        ),
+        _ => "it has too few fixes beside the other's to say how far they are apart".to_owned(),
+    };
+    format!(
+        "several receivers: {used_name}, with {} 3D fixes, is the reference; {name}, with {}, is kept as gps_{number}_alt_m and \
+         other signals gps_{number}_*: {apart}",
+        used.len(),
+        altitudes.len()
+    )
+}
+
+/// The altitude between the fixes around a time.
+fn at(fixes: &[(u64, f64)], time_us: u64) -> Option<f64> {
+    let next = fixes.partition_point(|(fix_us, _)| *fix_us < time_us);
+    let (after_us, after_m) = *fixes.get(next)?;
+    if after_us == time_us {
+        return Some(after_m);
+    }
+    let (before_us, before_m) = *fixes.get(next.checked_sub(1)?)?;
+    let between_us = after_us - before_us;
+    let share = (time_us - before_us) as f64 / between_us as f64;
+    (between_us <= APART_US).then(|| before_m + share * (after_m - before_m))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_second_receiver_is_compared_at_its_own_times() {
+        // A climb of 2 m/s; the second is half a second later and 3 m higher, and once 40 m.
+        let mut used: Vec<(u64, f64)> = (0..100).map(|k| (k * 1_000_000, 2.0 * k as f64)).collect();
+        let other: Vec<(u64, f64)> = (0..100)
+            .map(|k| (k * 1_000_000 + 500_000, 2.0 * k as f64 + 1.0 + if k == 50 { 40.0 } else { 3.0 }))
+            .collect();
+        let said = sentence(("GPS", &mut used), ("GPS2", 2, &other));
+        for words in [
+            "GPS, with 100 3D fixes, is the reference",
+            "GPS2, with 100, is kept as gps_2_alt_m",
+            "is +3.0 m from",
+            "+3.0 to +3.0 m",
+        ] {
+            assert!(said.contains(words), "{said}");
+        }
+        // In a gap of the reference there is nothing to compare with.
+        let mut gap = [(0, 0.0), (60_000_000, 120.0)];
+        assert!(sentence(("GPS", &mut gap), ("GPS2", 2, &other)).contains("too few"));
+    }
+}
