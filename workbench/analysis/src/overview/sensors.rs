@@ -1,12 +1,12 @@
 //! Which sensors a log has, and whether they measured.
 
+use flight_data::{Channel, Column, Flight};
+use replay::barometer::{self, Fault};
 use serde::Serialize;
-
-use crate::flight::{Channel, Column, Flight};
-use crate::import::barometer::{self, Fault};
 
 /// Whether a sensor measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum SensorState {
     /// It has values that change.
@@ -21,6 +21,7 @@ pub enum SensorState {
 
 /// A sensor of a log.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct SensorView {
     /// Its name.
     pub sensor: &'static str,

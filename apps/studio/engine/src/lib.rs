@@ -1,0 +1,3 @@
+//! The workbench for a page: what it asks ([`protocol`]), and what it is answered.
+
+pub mod protocol;
