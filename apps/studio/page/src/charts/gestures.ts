@@ -8,19 +8,21 @@ const CLICK = 4;
 const WHEEL = 0.0015;
 
 export interface Hand {
-  /** The element under the curves, as wide as the time axis. */
+  /** What is touched. */
   readonly area: HTMLElement;
+  /** The part of it that is the time axis, as it lies now. */
+  readonly axis: () => DOMRect;
   /** What is drawn while it is dragged. */
   readonly draft: (span: Span | null) => void;
 }
 
 /** Listens; what it returns ends that. */
-export function listen({ area, draft }: Hand): () => void {
+export function listen({ area, axis, draft }: Hand): () => void {
   const fingers = new Map<number, number>();
   let begun: { x: number; time: number; view: Span; as: "select" | "pan" | "zoom" } | null = null;
 
   const timeAt = (x: number, of: Span = view.value): number => {
-    const box = area.getBoundingClientRect();
+    const box = axis();
     return of.from + ((x - box.left) / Math.max(box.width, 1)) * (of.to - of.from);
   };
 

@@ -10,7 +10,7 @@ import type { Span } from "../state/view";
 import { colour, faint, onTheme } from "./colours";
 import type { Role } from "./colours";
 import { listen, press } from "./gestures";
-import { clock, short } from "./number";
+import { short } from "./number";
 
 export type Values = ReadonlyArray<number | null>;
 
@@ -74,10 +74,18 @@ export interface TimeChartProps {
   readonly axis: boolean;
 }
 
+/** Round seconds, minutes and hours. */
+const STEPS_S = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14400];
+
 /** As wide as `--gutter`: the ribbons begin where the curves do. */
-const GUTTER = 58;
+const GUTTER = 64;
 const RIGHT = 10;
 const FONT = '11.5px system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif';
+
+const nothing = (): null => null;
+const UNBOUND: uPlot.Cursor.Bind = {
+  mousedown: nothing, mouseup: nothing, click: nothing, dblclick: nothing, mousemove: nothing, mouseleave: nothing, mouseenter: nothing,
+};
 
 export function TimeChart({ label, spec, axis }: TimeChartProps): JSX.Element {
   const place = useRef<HTMLDivElement>(null);
@@ -93,7 +101,6 @@ export function TimeChart({ label, spec, axis }: TimeChartProps): JSX.Element {
     const made = make(box, () => latest.current, axis, () => draft.value);
     plot.current = made;
     const stops = [
-      listen({ area: made.over, draft: (span) => { draft.value = span; } }),
       onTheme(() => made.redraw(false, true)),
       effect(() => {
         const { from, to } = view.value;
@@ -117,6 +124,13 @@ export function TimeChart({ label, spec, axis }: TimeChartProps): JSX.Element {
       plot.current = null;
     };
   }, [shape]);
+
+  useEffect(() => {
+    const box = place.current;
+    if (!box) return undefined;
+    const axis = (): DOMRect => (plot.current?.over ?? box).getBoundingClientRect();
+    return listen({ area: box, axis, draft: (span) => { draft.value = span; } });
+  }, []);
 
   useEffect(() => {
     plot.current?.setData(columns(spec), false);
@@ -201,11 +215,12 @@ function make(
     },
     axes: [
       axis
-        ? { ...common, size: 20, gap: 3, values: (_, splits) => splits.map((value) => tick(value, splits)) }
+        ? { ...common, size: 20, gap: 3, values: (_, splits) => splits.map((value) => tick(value, splits)), incrs: STEPS_S }
         : { ...common, size: 0, values: (_, splits) => splits.map(() => "") },
       { ...common, size: GUTTER, gap: 4, space: 26, values: (_, splits) => splits.map((value) => `${trimmed(value)}${first.unit}`) },
     ],
-    cursor: { drag: { x: false, y: false, setScale: false }, points: { show: false }, y: false },
+    // The page's own gestures move it.
+    cursor: { bind: UNBOUND, drag: { x: false, y: false, setScale: false }, points: { show: false }, y: false },
     hooks: {
       drawClear: [(self) => under(self, spec())],
       draw: [(self) => over(self, spec(), drafted())],
@@ -224,9 +239,20 @@ function trimmed(value: number): string {
   return size >= 1 || size === 0 ? String(Math.round(value * 1000) / 1000).replace("-", "−") : short(value);
 }
 
+/** Where minutes begin to be written. */
+const MINUTES_S = 120;
+
+function isInMinutes(splits: ReadonlyArray<number>): boolean {
+  const step = splits.length > 1 ? (splits[1] ?? 0) - (splits[0] ?? 0) : 0;
+  return step >= 1 && (splits.at(-1) ?? 0) > MINUTES_S;
+}
+
 function tick(value: number, splits: ReadonlyArray<number>): string {
-  const step = splits.length > 1 ? (splits[1] ?? 0) - (splits[0] ?? 0) : 1;
-  return step < 1 ? `${trimmed(value)} s` : clock(value);
+  if (!isInMinutes(splits)) return `${trimmed(value)} s`;
+  const [sign, size] = [value < 0 ? "−" : "", Math.abs(Math.round(value))];
+  const [hours, minutes, seconds] = [Math.floor(size / 3600), Math.floor((size % 3600) / 60), size % 60];
+  const two = (part: number): string => String(part).padStart(2, "0");
+  return hours > 0 ? `${sign}${hours}:${two(minutes)}:${two(seconds)}` : `${sign}${minutes}:${two(seconds)}`;
 }
 
 function rangeOf(spec: TimeSpec, least: number | null, greatest: number | null): uPlot.Range.MinMax {

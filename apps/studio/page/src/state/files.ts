@@ -1,10 +1,11 @@
 // Files in and out of the page.
 
-import { ask } from "../ask";
+import { made } from "../ask";
 import { writeModel } from "./server";
 import { flights, holdOuts, learners, notice, openLog, shown } from "./flights";
 import { messageOf } from "./resource";
-import { isServed, model, openModel } from "./studio";
+import { model } from "./model";
+import { isServed, openModel } from "./studio";
 
 export type ExportKind = "model" | "flight" | "compare" | "diagnose" | "ladder";
 
@@ -19,9 +20,9 @@ function download(name: string, media: string, bytes: BlobPart): void {
 
 /** Onto the disk by the server, else as a download. */
 export async function saveModel(): Promise<void> {
-  if (isServed.value) {
+  if (isServed) {
     try {
-      notice.value = await writeModel(model.value);
+      notice.value = await writeModel(model.value.text);
     } catch (error) {
       notice.value = messageOf(error);
     }
@@ -37,18 +38,18 @@ export async function exportFile(kind: ExportKind): Promise<void> {
   }
   const flight = shown.value;
   const window = flight?.window ?? null;
-  const ids = (list: ReadonlyArray<{ id: string }>): string[] => list.map(({ id }) => id);
+  const ids = (list: ReadonlyArray<{ flight: string }>): string[] => list.map((one) => one.flight);
   try {
     if (!flight) throw new Error("No flight is open to export.");
     const all = [...learners.value, ...holdOuts.value];
-    const { answer, bytes } = await ask("export", {
+    const file = await made({
       export:
-        kind === "flight" ? { what: "flight", flight: flight.id }
-        : kind === "compare" ? { what: "compare", flight: flight.id, model: model.value, window }
+        kind === "flight" ? { what: "flight", flight: flight.flight }
+        : kind === "compare" ? { what: "compare", flight: flight.flight, model: model.value, window }
         : kind === "diagnose" ? { what: "diagnose", flights: ids(learners.value), hold_outs: ids(holdOuts.value), model: model.value, window: all.length === 1 ? window : null }
         : { what: "ladder", flights: ids(all), model: model.value, window: all.length === 1 ? window : null },
     });
-    download(answer.name, answer.media, bytes as Uint8Array<ArrayBuffer>);
+    download(file.name, file.media, file.bytes);
   } catch (error) {
     notice.value = messageOf(error);
   }
@@ -58,9 +59,8 @@ export async function exportFile(kind: ExportKind): Promise<void> {
 export async function openFiles(list: Iterable<File>): Promise<void> {
   await Promise.all([...list].map(async (file) => {
     try {
-      const bytes = new Uint8Array(await file.arrayBuffer());
-      if (file.name.toLowerCase().endsWith(".toml")) await openModel(file.name, new TextDecoder().decode(bytes));
-      else await openLog(file.name, bytes);
+      if (file.name.toLowerCase().endsWith(".toml")) await openModel(file.name, await file.text());
+      else await openLog(file.name, file);
     } catch (error) {
       notice.value = `${file.name}: ${messageOf(error)}`;
     }

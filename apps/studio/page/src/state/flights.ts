@@ -2,7 +2,8 @@
 
 import { batch, computed, signal } from "@preact/signals";
 
-import { ask } from "../ask";
+import { ask, forget, openFile, openScenario } from "../ask";
+import type { OpenedFlight } from "../ask";
 import type { Opened, Window } from "../protocol";
 import { dropLog, keepLog } from "./kept";
 import { messageOf } from "./resource";
@@ -13,6 +14,8 @@ export type Use = "learn" | "hold_out" | "off";
 
 export interface Flight {
   readonly id: string;
+  /** What the engine calls it; empty until it is open. */
+  readonly flight: string;
   readonly file: string;
   /** The name of the scenario that it was simulated by; null for a log. */
   readonly sample: string | null;
@@ -65,33 +68,30 @@ function change(id: string, to: Partial<Flight>): void {
   flights.value = flights.value.map((flight) => (flight.id === id ? { ...flight, ...to } : flight));
 }
 
-/** Opens a log's bytes; the first good one is shown. */
-export async function openLog(file: string, bytes: Uint8Array): Promise<void> {
+/** Opens a log; the first good one is shown. */
+export async function openLog(file: string, blob: Blob): Promise<void> {
   const id = newId();
-  const isKept = keepLog(id, bytes.slice()).then(() => true, () => false);
-  add({ id, file, sample: null, use: "learn", window: null, opened: null, problem: null });
-  await opening(id, async () => (await ask("open", { flight: id, file }, { bytes })).answer);
-  if (!(await isKept)) notice.value = `This browser has no room to keep ${file}: after a reload it has to be opened again.`;
+  add({ id, flight: "", file, sample: null, use: "learn", window: null, opened: null, problem: null });
+  const isOpen = await opening(id, () => openFile(file, blob));
+  if (!isOpen) return;
+  const isKept = await keepLog(id, blob).then(() => true, () => false);
+  if (!isKept) notice.value = `This browser has no room to keep ${file}: after a reload it has to be opened again.`;
 }
 
 export async function openSample(sample: string): Promise<void> {
   const id = newId();
-  add({ id, file: `${sample} (simulated)`, sample, use: "learn", window: null, opened: null, problem: null });
-  await opening(id, async () => (await ask("open_sample", { flight: id, sample })).answer);
+  add({ id, flight: "", file: `${sample} (simulated)`, sample, use: "learn", window: null, opened: null, problem: null });
+  await opening(id, () => openScenario(sample));
 }
 
 /** As it was before a reload. */
-export async function reopen(kept: Flight, bytes: Uint8Array | null): Promise<void> {
-  add({ ...kept, opened: null, problem: null });
+export async function reopen(kept: Flight, blob: Blob | null): Promise<void> {
+  add({ ...kept, flight: "", opened: null, problem: null });
   await opening(kept.id, async () => {
-    if (kept.sample !== null) {
-      await ask("open_sample", { flight: kept.id, sample: kept.sample });
-    } else if (bytes) {
-      await ask("open", { flight: kept.id, file: kept.file }, { bytes });
-    } else {
-      throw new Error(`${kept.file}: this browser did not keep the log; open it again`);
-    }
-    return (await ask("flight", { flight: kept.id, window: kept.window })).answer;
+    if (kept.sample === null && !blob) throw new Error(`${kept.file}: this browser did not keep the log; open it again`);
+    const opened = kept.sample !== null ? await openScenario(kept.sample) : await openFile(kept.file, blob ?? new Blob());
+    if (kept.window === null) return opened;
+    return { flight: opened.flight, ...(await ask("flight", { flight: opened.flight, window: kept.window })) };
   });
 }
 
@@ -99,16 +99,17 @@ function add(flight: Flight): void {
   flights.value = [...flights.value, flight];
 }
 
-async function opening(id: string, act: () => Promise<Opened>): Promise<void> {
+async function opening(id: string, act: () => Promise<OpenedFlight>): Promise<boolean> {
   try {
-    const opened = await act();
+    const { flight, ...opened } = await act();
     batch(() => {
-      change(id, { opened, problem: null });
-      if (shown.value === null || shownId.value === null) show(id);
+      change(id, { flight, opened, problem: null });
+      if (shown.value === null) show(id);
     });
+    return true;
   } catch (error) {
     change(id, { problem: messageOf(error) });
-    void dropLog(id);
+    return false;
   }
 }
 
@@ -131,15 +132,15 @@ export function setUse(id: string, use: Use): void {
 /** Calibrates elsewhere; null: where Pylon would. */
 export async function setWindow(id: string, window: Window | null): Promise<void> {
   try {
-    const { answer } = await ask("flight", { flight: id, window });
-    change(id, { window, opened: answer });
+    const flight = flights.value.find((one) => one.id === id)?.flight ?? "";
+    change(id, { window, opened: await ask("flight", { flight, window }) });
   } catch (error) {
     notice.value = messageOf(error);
   }
 }
 
 export function close(id: string): void {
-  const wasOpen = flights.value.find((flight) => flight.id === id)?.opened;
+  const name = flights.value.find((flight) => flight.id === id)?.flight ?? "";
   batch(() => {
     flights.value = flights.value.filter((flight) => flight.id !== id);
     if (shownId.value !== id) return;
@@ -149,5 +150,5 @@ export function close(id: string): void {
     if (next) show(next.id);
   });
   void dropLog(id);
-  if (wasOpen) void ask("close", { flight: id });
+  if (name !== "") void forget(name);
 }

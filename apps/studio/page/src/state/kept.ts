@@ -1,4 +1,4 @@
-// What outlives a reload: the logs' bytes and the session, in this browser and nowhere else.
+// What outlives a reload: the logs and the session, in this browser and nowhere else.
 
 const NAME = "pylon-studio";
 const LOGS = "logs";
@@ -44,13 +44,13 @@ async function remove(store: string, key: string): Promise<void> {
   base.transaction(store, "readwrite").objectStore(store).delete(key);
 }
 
-export async function keepLog(id: string, bytes: Uint8Array): Promise<void> {
-  await put(LOGS, id, bytes);
+export async function keepLog(id: string, blob: Blob): Promise<void> {
+  await put(LOGS, id, blob);
 }
 
-export async function keptLog(id: string): Promise<Uint8Array | null> {
+export async function keptLog(id: string): Promise<Blob | null> {
   const found = await get(LOGS, id);
-  return found instanceof Uint8Array ? found : null;
+  return found instanceof Blob ? found : null;
 }
 
 export async function dropLog(id: string): Promise<void> {

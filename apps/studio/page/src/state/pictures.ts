@@ -3,13 +3,13 @@
 import { computed, signal } from "@preact/signals";
 
 import { ask } from "../ask";
-import type { Reply } from "../ask";
 import type { Band, Gaps, Level, Line, Mark, TimeSpec, Values } from "../charts/time_chart";
 import type { Role } from "../charts/colours";
 import type { Correlated, Drawn, ModelText, Paired, Series, Signal, Window } from "../protocol";
 import { sensor, shown } from "./flights";
 import { resource } from "./resource";
-import { before, diagnosed, diagnoses, guides, model, ribbons } from "./studio";
+import { before, model } from "./model";
+import { diagnosed, diagnoses, guides, ribbons } from "./studio";
 import { inside, view } from "./view";
 import type { Span } from "./view";
 
@@ -44,12 +44,12 @@ function question(text: ModelText | null, signals: (sensor: string) => Signal[])
   const span = inside({ from: Math.max(from - margin, flight.opened.first_s), to: Math.min(to + margin, flight.opened.last_s) });
   const pixels = Math.max(Math.round((chartWidth.value * (span.to - span.from)) / (to - from)), 64);
   return {
-    flight: flight.id, model: text, window: flight.window, signals: signals(name),
+    flight: flight.flight, model: text, window: flight.window, signals: signals(name),
     from_s: span.from, to_s: span.to, pixels, after: diagnoses.value,
   };
 }
 
-async function curves({ after: _, ...request }: CurvesQuestion): Promise<Reply<Series>> {
+async function curves({ after: _, ...request }: CurvesQuestion): Promise<Series> {
   return ask("series", request);
 }
 
@@ -97,8 +97,8 @@ function values(numbers: Float64Array): Values {
   return Array.from(numbers, (value) => (Number.isNaN(value) ? null : value));
 }
 
-function gapsOf(drawn: Drawn, reply: Reply<Series>): Gaps {
-  const pairs = reply.numbers(drawn.gaps_s);
+function gapsOf(drawn: Drawn): Gaps {
+  const pairs = drawn.gaps_s;
   const gaps: Span[] = [];
   for (let i = 0; i + 1 < pairs.length; i += 2) gaps.push({ from: pairs[i] ?? 0, to: pairs[i + 1] ?? 0 });
   return gaps;
@@ -114,18 +114,18 @@ interface Curve {
   readonly isThinned: boolean;
 }
 
-function curve(reply: Reply<Series>, at: number): Curve | null {
-  const drawn = reply.answer.curves[at];
+function curve(reply: Series, at: number): Curve | null {
+  const drawn = reply.curves[at];
   if (!drawn) return null;
-  const [least, greatest] = [reply.numbers(drawn.least), reply.numbers(drawn.greatest)];
+  const [least, greatest] = [drawn.least, drawn.greatest];
   return {
     least: values(least),
     greatest: values(greatest),
     mean: values(least.map((value, i) => (value + (greatest[i] ?? NaN)) / 2)),
-    sigma: drawn.sigma ? reply.numbers(drawn.sigma) : null,
-    gaps: gapsOf(drawn, reply),
+    sigma: drawn.sigma ? drawn.sigma : null,
+    gaps: gapsOf(drawn),
     isEmpty: drawn.values === 0,
-    isThinned: reply.answer.is_thinned,
+    isThinned: reply.is_thinned,
   };
 }
 
@@ -142,18 +142,18 @@ function sigmaBand(name: string, role: Role, found: Curve): Band[] {
     const by = sigma[i] ?? NaN;
     return value === null || Number.isNaN(by) ? null : value + sign * by;
   });
-  return [{ name: `${name}, ± 1 sigma`, role, low: edge(-1), high: edge(1), gaps: found.gaps, alpha: 0.2, edge: false }];
+  return [{ name: `${name}, one sigma`, quiet: true, role, low: edge(-1), high: edge(1), gaps: found.gaps, alpha: 0.2, edge: false }];
 }
 
 export const calibration = computed<Span | null>(() => {
   const window = shown.value?.window;
   if (window) return { from: window.start_s, to: window.end_s };
-  const phase = ribbons.answer.value?.answer.phases.find(({ what }) => what === "calibrating");
+  const phase = ribbons.answer.value?.phases.find(({ what }) => what === "calibrating");
   return phase ? { from: phase.from_s, to: phase.to_s } : null;
 });
 
 const marks = computed<Mark[]>(() => {
-  const launch = ribbons.answer.value?.answer.launch_s ?? null;
+  const launch = ribbons.answer.value?.launch_s ?? null;
   const hasLaunch = shown.value?.opened.overview.has_launch === true;
   return launch === null || !hasLaunch ? [] : [{ name: "launch", at: launch, role: "ink" }];
 });
@@ -168,7 +168,7 @@ export const altitudeSpec = computed<TimeSpec | null>(() => {
     ...(modelled && !modelled.isEmpty ? [drawn("Modelled", "modelled", modelled)] : []),
   ];
   return {
-    x: Array.from(reply.numbers(reply.answer.time_s)),
+    x: Array.from(reply.time_s),
     bands: parts.flatMap(({ bands }) => bands),
     lines: parts.flatMap(({ lines }) => lines),
     levels: [], marks: marks.value, shade: calibration.value, zero: false, unit: "",
@@ -187,12 +187,12 @@ interface Part {
   readonly lines: Line[];
 }
 
-function errorPart(reply: Reply<Series>, name: string, role: Role, beyond: boolean): Part | null {
+function errorPart(reply: Series, name: string, role: Role, beyond: boolean): Part | null {
   const found = curve(reply, beyond ? 0 : 1);
   if (!found || found.isEmpty) return null;
   const { bands, lines } = drawn(name, role, found, 0.5);
   return {
-    x: Array.from(reply.numbers(reply.answer.time_s)),
+    x: Array.from(reply.time_s),
     bands: [...(beyond ? sigmaBand(name, role, found) : []), ...bands],
     lines: lines.map((line) => ({ ...line, width: 1.75 })),
   };
@@ -214,22 +214,22 @@ export const errorSpec = computed<TimeSpec | null>(() => {
   const what = whatIf.value.length > 0 ? predictions.answer.value : null;
   if (what) parts.push(predictionPart(what));
   const merged = joined(parts);
-  const bound = sensor.value === null ? undefined : ribbons.answer.value?.answer.bounds_m[sensor.value];
+  const bound = sensor.value === null ? undefined : ribbons.answer.value?.bounds_m[sensor.value];
   return { ...merged, levels: limits(bound), marks: marks.value, shade: calibration.value, zero: true, unit: "" };
 });
 
-function predictionPart(reply: Reply<Series>): Part {
-  const lines = reply.answer.curves.map((of, at): Line | null => {
+function predictionPart(reply: Series): Part {
+  const lines = reply.curves.map((of, at): Line | null => {
     const found = curve(reply, at);
     if (!found || of.signal.signal !== "effect") return null;
     const title = guides.value.get(of.signal.effect)?.title ?? of.signal.effect;
     return { name: `What if: ${title}`, role: "what-if", y: found.mean, gaps: found.gaps, dashed: true, width: 2 };
   });
-  return { x: Array.from(reply.numbers(reply.answer.time_s)), bands: [], lines: lines.filter((line) => line !== null) };
+  return { x: Array.from(reply.time_s), bands: [], lines: lines.filter((line) => line !== null) };
 }
 
 function limits(bound: number | undefined): Level[] {
-  const launch = ribbons.answer.value?.answer.launch_s ?? null;
+  const launch = ribbons.answer.value?.launch_s ?? null;
   const end = shown.value?.opened.last_s ?? 0;
   if (bound === undefined || launch === null) return [];
   return [
@@ -278,7 +278,7 @@ function errorSignal(): Signal {
 }
 
 export interface Points {
-  readonly reply: Reply<Paired>;
+  readonly reply: Paired;
   readonly x: string;
   readonly y: string;
 }
@@ -289,7 +289,7 @@ export function points(x: () => string, y: () => string): { answer: { readonly v
     () => {
       const flight = shown.value;
       if (!flight || flight.opened.overview.refused !== null || x() === "" || y() === "") return null;
-      return { flight: flight.id, x: x(), y: y(), xSignal: signalOf(x()), ySignal: signalOf(y()), model: model.value, window: flight.window, after: diagnoses.value };
+      return { flight: flight.flight, x: x(), y: y(), xSignal: signalOf(x()), ySignal: signalOf(y()), model: model.value, window: flight.window, after: diagnoses.value };
     },
     async (of): Promise<Points> => ({
       x: of.x, y: of.y,
@@ -303,8 +303,8 @@ export function points(x: () => string, y: () => string): { answer: { readonly v
 }
 
 export interface Correlations {
-  readonly now: Reply<Correlated>;
-  readonly then: Reply<Correlated> | null;
+  readonly now: Correlated;
+  readonly then: Correlated | null;
 }
 
 const LAG_SHARE = 0.15;
@@ -316,12 +316,12 @@ export const correlations = resource(
     const flight = shown.value;
     if (!flight || flight.opened.overview.refused !== null || sensor.value === null || !errorNow.answer.value) return null;
     return {
-      flight: flight.id, window: flight.window, signal: errorSignal(), model: model.value, before: before.value, after: diagnoses.value,
+      flight: flight.flight, window: flight.window, signal: errorSignal(), model: model.value, before: before.value, after: diagnoses.value,
       longest: Math.min(LONGEST_LAG, LAG_SHARE * (flight.opened.last_s - flight.opened.first_s)),
     };
   },
   async (of): Promise<Correlations> => {
-    const one = (text: ModelText): Promise<Reply<Correlated>> => ask("correlation", {
+    const one = (text: ModelText): Promise<Correlated> => ask("correlation", {
       flight: of.flight, model: text, window: of.window, signal: of.signal, with: null, from_s: null, to_s: null, longest_lag_s: of.longest,
     });
     return { now: await one(of.model), then: of.before ? await one(of.before) : null };

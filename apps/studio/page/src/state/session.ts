@@ -8,7 +8,7 @@ import type { Flight, Use } from "./flights";
 import { across, places, xyAcross, xyUp } from "./layout";
 import type { PanelKind } from "./layout";
 import { keepSession, keptLog, keptSession } from "./kept";
-import { DEFAULT_MODEL, models } from "./studio";
+import { DEFAULT_MODEL, models } from "./model";
 import { drag } from "./view";
 import type { Drag } from "./view";
 
@@ -58,8 +58,8 @@ export async function restore(): Promise<void> {
     sensor.value = found.sensor;
   });
   await Promise.all(found.flights.map(async (flight) => {
-    const bytes = flight.sample === null ? await keptLog(flight.id).catch(() => null) : null;
-    await reopen({ ...flight, opened: null, problem: null }, bytes);
+    const blob = flight.sample === null ? await keptLog(flight.id).catch(() => null) : null;
+    await reopen({ ...flight, flight: "", opened: null, problem: null }, blob);
   }));
   if (found.shown !== null) {
     const wanted = found.sensor;

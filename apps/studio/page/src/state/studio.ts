@@ -2,21 +2,13 @@
 
 import { batch, computed, effect, signal } from "@preact/signals";
 
-import { ask, serves } from "../ask";
+import { ask, served } from "../ask";
 import type { Added, Compared, Diagnosed, EffectGuide, Headline, Ladder, ModelFacts, ModelText, Ribbons } from "../protocol";
-import type { Reply } from "../ask";
 import { flights, holdOuts, learners, notice, ready, sensor, shown } from "./flights";
+import { before, model, models } from "./model";
 import { messageOf, resource } from "./resource";
 
-export const DEFAULT_MODEL: ModelText = { name: "model.toml", text: "" };
-
-/** Every state of the model that Undo can go back to; the last one counts. */
-export const models = signal<ReadonlyArray<ModelText>>([DEFAULT_MODEL]);
-export const model = computed(() => models.value.at(-1) ?? DEFAULT_MODEL);
-/** The model before its newest revision. */
-export const before = computed(() => models.value.at(-2) ?? null);
-export const canUndo = computed(() => models.value.length > 1);
-export const isServed = signal(serves());
+export const isServed = served !== null;
 
 export interface Progress {
   readonly text: string;
@@ -32,14 +24,14 @@ const added = signal<Headline | null>(null);
 export const guides = signal<ReadonlyMap<string, EffectGuide>>(new Map());
 
 export async function loadGuides(): Promise<void> {
-  const { answer } = await ask("effects", {});
+  const answer = await ask("effects", {});
   guides.value = new Map(answer.map((guide) => [guide.effect, guide]));
 }
 
 /** Counts the diagnoses: what is drawn beyond the reference depends on them. */
 export const diagnoses = signal(0);
 
-const files = (list: ReadonlyArray<{ id: string }>): string[] => list.map(({ id }) => id);
+const files = (list: ReadonlyArray<{ flight: string }>): string[] => list.map(({ flight }) => flight);
 
 function windowOfAll(): { start_s: number; end_s: number } | null {
   const all = [...learners.value, ...holdOuts.value];
@@ -49,12 +41,12 @@ function windowOfAll(): { start_s: number; end_s: number } | null {
 function comparisonOf(text: ModelText | null): { flight: string; model: ModelText; window: { start_s: number; end_s: number } | null } | null {
   const flight = shown.value;
   if (!flight || flight.opened.overview.refused !== null || text === null) return null;
-  return { flight: flight.id, model: text, window: flight.window };
+  return { flight: flight.flight, model: text, window: flight.window };
 }
 
-export const compared = resource(() => comparisonOf(model.value), async (of): Promise<Compared> => (await ask("compare", of)).answer);
-export const ribbons = resource(() => comparisonOf(model.value), (of): Promise<Reply<Ribbons>> => ask("ribbons", of));
-export const ribbonsBefore = resource(() => comparisonOf(before.value), (of): Promise<Reply<Ribbons>> => ask("ribbons", of));
+export const compared = resource(() => comparisonOf(model.value), async (of): Promise<Compared> => await ask("compare", of));
+export const ribbons = resource(() => comparisonOf(model.value), (of): Promise<Ribbons> => ask("ribbons", of));
+export const ribbonsBefore = resource(() => comparisonOf(before.value), (of): Promise<Ribbons> => ask("ribbons", of));
 
 export const diagnosed = resource(
   () => diagnosisOf(model.value),
@@ -63,7 +55,7 @@ export const diagnosed = resource(
     try {
       // The error beyond the reference is drawn with each model's own diagnosis.
       if (before.value) await ask("diagnose", { ...of, model: before.value });
-      return (await ask("diagnose", of)).answer;
+      return await ask("diagnose", of);
     } finally {
       progress.value = null;
       diagnoses.value += 1;
@@ -77,11 +69,11 @@ function diagnosisOf(text: ModelText): { flights: string[]; hold_outs: string[];
 }
 
 /** What is in the model, as it is now. */
-export const modelFacts = resource(() => ({ model: model.value }), async (of): Promise<ModelFacts> => (await ask("model", of)).answer);
+export const modelFacts = resource(() => ({ model: model.value }), async (of): Promise<ModelFacts> => await ask("model", of));
 
 export const ladder = resource(
   () => (ready.value.length === 0 ? null : { flights: files([...learners.value, ...holdOuts.value]), model: model.value, window: windowOfAll() }),
-  async (of): Promise<Ladder> => (await ask("ladder", of)).answer,
+  async (of): Promise<Ladder> => await ask("ladder", of),
 );
 
 interface Said {
@@ -113,7 +105,7 @@ export async function addEffect(id: string): Promise<void> {
   if (learners.value.length === 0) return;
   progress.value = { text: `Learning ${id}`, share: null };
   try {
-    const { answer } = await ask("add", {
+    const answer = await ask("add", {
       effect: id,
       flights: files(learners.value),
       hold_outs: files(holdOuts.value),

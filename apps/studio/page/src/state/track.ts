@@ -21,9 +21,9 @@ export interface FoundTrack extends TrackPoints {
 
 export const trackPoints = computed<FoundTrack | null>(() => {
   const [fixes, moves] = [positions.answer.value, velocities.answer.value];
-  if (fixes && fixes.reply.answer.of > 1) {
+  if (fixes && fixes.reply.of > 1) {
     const { reply } = fixes;
-    const [time, longitude, latitude] = [reply.numbers(reply.answer.time_s), reply.numbers(reply.answer.x), reply.numbers(reply.answer.y)];
+    const [time, longitude, latitude] = [reply.time_s, reply.x, reply.y];
     const [east, north] = [longitude[0] ?? 0, latitude[0] ?? 0];
     const shrink = Math.cos((north * Math.PI) / 180);
     return {
@@ -33,9 +33,9 @@ export const trackPoints = computed<FoundTrack | null>(() => {
       north: Array.from(latitude, (value) => (value - north) * METRES_A_DEGREE),
     };
   }
-  if (moves && moves.reply.answer.of > 1) {
+  if (moves && moves.reply.of > 1) {
     const { reply } = moves;
-    const [time, ve, vn] = [reply.numbers(reply.answer.time_s), reply.numbers(reply.answer.x), reply.numbers(reply.answer.y)];
+    const [time, ve, vn] = [reply.time_s, reply.x, reply.y];
     return { how: "velocity", time: Array.from(time), east: integral(time, ve), north: integral(time, vn) };
   }
   return null;

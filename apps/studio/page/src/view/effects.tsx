@@ -76,12 +76,12 @@ function Found({ name, here, rows }: FoundProps): JSX.Element {
     <>
       <h2 class="pad">{sensorName(name)}: {plain(here.verdict)}</h2>
       {here.indistinguishable.map((set) => <SetBox key={set.join()} set={set} />)}
-      {here.advice ? <p class="box advice"><b>Fly next</b> {here.advice}</p> : null}
+      {here.advice ? <p class="box advice"><b>Next</b> {here.advice}</p> : null}
       <ul class="effect-list">
         {suspects.map((row) => <EffectRow key={row.candidate.effect} row={row} most={most} />)}
       </ul>
       {others.length > 0 ? (
-        <details class="others" open={suspects.length === 0}>
+        <details class="others" open>
           <summary>Tested, no evidence: {others.length}</summary>
           <ul class="effect-list">
             {others.map((row) => <EffectRow key={row.candidate.effect} row={row} most={most} />)}
@@ -144,7 +144,7 @@ interface RangeProps {
 /** The plausible range is the middle of the track; the estimate is a dot with its sigma, on the edge where it is beyond. */
 function PlausibleRange({ guide, coefficient, sigma }: RangeProps): JSX.Element | null {
   if (!guide) return null;
-  const [low, high] = guide.plausible;
+  const [low = 0, high = 0] = guide.plausible;
   const margin = 0.25 * (high - low);
   const place = (value: number): number => Math.min(Math.max((value - low + margin) / (high - low + 2 * margin), 0.01), 0.99) * 100;
   const [left, right] = [place(coefficient - sigma), place(coefficient + sigma)];

@@ -16,7 +16,7 @@ const samples = signal<ReadonlyArray<Sample> | null>(null);
 export function FirstScreen(): JSX.Element {
   useEffect(() => {
     if (samples.value !== null) return;
-    ask("samples", {}).then(({ answer }) => { samples.value = answer; }, (error: unknown) => { notice.value = messageOf(error); });
+    ask("samples", {}).then((answer) => { samples.value = answer; }, (error: unknown) => { notice.value = messageOf(error); });
   }, []);
   return (
     <main class="first" aria-label="Open a flight">

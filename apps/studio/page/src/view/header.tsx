@@ -3,10 +3,10 @@
 import type { JSX } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 
-import { canUndo, headline, isServed, progress, undo } from "../state/studio";
+import { canUndo } from "../state/model";
+import { headline, progress, undo } from "../state/studio";
 import { exportFile, saveModel } from "../state/files";
 import type { ExportKind } from "../state/files";
-import { flyInEmulator } from "../state/server";
 import { flights } from "../state/flights";
 import { isNarrow } from "./screen";
 
@@ -21,7 +21,6 @@ export function Header(): JSX.Element {
         <button type="button" onClick={undo} disabled={!canUndo.value} title="Take the newest revision back">Undo</button>
         <button type="button" onClick={() => void saveModel()} disabled={flights.value.length === 0} title="Save the model file">Save</button>
         <Export />
-        {isServed.value ? <button type="button" onClick={() => void flyInEmulator()}>Fly in QEMU</button> : null}
       </div>
       <Progress />
     </header>

@@ -2,8 +2,7 @@
 
 import type { JSX } from "preact";
 
-import { short } from "../charts/number";
-import type { TimeSpec, Values } from "../charts/time_chart";
+import type { Band, TimeSpec, Values } from "../charts/time_chart";
 import { cursor } from "../state/view";
 
 interface Entry {
@@ -27,7 +26,7 @@ export function Legend({ title, unit, spec }: LegendProps): JSX.Element {
       {list.map(({ name, role, look, value }) => (
         <span key={name} class="legend-entry">
           <span class={`swatch ${look}`} style={{ color: `var(--${role})` }} aria-hidden="true" />
-          {name}
+          <span class="legend-name">{name}</span>
           {value === null ? null : <b class="number">{value}</b>}
         </span>
       ))}
@@ -37,9 +36,21 @@ export function Legend({ title, unit, spec }: LegendProps): JSX.Element {
 
 function entries(spec: TimeSpec, at: number | null): Entry[] {
   const place = at === null ? -1 : nearest(spec.x, at);
-  const bands = spec.bands.map((band): Entry => ({ name: band.name, role: band.role, look: "area", value: range(band.low, band.high, place) }));
-  const lines = spec.lines.map((line): Entry => ({ name: line.name, role: line.role, look: line.dashed ? "dashed" : "line", value: one(line.y, place) }));
+  const bands = spec.bands.filter(({ quiet }) => !quiet).map((band): Entry => {
+    const sigma = spec.bands.find(({ quiet, role }) => quiet && role === band.role);
+    return { name: band.name, role: band.role, look: "area", value: range(band.low, band.high, place, sigmaAt(sigma, place)) };
+  });
+  const lines = spec.lines.map((line): Entry => {
+    const sigma = spec.bands.find(({ quiet, role }) => quiet && role === line.role);
+    return { name: line.name, role: line.role, look: line.dashed ? "dashed" : "line", value: one(line.y, place, sigmaAt(sigma, place)) };
+  });
   return [...lines, ...bands];
+}
+
+function sigmaAt(band: Band | undefined, place: number): number | null {
+  if (!band) return null;
+  const [low, high] = [around(band.low, place), around(band.high, place)];
+  return low === null || high === null ? null : (high - low) / 2;
 }
 
 function nearest(x: ReadonlyArray<number>, at: number): number {
@@ -64,14 +75,20 @@ function around(y: Values, place: number): number | null {
   return null;
 }
 
-function one(y: Values, place: number): string | null {
-  const value = around(y, place);
-  return value === null ? null : short(value);
+function figure(value: number): string {
+  const digits = Math.abs(value) >= 100 ? 1 : 2;
+  return value.toFixed(digits).replace("-", "−");
 }
 
-function range(low: Values, high: Values, place: number): string | null {
+function one(y: Values, place: number, sigma: number | null): string | null {
+  const value = around(y, place);
+  return value === null ? null : `${figure(value)}${sigma === null ? "" : ` ± ${figure(sigma)}`}`;
+}
+
+function range(low: Values, high: Values, place: number, sigma: number | null): string | null {
   const [from, to] = [around(low, place), around(high, place)];
   if (from === null || to === null) return null;
-  const [one, other] = [short(from), short(to)];
-  return one === other ? one : `${one} to ${other}`;
+  if (sigma !== null) return `${figure((from + to) / 2)} ± ${figure(sigma)}`;
+  const [least, greatest] = [figure(from), figure(to)];
+  return least === greatest ? least : `${least} to ${greatest}`;
 }

@@ -13,7 +13,8 @@ import { useWidth } from "../charts/use_width";
 import type { Span as EngineSpan } from "../protocol";
 import { sensor, shown } from "../state/flights";
 import { altitudeSpec, chartWidth, errorSpec, isBeyondReference } from "../state/pictures";
-import { before, compared, ribbons, ribbonsBefore } from "../state/studio";
+import { before } from "../state/model";
+import { compared, ribbons, ribbonsBefore } from "../state/studio";
 import { brush, drag, isWhole, show, showWhole, zoom } from "../state/view";
 import type { Drag } from "../state/view";
 import { Legend } from "./legend";
@@ -22,7 +23,7 @@ import { PhaseRibbon } from "./phase_ribbon";
 import { capital, plain, sensorName } from "./words";
 
 /** The gutter and what is right of the curves. */
-const BESIDE = 68;
+const BESIDE = 74;
 
 export function Middle(): JSX.Element {
   const [place, width] = useWidth<HTMLDivElement>();
@@ -116,10 +117,10 @@ function Ribbons(): JSX.Element | null {
   const found = ribbons.answer.value;
   const name = sensor.value;
   if (!found || name === null) return null;
-  const { trust, manoeuvres, motion } = found.answer;
-  const then = before.value ? ribbonsBefore.answer.value?.answer.trust[name] : undefined;
-  const time = found.numbers(motion.time_s);
-  const speed = found.answer.sources.speed;
+  const { trust, manoeuvres, motion } = found;
+  const then = before.value ? ribbonsBefore.answer.value?.trust[name] : undefined;
+  const time = motion.time_s;
+  const speed = found.sources.speed;
   return (
     <div class="ribbons">
       <PhaseRibbon />
@@ -127,9 +128,9 @@ function Ribbons(): JSX.Element | null {
       <Ribbon label={then ? "Trust after the newest revision" : "Trust"} name={then ? "after" : "trust"} stretches={stretches(trust[name] ?? [])} look="trust" />
       <Ribbon label="Manoeuvres" name="manoeuvre" stretches={stretches(manoeuvres)} look="manoeuvre" />
       <div class="lanes">
-        <Lane name="speed" unit="m/s" time={time} values={found.numbers(motion.speed_mps)} />
-        <Lane name="climb" unit="m/s" time={time} values={found.numbers(motion.climb_rate_mps)} />
-        <Lane name="load" unit="g" time={time} values={found.numbers(motion.load_factor)} />
+        <Lane name="speed" unit="m/s" time={time} values={motion.speed_mps} />
+        <Lane name="climb" unit="m/s" time={time} values={motion.climb_rate_mps} />
+        <Lane name="load" unit="g" time={time} values={motion.load_factor} />
       </div>
       {speed === null ? null : <p class="hidden-text">Speed from {plain(String(speed))}.</p>}
     </div>

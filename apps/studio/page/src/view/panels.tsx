@@ -12,6 +12,7 @@ import type { PanelKind } from "../state/layout";
 import { correlations, isBeyondReference, points } from "../state/pictures";
 import type { Points } from "../state/pictures";
 import { trackPoints } from "../state/track";
+import { before } from "../state/model";
 import { brush } from "../state/view";
 import type { Role } from "../charts/colours";
 import { isNarrow, isWide } from "./screen";
@@ -74,7 +75,7 @@ function PanelHead({ kind }: { readonly kind: PanelKind }): JSX.Element | null {
     return (
       <span class="legend-entry">
         {then ? <><span class="swatch line" style={{ color: "var(--before)" }} />before <span class="swatch line" style={{ color: "var(--after)" }} />after </> : null}
-        <span class="swatch dashed" style={{ color: "var(--ink)" }} />99 % of white noise
+        <span class="swatch dashed" style={{ color: "var(--ink)" }} />99 % of white
       </span>
     );
   }
@@ -132,21 +133,20 @@ function PointsPanel({ found, problem, isError }: PointsPanelProps): JSX.Element
   if (problem !== null) return <p class="plot empty">{problem}</p>;
   if (!found) return <div class="plot waiting" />;
   const { reply } = found;
-  const { answer } = reply;
-  if (answer.of === 0) return <p class="plot empty">The flight does not record {name(found.x)}{isError ? "" : ` and ${name(found.y)} together`}.</p>;
-  const [time, x, y] = [reply.numbers(answer.time_s), reply.numbers(answer.x), reply.numbers(answer.y)];
+  if (reply.of === 0) return <p class="plot empty">The flight does not record {name(found.x)}{isError ? "" : ` and ${name(found.y)} together`}.</p>;
+  const [time, x, y] = [reply.time_s, reply.x, reply.y];
   const order = Array.from(x.keys()).sort((one, other) => (x[one] ?? 0) - (x[other] ?? 0));
   const span = brush.value;
   const isBrushed = (i: number): boolean => span !== null && (time[i] ?? NaN) >= span.from && (time[i] ?? NaN) <= span.to;
-  const role: Role = isError ? "before" : "reference";
+  const role: Role = !isError ? "reference" : before.value ? "after" : "before";
   const spec: PointsSpec = {
     x: order.map((i) => x[i] ?? 0),
     layers: [
       { role, as: "dots", y: order.map((i) => (isBrushed(i) ? null : (y[i] ?? null))) },
       { role: "brush", as: "bold dots", y: order.map((i) => (isBrushed(i) ? (y[i] ?? null) : null)) },
     ],
-    xName: `${name(found.x)}${axisUnit(answer.x_unit)}`,
-    yName: isError ? "error, m" : `${name(found.y)}${axisUnit(answer.y_unit)}`,
+    xName: `${name(found.x)}${axisUnit(reply.x_unit)}`,
+    yName: isError ? "error, m" : `${name(found.y)}${axisUnit(reply.y_unit)}`,
     band: null,
     zero: isError,
     yRange: null,
@@ -166,10 +166,10 @@ function CorrelationPanel(): JSX.Element {
   if (correlations.problem.value !== null) return <p class="plot empty">{correlations.problem.value}</p>;
   if (!found) return <div class="plot waiting" />;
   const { now, then } = found;
-  const lag = Array.from(now.numbers(now.answer.lag_s));
+  const lag = Array.from(now.lag_s);
   if (lag.length < 3) return <p class="plot empty">Too short, or with too many gaps, for an autocorrelation.</p>;
   const column = (reply: typeof now): Array<number | null> => {
-    const values = reply.numbers(reply.answer.correlation);
+    const values = reply.correlation;
     return lag.map((_, i) => { const value = values[i]; return value === undefined || Number.isNaN(value) ? null : value; });
   };
   const spec: PointsSpec = {
@@ -180,13 +180,13 @@ function CorrelationPanel(): JSX.Element {
     ],
     xName: "lag, s",
     yName: "correlation",
-    band: now.answer.band,
+    band: now.band,
     zero: true,
     yRange: [Math.min(-0.5, ...column(now).map((value) => value ?? 0)), 1.05],
   };
   const beyond = isBeyondReference.value ? "error beyond the reference" : "error";
   const first = column(now)[1];
-  return <PointsChart label={`Autocorrelation of the ${beyond}: ${first === null || first === undefined ? "" : `${short(first)} at ${short(lag[1] ?? 0)} s`}; white noise stays within ${short(now.answer.band)}`} spec={spec} />;
+  return <PointsChart label={`Autocorrelation of the ${beyond}: ${first === null || first === undefined ? "" : `${short(first)} at ${short(lag[1] ?? 0)} s`}; white noise stays within ${short(now.band)}`} spec={spec} />;
 }
 
 function TrackPanel(): JSX.Element {

@@ -83,7 +83,7 @@ export function PhaseRibbon(): JSX.Element | null {
   );
   const events = [
     { text: "take-off", at: overview.take_off_s, sign: "↗" },
-    { text: "launch", at: overview.has_launch ? (ribbons.answer.value?.answer.launch_s ?? null) : null, sign: "⇣" },
+    { text: "launch", at: overview.has_launch ? (ribbons.answer.value?.launch_s ?? null) : null, sign: "⇣" },
     { text: "landing", at: overview.landing_s, sign: "↘" },
   ];
   return (
