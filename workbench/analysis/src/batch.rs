@@ -122,6 +122,20 @@ impl Batch {
     }
 }
 
+/// The keys of `pylon diagnose --json`.
+#[derive(Clone, Debug, Serialize)]
+pub struct Results {
+    /// All flights together; `None` where that failed.
+    #[serde(flatten)]
+    pub together: Option<Diagnosis>,
+    /// Why it failed: a defect of this program.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub failed: Option<String>,
+    /// Of several flights, what each says.
+    #[serde(flatten)]
+    pub one_by_one: Option<Batch>,
+}
+
 /// The vehicle that a header names, with what tells it from another of its type.
 #[must_use]
 pub fn vehicle(header: &Header) -> String {

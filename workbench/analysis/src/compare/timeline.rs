@@ -197,7 +197,7 @@ impl Timeline {
 }
 
 /// Counts runs shorter than [`SHORTEST_RUN`] to the run before them.
-fn without_short_runs(mut names: Vec<Manoeuvre>) -> Vec<Manoeuvre> {
+pub(super) fn without_short_runs(mut names: Vec<Manoeuvre>) -> Vec<Manoeuvre> {
     let mut start = 0;
     while start < names.len() {
         let length = names[start..].iter().take_while(|name| **name == names[start]).count();

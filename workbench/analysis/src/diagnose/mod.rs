@@ -18,6 +18,7 @@
 //! `study` is a diagnosis that ends in a lesson, for `crate::learn`.
 
 mod advice;
+mod beyond_reference;
 mod blocks;
 mod candidates;
 mod column_noise;
@@ -42,6 +43,7 @@ mod matrix;
 mod named_replay;
 mod noise;
 mod physical_range;
+mod prediction;
 mod prepare;
 mod problem;
 mod quasi_newton;
@@ -64,6 +66,7 @@ mod wind;
 mod wish;
 mod work;
 
+pub use beyond_reference::{ErrorSlot, reference_wander};
 pub use diagnosis::{
     CandidateFacts, DiagnosedFlight, Diagnosis, Follows, NoiseFacts, SensorDiagnosis, Untested, Verdict,
 };
@@ -74,6 +77,7 @@ pub use held_out_verdict::HeldOutVerdict;
 pub use lesson::{Lesson, Nuisance, Term};
 pub use named_replay::NamedReplay;
 pub use noise::{GaussMarkov, Noise, SensorNoise};
+pub use prediction::prediction;
 pub use series::{BySensor, Series};
 pub use study::study;
 pub use wish::Wish;

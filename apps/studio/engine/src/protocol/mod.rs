@@ -34,4 +34,4 @@ pub use results::{
 };
 pub use ribbons::{MotionNumbers, Ribbons, Span};
 pub use scatter::{Paired, ScatterRequest};
-pub use series::{Drawn, Series, SeriesRequest, Signal};
+pub use series::{Acting, Drawn, Series, SeriesRequest, Signal};

@@ -5,6 +5,20 @@ use serde::{Deserialize, Serialize};
 
 use super::{ModelText, Numbers, Window};
 
+/// An effect and its coefficient, as a diagnosis' candidate has them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub struct Acting {
+    /// Its id.
+    pub effect: String,
+    /// Its coefficient.
+    pub coefficient: f64,
+    /// Time constant, seconds, for an effect that has one.
+    pub time_constant_s: Option<f64>,
+    /// `launch` or `start`, for an effect that has a time constant.
+    pub since: Option<String>,
+}
+
 /// What a curve is of.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "signal", rename_all = "snake_case")]
@@ -46,17 +60,14 @@ pub enum Signal {
         sensor: String,
         /// The diagnosis' `noise`.
         noise: NoiseFacts,
+        /// The effects that it found and that the model lacks: they are no wander of the reference's either.
+        found: Vec<Acting>,
     },
-    /// What an effect adds to its sensor's reading, m: coefficient times regressor, with or without the model having it.
+    /// What an effect adds to its sensor's reading, m: coefficient times regressor, whether the model has it or not, less its mean over captive
+    /// flight, which the calibration takes for bias.
     Effect {
-        /// Its id.
-        effect: String,
-        /// Its coefficient.
-        coefficient: f64,
-        /// Time constant, seconds, for an effect that has one.
-        time_constant_s: Option<f64>,
-        /// `launch` or `start`, for an effect that has a time constant.
-        since: Option<String>,
+        /// The effect.
+        of: Acting,
     },
     /// Climb rate, second by second, m/s.
     ClimbRate,

@@ -177,6 +177,10 @@ function missing(flight: string): never {
 
 /** The engine and the worker that this page has inside. */
 export async function startStudio(): Promise<Studio> {
+  // The engine comes after the page's own script.
+  if (document.readyState === "loading") {
+    await new Promise((ready) => document.addEventListener("DOMContentLoaded", ready, { once: true }));
+  }
   const text = (id: string): string => {
     const element = document.getElementById(id);
     if (!element) throw new Error(`this page has no '${id}' inside`);

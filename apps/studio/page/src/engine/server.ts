@@ -55,6 +55,11 @@ export class Server {
     return served;
   }
 
+  /** Flies a named flight in the emulator with a model: what `pylon fly --json` prints. Takes as long as the flight, or some times that. */
+  async fly(place: number, model: string): Promise<unknown> {
+    return (await this.#fetch(`api/fly/${place}`, { method: "POST", body: model })).json();
+  }
+
   async #fetch(path: string, init: RequestInit = {}, allowed: number[] = []): Promise<Response> {
     const headers = { ...init.headers, Authorization: `Bearer ${this.#token}` };
     const response = await fetch(path, { ...init, headers, cache: "no-store" });
