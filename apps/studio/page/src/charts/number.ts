@@ -41,6 +41,14 @@ export function clock(seconds: number): string {
   return h > 0 ? `${sign}${h}:${two(m)}:${two(s)} h` : `${sign}${m}:${two(s)} min`;
 }
 
+/** The same as a place on the axis: 2:09. */
+export function moment(seconds: number): string {
+  const size = Math.abs(Math.round(seconds));
+  const [hours, minutes, rest] = [Math.floor(size / 3600), Math.floor((size % 3600) / 60), size % 60];
+  const two = (part: number): string => String(part).padStart(2, "0");
+  return `${seconds < 0 ? "−" : ""}${hours > 0 ? `${hours}:${two(minutes)}` : minutes}:${two(rest)}`;
+}
+
 /** A unit as it is written behind a number; "1" is none. */
 export function unit(name: string): string {
   return name === "1" || name === "" ? "" : ` ${name.replace("^2", "²").replace("^3", "³")}`;

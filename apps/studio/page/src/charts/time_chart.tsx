@@ -10,7 +10,7 @@ import type { Span } from "../state/view";
 import { colour, faint, onTheme } from "./colours";
 import type { Role } from "./colours";
 import { listen, press } from "./gestures";
-import { short } from "./number";
+import { moment, short } from "./number";
 
 export type Values = ReadonlyArray<number | null>;
 
@@ -78,7 +78,7 @@ export interface TimeChartProps {
 const STEPS_S = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14400];
 
 /** As wide as `--gutter`: the ribbons begin where the curves do. */
-const GUTTER = 64;
+const GUTTER = 68;
 const RIGHT = 10;
 const FONT = '11.5px system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif';
 
@@ -249,10 +249,7 @@ function isInMinutes(splits: ReadonlyArray<number>): boolean {
 
 function tick(value: number, splits: ReadonlyArray<number>): string {
   if (!isInMinutes(splits)) return `${trimmed(value)} s`;
-  const [sign, size] = [value < 0 ? "−" : "", Math.abs(Math.round(value))];
-  const [hours, minutes, seconds] = [Math.floor(size / 3600), Math.floor((size % 3600) / 60), size % 60];
-  const two = (part: number): string => String(part).padStart(2, "0");
-  return hours > 0 ? `${sign}${hours}:${two(minutes)}:${two(seconds)}` : `${sign}${minutes}:${two(seconds)}`;
+  return moment(value);
 }
 
 function rangeOf(spec: TimeSpec, least: number | null, greatest: number | null): uPlot.Range.MinMax {

@@ -54,10 +54,11 @@ export function App(): JSX.Element {
       {isNarrow.value ? <div class="sentence-row"><Sentence /></div> : null}
       {isEmpty ? <FirstScreen /> : (
         <>
-          <FlightsPanel />
+          {isNarrow.value ? null : <FlightsPanel />}
           <Middle />
           <Effects />
           <LadderPanel />
+          {isNarrow.value ? <FlightsPanel /> : null}
         </>
       )}
       <Notice />

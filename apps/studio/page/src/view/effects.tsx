@@ -122,7 +122,7 @@ function EffectRow({ row, most }: { readonly row: Row; readonly most: number }):
           <p class="number faint">
             {withSigma(coefficient, sigma)}{unit(candidate.unit)}
             {probability === null ? "" : ` · ${percent(probability)} likely`}
-            {probability === null ? ` · ${chance(candidate.p_value)}` : ""}
+            {probability === null && isSuspect ? ` · ${chance(candidate.p_value)}` : ""}
           </p>
         </div>
         <button type="button" class={isSuspect ? "main add" : "add"} aria-label={`Add ${label}`} disabled={progress.value !== null} onClick={() => void addEffect(effect)}>Add</button>

@@ -5,7 +5,7 @@ import { useEffect, useRef } from "preact/hooks";
 
 import { canUndo } from "../state/model";
 import { headline, progress, undo } from "../state/studio";
-import { exportFile, saveModel } from "../state/files";
+import { chooseFiles, exportFile, saveModel } from "../state/files";
 import type { ExportKind } from "../state/files";
 import { flights } from "../state/flights";
 import { isNarrow } from "./screen";
@@ -18,6 +18,7 @@ export function Header(): JSX.Element {
       <p class="brand"><span class="mark" aria-hidden="true" />Pylon <span class="brand-rest">studio</span></p>
       {isNarrow.value ? null : <Sentence />}
       <div class="acts">
+        {isNarrow.value && flights.value.length > 0 ? <button type="button" onClick={chooseFiles}>Open…</button> : null}
         <button type="button" onClick={undo} disabled={!canUndo.value} title="Take the newest revision back">Undo</button>
         <button type="button" onClick={() => void saveModel()} disabled={flights.value.length === 0} title="Save the model file">Save</button>
         <Export />
@@ -56,7 +57,7 @@ const KINDS: ReadonlyArray<{ kind: ExportKind; text: string }> = [
   { kind: "ladder", text: "Revisions (JSON)" },
 ];
 
-function Export(): JSX.Element {
+function Export(): JSX.Element | null {
   const place = useRef<HTMLDetailsElement>(null);
   useEffect(() => {
     const away = (event: Event): void => {
@@ -72,13 +73,13 @@ function Export(): JSX.Element {
     menu.open = false;
     menu.querySelector("summary")?.focus();
   };
-  const isEmpty = flights.value.length === 0;
+  if (flights.value.length === 0) return null;
   return (
     <details class="menu" ref={place} onKeyDown={(event) => { if (event.key === "Escape") close(); }}>
       <summary class="button">Export</summary>
       <div class="menu-list">
         {KINDS.map(({ kind, text }) => (
-          <button key={kind} type="button" class="plain" disabled={isEmpty} onClick={() => { close(); void exportFile(kind); }}>{text}</button>
+          <button key={kind} type="button" class="plain" onClick={() => { close(); void exportFile(kind); }}>{text}</button>
         ))}
         <button type="button" class="plain" onClick={() => { close(); print(); }}>Print this page</button>
       </div>

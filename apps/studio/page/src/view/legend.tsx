@@ -44,7 +44,8 @@ function entries(spec: TimeSpec, at: number | null): Entry[] {
     const sigma = spec.bands.find(({ quiet, role }) => quiet && role === line.role);
     return { name: line.name, role: line.role, look: line.dashed ? "dashed" : "line", value: one(line.y, place, sigmaAt(sigma, place)) };
   });
-  return [...lines, ...bands];
+  // What if stands last.
+  return [...lines, ...bands].sort((one, other) => Number(one.look === "dashed") - Number(other.look === "dashed"));
 }
 
 function sigmaAt(band: Band | undefined, place: number): number | null {

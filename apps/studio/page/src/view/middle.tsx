@@ -5,7 +5,7 @@ import { useEffect } from "preact/hooks";
 
 import { press } from "../charts/gestures";
 import { Lane } from "../charts/lane";
-import { clock } from "../charts/number";
+import { clock, moment } from "../charts/number";
 import { Ribbon } from "../charts/ribbon";
 import type { Stretch } from "../charts/ribbon";
 import { TimeChart } from "../charts/time_chart";
@@ -20,10 +20,10 @@ import type { Drag } from "../state/view";
 import { Legend } from "./legend";
 import { Panels } from "./panels";
 import { PhaseRibbon } from "./phase_ribbon";
-import { capital, plain, sensorName } from "./words";
+import { capital, plain, sensorName, shortSensorName } from "./words";
 
 /** The gutter and what is right of the curves. */
-const BESIDE = 74;
+const BESIDE = 78;
 
 export function Middle(): JSX.Element {
   const [place, width] = useWidth<HTMLDivElement>();
@@ -84,8 +84,8 @@ function Brushed(): JSX.Element | null {
   return (
     <span class="brushed">
       <span class="swatch brush" aria-hidden="true" />
-      <span class="number">{clock(span.from)} to {clock(span.to)}</span>
-      <button type="button" onClick={() => show(span)}>Zoom to it</button>
+      <span class="number" title={`Brushed: ${clock(span.from)} to ${clock(span.to)}`}>{moment(span.from)}–{moment(span.to)}</span>
+      <button type="button" onClick={() => show(span)} title="Zoom to what is brushed">Zoom in</button>
       <button type="button" class="plain" aria-label="End the brush" title="End the brush (Esc)" onClick={() => { brush.value = null; }}>×</button>
     </span>
   );
@@ -104,7 +104,7 @@ function SensorChoice(): JSX.Element | null {
           <label key={name} class={sensor.value === name ? "on" : ""}>
             <input type="radio" name="sensor" checked={sensor.value === name} onChange={() => { sensor.value = name; }} />
             {trust === undefined ? null : <span class={`dot ${trust}`} title={trust} />}
-            {sensorName(name)}
+            <span title={sensorName(name)}>{shortSensorName(name)}</span>
             {trust === undefined ? null : <span class="hidden-text">, {trust}</span>}
           </label>
         );

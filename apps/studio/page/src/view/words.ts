@@ -20,6 +20,13 @@ export function capital(text: string): string {
   return text.charAt(0).toUpperCase() + text.slice(1);
 }
 
+const SHORT: Readonly<Record<string, string>> = { imu_slave: "Inertial", imu_master: "Mother ship" };
+
+/** Where there is little room. */
+export function shortSensorName(sensor: string): string {
+  return SHORT[sensor] ?? sensorName(sensor);
+}
+
 const COLUMNS: Readonly<Record<string, string>> = {
   tas_mps: "airspeed",
   aoa_rad: "angle of attack",
