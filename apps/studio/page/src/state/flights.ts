@@ -80,7 +80,7 @@ export async function openLog(file: string, blob: Blob): Promise<void> {
 
 export async function openSample(sample: string): Promise<void> {
   const id = newId();
-  add({ id, flight: "", file: `${sample} (simulated)`, sample, use: "learn", window: null, opened: null, problem: null });
+  add({ id, flight: "", file: `${sample}.csv`, sample, use: "learn", window: null, opened: null, problem: null });
   await opening(id, () => openScenario(sample));
 }
 

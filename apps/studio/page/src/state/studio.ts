@@ -71,9 +71,15 @@ function diagnosisOf(text: ModelText): { flights: string[]; hold_outs: string[];
 /** What is in the model, as it is now. */
 export const modelFacts = resource(() => ({ model: model.value }), async (of): Promise<ModelFacts> => await ask("model", of));
 
+export interface Judged {
+  readonly ladder: Ladder;
+  /** The first so many of each revision's flights were learned from, the others were held out. */
+  readonly learned: number;
+}
+
 export const ladder = resource(
   () => (ready.value.length === 0 ? null : { flights: files([...learners.value, ...holdOuts.value]), model: model.value, window: windowOfAll() }),
-  async (of): Promise<Ladder> => await ask("ladder", of),
+  async (of): Promise<Judged> => ({ ladder: await ask("ladder", of), learned: learners.value.length }),
 );
 
 interface Said {

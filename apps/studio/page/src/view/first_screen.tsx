@@ -10,6 +10,7 @@ import { chooseFiles } from "../state/files";
 import { notice, openSample } from "../state/flights";
 import { messageOf } from "../state/resource";
 import { beginTour } from "./tour";
+import { capital, plain } from "./words";
 
 const samples = signal<ReadonlyArray<Sample> | null>(null);
 
@@ -33,8 +34,8 @@ export function FirstScreen(): JSX.Element {
         <ul>
           {(samples.value ?? []).map(({ name, about }) => (
             <li key={name}>
-              <button type="button" class="sample" onClick={() => void openSample(name)}>
-                <b>{name}</b>
+              <button type="button" class="sample" data-sample={name} onClick={() => void openSample(name)}>
+                <b>{capital(plain(name.replaceAll("-", " ")))}</b>
                 <span>{about}</span>
               </button>
             </li>

@@ -3,9 +3,9 @@
 import type { JSX } from "preact";
 
 import { metres } from "../charts/number";
-import type { Ladder } from "../protocol";
 import { holdOuts, learners, sensor } from "../state/flights";
 import { guides, ladder } from "../state/studio";
+import type { Judged } from "../state/studio";
 import { capital, sensorName } from "./words";
 
 interface Rung {
@@ -58,11 +58,10 @@ function Bar({ kind, value, most }: { readonly kind: "learned" | "held-out"; rea
   );
 }
 
-function rungsOf({ revisions }: Ladder, name: string): Rung[] {
-  const isHeldOut = new Set(holdOuts.value.map(({ file }) => file));
+function rungsOf({ ladder: { revisions }, learned }: Judged, name: string): Rung[] {
   return revisions.map(({ number, effect, flights }) => {
     const errors = (heldOut: boolean): number[] => flights
-      .filter(({ file }) => isHeldOut.has(file) === heldOut)
+      .filter((_, place) => (place >= learned) === heldOut)
       .map(({ sensors }) => sensors[name]?.free_flight_rms_m ?? sensors[name]?.captive_rms_m ?? null)
       .filter((value) => value !== null);
     return {

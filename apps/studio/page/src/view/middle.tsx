@@ -85,7 +85,7 @@ function Brushed(): JSX.Element | null {
     <span class="brushed">
       <span class="swatch brush" aria-hidden="true" />
       <span class="number" title={`Brushed: ${clock(span.from)} to ${clock(span.to)}`}>{moment(span.from)}–{moment(span.to)}</span>
-      <button type="button" onClick={() => show(span)} title="Zoom to what is brushed">Zoom in</button>
+      <button type="button" onClick={() => show(span)} title="Zoom to what is brushed">Zoom</button>
       <button type="button" class="plain" aria-label="End the brush" title="End the brush (Esc)" onClick={() => { brush.value = null; }}>×</button>
     </span>
   );

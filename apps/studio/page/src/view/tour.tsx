@@ -20,7 +20,7 @@ const STEPS: ReadonlyArray<Step> = [
   { at: "ladder", title: "The proof", text: "Every revision of the model with its error. Undo takes the newest one back; Save writes the model for the flight computer." },
 ];
 
-const SAMPLE = "quickstart";
+const SAMPLE = "hidden-static-port";
 const step = signal<number | null>(null);
 
 export function beginTour(): void {
