@@ -34,7 +34,7 @@ pub fn curve(
             sigmas.push(sigma_m);
         }
     }
-    Ok(Curve { sigma: Some(sigmas), ..Curve::own(times, values, "m") })
+    Ok(Curve::own(times, values, "m").with_sigma(sigmas))
 }
 
 /// What an effect adds to the errors: times in seconds, metres; of which sensor, `None` for all.

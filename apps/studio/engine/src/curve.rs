@@ -52,6 +52,11 @@ impl Curve {
         Self { points: Points::Own(time_s, values), sigma: None, unit }
     }
 
+    /// The same with one sigma of each value.
+    pub fn with_sigma(self, sigma: Vec<f64>) -> Self {
+        Self { sigma: Some(sigma), ..self }
+    }
+
     fn times(&self) -> &[f64] {
         match &self.points {
             Points::Recorded(recording, _) => &recording.time_s,
