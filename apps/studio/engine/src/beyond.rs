@@ -116,7 +116,8 @@ fn slots(recording: &Recording, noise: &NoiseFacts, found: &[Explained]) -> Slot
             while explained.points.get(*next + 1).is_some_and(|(at_s, _)| at_s <= time_s) {
                 *next += 1;
             }
-            let metres = explained.points.get(*next).filter(|(at_s, _)| at_s <= time_s).map_or(0.0, |(_, m)| *m);
+            let metres =
+                explained.points.get(*next).filter(|(at_s, _)| at_s <= time_s).map_or(0.0, |(_, m)| *m);
             for sensor in Sensor::ALL {
                 if explained.sensor.is_none_or(|own| own == sensor) {
                     off_m[sensor.index()] += metres;
