@@ -45,7 +45,10 @@ pub fn test(echo: bool) -> anyhow::Result<Done> {
     tests.current_dir(folder()).env("PYLON_STUDIO", file());
     let said = child::run(&mut tests, echo)?;
     let counts = said.all.lines().filter(|line| line.starts_with("# pass") || line.starts_with("ℹ pass"));
-    Ok(Done::all(format!("{} tests; {made}", counts.last().unwrap_or("").trim_matches(|c: char| !c.is_ascii_digit()))))
+    Ok(Done::all(format!(
+        "{} tests; {made}",
+        counts.last().unwrap_or("").trim_matches(|c: char| !c.is_ascii_digit())
+    )))
 }
 
 /// Fetches the page's packages, once a lock file.

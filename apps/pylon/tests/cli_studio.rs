@@ -57,13 +57,19 @@ impl Studio {
     fn raw(&self, request: &str, headers: &[&str], body: &str) -> Answer {
         let mut stream = TcpStream::connect(&self.host).unwrap();
         let headers: String = headers.iter().map(|header| format!("{header}\r\n")).collect();
-        let text =
-            format!("{request} HTTP/1.1\r\n{headers}Connection: close\r\nContent-Length: {}\r\n\r\n{body}", body.len());
+        let text = format!(
+            "{request} HTTP/1.1\r\n{headers}Connection: close\r\nContent-Length: {}\r\n\r\n{body}",
+            body.len()
+        );
         stream.write_all(text.as_bytes()).unwrap();
         let mut answer = String::new();
         stream.read_to_string(&mut answer).unwrap();
         let (head, body) = answer.split_once("\r\n\r\n").unwrap_or((&answer, ""));
-        let status = head.split(' ').nth(1).and_then(|status| status.parse().ok()).unwrap_or_else(|| panic!("{answer}"));
+        let status = head
+            .split(' ')
+            .nth(1)
+            .and_then(|status| status.parse().ok())
+            .unwrap_or_else(|| panic!("{answer}"));
         Answer { status, head: head.to_owned(), body: body.to_owned() }
     }
 
@@ -82,7 +88,8 @@ impl Studio {
 fn folder() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     fs::create_dir(folder.path().join("logs")).unwrap();
-    fs::write(folder.path().join("logs/one.csv"), "# pylon-flight: 1\ntime_s,gps_alt_m,baro_alt_m\n0,1,2\n").unwrap();
+    fs::write(folder.path().join("logs/one.csv"), "# pylon-flight: 1\ntime_s,gps_alt_m,baro_alt_m\n0,1,2\n")
+        .unwrap();
     fs::write(folder.path().join("secret.txt"), "secret").unwrap();
     fs::write(folder.path().join("ours.toml"), "# ours\n").unwrap();
     folder
@@ -103,8 +110,14 @@ fn only_the_page_of_this_start_is_served() {
     let page = studio.raw(&format!("GET /?token={token}"), &[&own_host], "");
     assert_eq!(page.status, 200);
     assert!(page.body.contains(&format!("<meta name=\"pylon-token\" content=\"{token}\">")), "{}", page.body);
-    assert!(page.body.contains("connect-src 'self'") && !page.body.contains("connect-src 'none'"), "{}", page.body);
-    for header in ["Cache-Control: no-store", "Referrer-Policy: no-referrer", "X-Content-Type-Options: nosniff"] {
+    assert!(
+        page.body.contains("connect-src 'self'") && !page.body.contains("connect-src 'none'"),
+        "{}",
+        page.body
+    );
+    for header in
+        ["Cache-Control: no-store", "Referrer-Policy: no-referrer", "X-Content-Type-Options: nosniff"]
+    {
         assert!(page.head.contains(header), "{}", page.head);
     }
     let local = format!("Host: {}", host.replace("127.0.0.1", "localhost"));
@@ -127,7 +140,11 @@ fn only_the_page_of_this_start_is_served() {
     for (what, request, headers) in refused {
         let answer = studio.raw(request, headers, "");
         assert_eq!(answer.status, 403, "{what}");
-        assert!(!answer.body.contains(token.as_str()) && !answer.body.contains("one.csv"), "{what}: {}", answer.body);
+        assert!(
+            !answer.body.contains(token.as_str()) && !answer.body.contains("one.csv"),
+            "{what}: {}",
+            answer.body
+        );
     }
     assert_ne!(Studio::start(folder.path(), &[]).token, *token);
 }
@@ -139,7 +156,10 @@ fn flights_are_those_that_were_named_and_nothing_else() {
     let session = studio.ask("GET /api/session", &[], "");
     assert_eq!(session.body, "{\"flights\":[\"one.csv\"],\"model\":null,\"canFly\":true}");
     let log = studio.ask("GET /api/flight/0", &[], "");
-    assert_eq!((log.status, log.body), (200, fs::read_to_string(folder.path().join("logs/one.csv")).unwrap()));
+    assert_eq!(
+        (log.status, log.body),
+        (200, fs::read_to_string(folder.path().join("logs/one.csv")).unwrap())
+    );
     for path in [
         "/api/flight/1",
         "/api/flight/-1",
@@ -152,7 +172,11 @@ fn flights_are_those_that_were_named_and_nothing_else() {
     ] {
         let answer = studio.ask(&format!("GET {path}"), &[], "");
         assert!(answer.status == 404 || answer.status == 400, "{path}: {}", answer.status);
-        assert!(!answer.body.contains("secret\n") && !answer.body.contains("root:"), "{path}: {}", answer.body);
+        assert!(
+            !answer.body.contains("secret\n") && !answer.body.contains("root:"),
+            "{path}: {}",
+            answer.body
+        );
     }
     assert_eq!(studio.ask("PUT /api/model", &["If-Match: \"0\""], "# mine\n").status, 404);
     assert_eq!(studio.ask("POST /api/fly/7", &[], "").status, 404);
@@ -173,7 +197,12 @@ fn two_studios_on_one_model_lose_no_revision() {
 
     let if_match = |version: &str| format!("If-Match: \"{version}\"");
     let no_model = studios[0].ask("PUT /api/model", &[&if_match(&first)], "settling_s = \"long\"\n");
-    assert_eq!((no_model.status, fs::read_to_string(&file).unwrap()), (422, "# ours\n".to_owned()), "{}", no_model.body);
+    assert_eq!(
+        (no_model.status, fs::read_to_string(&file).unwrap()),
+        (422, "# ours\n".to_owned()),
+        "{}",
+        no_model.body
+    );
     assert_eq!(studios[0].ask("PUT /api/model", &[], "# unasked\n").status, 428);
 
     // Both write at once, many times each, as often as it takes: every line of either is there in the end.

@@ -8,7 +8,8 @@ use serde_json::json;
 use studio_engine::Engine;
 
 fn pylon(folder: &std::path::Path, arguments: &[&str]) -> Vec<u8> {
-    let output = Command::new(env!("CARGO_BIN_EXE_pylon")).current_dir(folder).args(arguments).output().unwrap();
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_pylon")).current_dir(folder).args(arguments).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     output.stdout
 }
@@ -22,7 +23,8 @@ fn the_engine_exports_what_the_command_line_prints() {
         let scenario = format!("{}/../../flights/{name}.toml", env!("CARGO_MANIFEST_DIR"));
         pylon(folder.path(), &["simulate", &scenario, "-o", &format!("{name}.csv")]);
         let csv = std::fs::read(folder.path().join(format!("{name}.csv"))).unwrap();
-        let open = json!({ "call": "open", "of": { "flight": name, "file": format!("{name}.csv") } }).to_string();
+        let open =
+            json!({ "call": "open", "of": { "flight": name, "file": format!("{name}.csv") } }).to_string();
         engine.ask(open.as_bytes(), &csv, &mut |_, _, _| {});
     }
     let model = json!({ "name": "default", "text": "" });
@@ -39,8 +41,7 @@ fn the_engine_exports_what_the_command_line_prints() {
     let diagnosed = exported(json!({
         "what": "diagnose", "flights": flights, "hold_outs": [], "model": model, "window": null
     }));
-    let printed =
-        pylon(folder.path(), &["diagnose", "hidden-static-port.csv", "quickstart.csv", "--json"]);
+    let printed = pylon(folder.path(), &["diagnose", "hidden-static-port.csv", "quickstart.csv", "--json"]);
     assert_eq!(diagnosed.as_bytes(), printed);
     assert!(diagnosed.contains("by_vehicle"), "{diagnosed}");
 }

@@ -34,7 +34,7 @@ pub fn curve(
             sigmas.push(sigma_m);
         }
     }
-    Ok(Curve { sigma: Some(sigmas), ..Curve::own(times, values, "m") })
+    Ok(Curve::own(times, values, "m").with_sigma(sigmas))
 }
 
 /// What an effect adds to the errors: times in seconds, metres; of which sensor, `None` for all.
@@ -116,7 +116,8 @@ fn slots(recording: &Recording, noise: &NoiseFacts, found: &[Explained]) -> Slot
             while explained.points.get(*next + 1).is_some_and(|(at_s, _)| at_s <= time_s) {
                 *next += 1;
             }
-            let metres = explained.points.get(*next).filter(|(at_s, _)| at_s <= time_s).map_or(0.0, |(_, m)| *m);
+            let metres =
+                explained.points.get(*next).filter(|(at_s, _)| at_s <= time_s).map_or(0.0, |(_, m)| *m);
             for sensor in Sensor::ALL {
                 if explained.sensor.is_none_or(|own| own == sensor) {
                     off_m[sensor.index()] += metres;

@@ -117,7 +117,8 @@ fn by_lag(signal: &[f64], with: Option<&[f64]>, lags: usize) -> Option<ByLag> {
         return None;
     }
     let behind = side(signal, other);
-    let blocks = (0..length).filter(|place| at(signal, *place).is_some() && at(other, *place).is_some()).count();
+    let blocks =
+        (0..length).filter(|place| at(signal, *place).is_some() && at(other, *place).is_some()).count();
     if behind.is_empty() || blocks == 0 {
         return None;
     }
@@ -172,7 +173,13 @@ mod tests {
     fn the_band_of_slow_series_is_wide() {
         let slow = |seed| {
             let mut value = 0.0;
-            noise(seed, 4_000).into_iter().map(|x| { value = 0.95 * value + x; value }).collect::<Vec<f64>>()
+            noise(seed, 4_000)
+                .into_iter()
+                .map(|x| {
+                    value = 0.95 * value + x;
+                    value
+                })
+                .collect::<Vec<f64>>()
         };
         let cross = by_lag(&slow(2), Some(&slow(3)), 200).unwrap();
         let outside = cross.correlation.iter().filter(|value| value.abs() > cross.band).count();

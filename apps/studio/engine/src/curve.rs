@@ -52,6 +52,11 @@ impl Curve {
         Self { points: Points::Own(time_s, values), sigma: None, unit }
     }
 
+    /// The same with one sigma of each value.
+    pub fn with_sigma(self, sigma: Vec<f64>) -> Self {
+        Self { sigma: Some(sigma), ..self }
+    }
+
     fn times(&self) -> &[f64] {
         match &self.points {
             Points::Recorded(recording, _) => &recording.time_s,
@@ -177,7 +182,9 @@ fn column(engine: &Engine, flown: &Flown<'_>, name: &str) -> Result<Curve, Refus
     let (mut times, mut values) = (Vec::new(), Vec::new());
     let mut last_s = f64::NEG_INFINITY;
     for (row, value) in column.samples() {
-        let Some(time_s) = flight.time_s.get(row).copied().filter(|time_s| *time_s > last_s) else { continue };
+        let Some(time_s) = flight.time_s.get(row).copied().filter(|time_s| *time_s > last_s) else {
+            continue;
+        };
         last_s = time_s;
         times.push(time_s);
         values.push(f64::from(value));
@@ -218,7 +225,8 @@ pub fn regressor(of: &Acting) -> Result<Regressor, Refused> {
 fn effect(engine: &Engine, flown: &Flown<'_>, of: &Acting) -> Result<Curve, Refused> {
     let replay = replay(engine.flight(flown.flight)?, flown.model, flown.window)?;
     let predicted = prediction(&replay, regressor(of)?, of.coefficient);
-    let (times, values) = predicted.into_iter().map(|(time_us, metres)| (time_us as f64 * 1e-6, metres)).unzip();
+    let (times, values) =
+        predicted.into_iter().map(|(time_us, metres)| (time_us as f64 * 1e-6, metres)).unzip();
     Ok(Curve::own(times, values, "m"))
 }
 

@@ -102,7 +102,11 @@ fn falls(before_m: Option<f64>, after_m: Option<f64>, on: &str) -> String {
             format!("; {on} the error falls from {} m to {} m", short(before_m), short(after_m))
         }
         (Some(before_m), Some(after_m)) => {
-            format!("; {on} the error does not fall ({} m before, {} m after)", short(before_m), short(after_m))
+            format!(
+                "; {on} the error does not fall ({} m before, {} m after)",
+                short(before_m),
+                short(after_m)
+            )
         }
         _ => String::new(),
     }
@@ -162,9 +166,7 @@ pub fn of_diagnosis(diagnosis: &Diagnosis) -> Headline {
         Verdict::UnknownEffect => {
             let follows = sensor.follows.first().map_or_else(
                 || "it follows no signal of this flight".to_owned(),
-                |follows| {
-                    format!("it follows {}, by {} m rms", follows.signal, short(follows.size_m))
-                },
+                |follows| format!("it follows {}, by {} m rms", follows.signal, short(follows.size_m)),
             );
             let sentence =
                 format!("{subject} is off in a way that nothing in the catalogue explains; {follows}.");
@@ -179,7 +181,8 @@ pub fn of_diagnosis(diagnosis: &Diagnosis) -> Headline {
             effect: None,
         },
         Verdict::NoSignificantMisfit => Headline {
-            sentence: "The model fits this flight as well as the noise allows: nothing is missing.".to_owned(),
+            sentence: "The model fits this flight as well as the noise allows: nothing is missing."
+                .to_owned(),
             tone: Tone::Good,
             effect: None,
         },
@@ -230,8 +233,7 @@ pub fn of_addition(addition: &Addition) -> Headline {
         JudgedOn::HeldOutFlights => "on the next flight",
         JudgedOn::HeldOutManoeuvres => "on held-out stretches",
     };
-    let coefficient =
-        with_sigma(addition.coefficient.into(), addition.sigma.into(), addition.unit);
+    let coefficient = with_sigma(addition.coefficient.into(), addition.sigma.into(), addition.unit);
     let mut name = title(addition.effect).to_owned();
     if let Some(first) = name.get(..1).map(str::to_uppercase) {
         name.replace_range(..1, &first);

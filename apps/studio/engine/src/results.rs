@@ -14,8 +14,8 @@ use time::{Date, Month};
 use crate::engine::{Beside, Engine, Progress, Refused, counting, parsed, refused, replay, window};
 use crate::headline;
 use crate::protocol::{
-    AddRequest, Added, CompareRequest, Compared, DiagnoseRequest, Diagnosed, Exported, Exports, LadderRequest,
-    ModelText, Window,
+    AddRequest, Added, CompareRequest, Compared, DiagnoseRequest, Diagnosed, Exported, Exports,
+    LadderRequest, ModelText, Window,
 };
 
 /// How well a model agrees with a flight.

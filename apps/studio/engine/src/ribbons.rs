@@ -17,9 +17,8 @@ pub fn ribbons(
     let times = &recording.time_s;
     let end_s = times.last().copied().unwrap_or(0.0);
     let spans = |starts: &[(usize, &'static str)]| -> Vec<Span> {
-        let start_s = |place: usize| {
-            starts.get(place).and_then(|(tick, _)| times.get(*tick).copied()).unwrap_or(end_s)
-        };
+        let start_s =
+            |place: usize| starts.get(place).and_then(|(tick, _)| times.get(*tick).copied()).unwrap_or(end_s);
         let each = starts.iter().enumerate();
         each.map(|(place, (_, what))| Span {
             from_s: start_s(place),
@@ -50,7 +49,9 @@ pub fn ribbons(
         manoeuvres: manoeuvres(&motion.manoeuvres, start_s, end_s),
         motion: numbers,
         sources: motion.sources,
-        bounds_m: there().filter_map(|(sensor, track)| Some((sensor.name().to_owned(), track.bound_m?))).collect(),
+        bounds_m: there()
+            .filter_map(|(sensor, track)| Some((sensor.name().to_owned(), track.bound_m?)))
+            .collect(),
         launch_s: recording.launch_s,
     })
 }
@@ -62,7 +63,11 @@ fn manoeuvres(seconds: &[Manoeuvre], start_s: f64, end_s: f64) -> Vec<Span> {
         let from_s = start_s + second as f64;
         match spans.last_mut() {
             Some(span) if span.what == manoeuvre.name() => span.to_s = (from_s + 1.0).min(end_s),
-            _ => spans.push(Span { from_s, to_s: (from_s + 1.0).min(end_s), what: manoeuvre.name().to_owned() }),
+            _ => spans.push(Span {
+                from_s,
+                to_s: (from_s + 1.0).min(end_s),
+                what: manoeuvre.name().to_owned(),
+            }),
         }
     }
     spans

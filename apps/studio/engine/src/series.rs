@@ -148,7 +148,8 @@ impl Axis {
                 *greatest = greatest.max(value);
             }
             let sigma = curve.sigma.as_ref().and_then(|sigma| sigma.get(place));
-            if let (Some(sigma), Some(shown)) = (sigma, on_axis.sigma.as_mut().and_then(|s| s.get_mut(point))) {
+            if let (Some(sigma), Some(shown)) = (sigma, on_axis.sigma.as_mut().and_then(|s| s.get_mut(point)))
+            {
                 *shown = shown.max(*sigma);
             }
         });

@@ -73,8 +73,14 @@ fn an_effect_is_found_added_and_the_error_falls_as_its_prediction_said() {
     let baro = &diagnosed["diagnosis"]["sensors"]["baro"];
     assert_eq!(baro["missing"], json!(["baro.dynamic_pressure"]));
     let sentence = diagnosed["headline"]["sentence"].as_str().unwrap();
-    assert!(sentence.starts_with("Your barometer reads up to ") && sentence.contains("static-port error"), "{sentence}");
-    assert!(sentence.contains(" m/s") && sentence.contains(" ± ") && sentence.contains("the error falls from"), "{sentence}");
+    assert!(
+        sentence.starts_with("Your barometer reads up to ") && sentence.contains("static-port error"),
+        "{sentence}"
+    );
+    assert!(
+        sentence.contains(" m/s") && sentence.contains(" ± ") && sentence.contains("the error falls from"),
+        "{sentence}"
+    );
 
     let add = json!({
         "effect": "baro.dynamic_pressure", "flights": [flight], "hold_outs": [], "model": default, "window": null,
@@ -107,7 +113,12 @@ fn an_effect_is_found_added_and_the_error_falls_as_its_prediction_said() {
     };
     let free = 200..400;
     let error = |answer: &Answer| answer.array("/curves/0/least")[free.clone()].to_vec();
-    assert!(rms(&error(&after)) < 0.6 * rms(&error(&before)), "{} {}", rms(&error(&after)), rms(&error(&before)));
+    assert!(
+        rms(&error(&after)) < 0.6 * rms(&error(&before)),
+        "{} {}",
+        rms(&error(&after)),
+        rms(&error(&before))
+    );
     // The error before less the error after is the prediction, but for the bias that the calibration takes differently.
     let predicted = &before.array("/curves/1/least")[free.clone()];
     let left: Vec<f64> =
@@ -119,7 +130,8 @@ fn an_effect_is_found_added_and_the_error_falls_as_its_prediction_said() {
     let sigma = after.array("/curves/2/sigma");
     assert!(sigma.iter().all(|sigma| sigma.is_nan() || (0.0..20.0).contains(sigma)));
 
-    let ribbons = Answer::of(&mut engine, "ribbons", json!({ "flight": "f", "model": default, "window": null }));
+    let ribbons =
+        Answer::of(&mut engine, "ribbons", json!({ "flight": "f", "model": default, "window": null }));
     assert_eq!(ribbons.json["phases"][0]["what"], "settling");
     assert_eq!(ribbons.json["phases"][2]["what"], "free_flight");
     assert!(ribbons.json["bounds_m"]["baro"].as_f64().unwrap() > 0.0);

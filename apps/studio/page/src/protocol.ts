@@ -3,7 +3,7 @@
 import type * as Engine from "./generated/protocol";
 import type { Resolved } from "./engine/client";
 
-export type { Headline, ModelText, Signal, Window } from "./generated/protocol";
+export type { Acting, Headline, ModelText, NoiseFacts, Signal, Window } from "./generated/protocol";
 export type Added = Resolved<Engine.Added>;
 export type CandidateFacts = Resolved<Engine.CandidateFacts>;
 export type Compared = Resolved<Engine.Compared>;

@@ -63,12 +63,14 @@ pub fn reference_wander(slots: &[ErrorSlot], noise: &NoiseFacts) -> Vec<(f64, f6
     let mut after: Option<(State, Covariance)> = None;
     for index in (0..slots.len()).rev() {
         let (mean, covariance) = filtered[index];
-        let here = after.zip(predicted.get(index + 1)).and_then(|((next, next_covariance), (ahead, spread, keep))| {
-            let inverse = spread.try_inverse()?;
-            let gain = covariance * Covariance::from_diagonal(keep) * inverse;
-            let smooth = mean + gain * (next - ahead);
-            Some((smooth, covariance + gain * (next_covariance - spread) * gain.transpose()))
-        });
+        let here = after.zip(predicted.get(index + 1)).and_then(
+            |((next, next_covariance), (ahead, spread, keep))| {
+                let inverse = spread.try_inverse()?;
+                let gain = covariance * Covariance::from_diagonal(keep) * inverse;
+                let smooth = mean + gain * (next - ahead);
+                Some((smooth, covariance + gain * (next_covariance - spread) * gain.transpose()))
+            },
+        );
         let (mean, covariance) = here.unwrap_or((mean, covariance));
         smoothed[index] = (mean[0], covariance[(0, 0)].max(0.0).sqrt());
         after = Some((mean, covariance));
@@ -79,7 +81,8 @@ pub fn reference_wander(slots: &[ErrorSlot], noise: &NoiseFacts) -> Vec<(f64, f6
 /// Sigma (m) and correlation time (s) of each state; a sensor without a wander of its own has hardly any.
 fn processes(noise: &NoiseFacts) -> [(f64, f64); STATES] {
     const HARDLY_M: f64 = 1e-3;
-    let usable = |(sigma_m, time_s): (f64, f64)| (sigma_m.max(HARDLY_M), if time_s > 0.0 { time_s } else { 1.0 });
+    let usable =
+        |(sigma_m, time_s): (f64, f64)| (sigma_m.max(HARDLY_M), if time_s > 0.0 { time_s } else { 1.0 });
     let mut processes = [usable((noise.reference_wander_m, noise.reference_time_s)); STATES];
     for sensor in Sensor::ALL {
         let own = noise.sensor_wander.get(sensor.name()).copied().unwrap_or((HARDLY_M, 1.0));
@@ -109,7 +112,8 @@ mod tests {
         };
         let mut random = ChaCha8Rng::seed_from_u64(5);
         let mut draw = || -> f64 { StandardNormal.sample(&mut random) };
-        let mut states = [(2.0, 60.0), (0.5, 600.0), (1.0, 20.0)].map(|(sigma, time): (f64, f64)| (sigma * draw(), sigma, time));
+        let mut states = [(2.0, 60.0), (0.5, 600.0), (1.0, 20.0)]
+            .map(|(sigma, time): (f64, f64)| (sigma * draw(), sigma, time));
         let mut truth = Vec::new();
         let mut slots = Vec::new();
         for slot in 0..SLOTS {
@@ -130,12 +134,16 @@ mod tests {
         }
         let found = reference_wander(&slots, &noise);
         let square = |x: f64| x * x;
-        let left = found.iter().zip(&truth).map(|((mean, _), truth)| square(mean - truth)).sum::<f64>() / SLOTS as f64;
+        let left = found.iter().zip(&truth).map(|((mean, _), truth)| square(mean - truth)).sum::<f64>()
+            / SLOTS as f64;
         // Its own sigma is what it is off by. Errors are correlated over some ten slots: of 400 independent squares the mean is
         // within 0.07 of 1, one sigma.
-        let normalised =
-            found.iter().zip(&truth).map(|((mean, sigma), truth)| square((mean - truth) / sigma)).sum::<f64>()
-                / SLOTS as f64;
+        let normalised = found
+            .iter()
+            .zip(&truth)
+            .map(|((mean, sigma), truth)| square((mean - truth) / sigma))
+            .sum::<f64>()
+            / SLOTS as f64;
         assert!((normalised - 1.0).abs() < 0.35, "{normalised}");
         assert!(left.sqrt() < 0.8, "{}", left.sqrt());
     }

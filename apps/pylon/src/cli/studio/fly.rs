@@ -39,7 +39,11 @@ impl Flying {
             Some(0 | 1) => Ok(String::from_utf8_lossy(&output.stdout).into_owned()),
             _ => {
                 let said = String::from_utf8_lossy(&output.stderr);
-                let last = said.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or("it ended without a word");
+                let last = said
+                    .lines()
+                    .rev()
+                    .find(|line| !line.trim().is_empty())
+                    .unwrap_or("it ended without a word");
                 Err(NotFlown::Failed(last.strip_prefix("error: ").unwrap_or(last).to_owned()))
             }
         }

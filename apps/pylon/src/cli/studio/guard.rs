@@ -50,7 +50,8 @@ impl Guard {
             return Err(Refusal::Host);
         }
         let origin = header(request, "Origin");
-        if !origin.is_none_or(|origin| origin.strip_prefix("http://").is_some_and(|host| self.is_host(host))) {
+        if !origin.is_none_or(|origin| origin.strip_prefix("http://").is_some_and(|host| self.is_host(host)))
+        {
             return Err(Refusal::Origin);
         }
         let given = match request.url().split_once('?') {

@@ -93,9 +93,16 @@ fn open_browser(address: &str) {
     } else {
         "xdg-open"
     };
-    let started =
-        Command::new(program).arg(address).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn();
+    let started = Command::new(program)
+        .arg(address)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn();
     if started.is_err() {
-        let _ = writeln!(std::io::stderr(), "note: {program} is not there to open a browser: open the address in one");
+        let _ = writeln!(
+            std::io::stderr(),
+            "note: {program} is not there to open a browser: open the address in one"
+        );
     }
 }

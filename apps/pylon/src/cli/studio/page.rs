@@ -17,7 +17,8 @@ pub fn page() -> Result<String, Failure> {
         return read(&PathBuf::from(file));
     }
     let checkout = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let target = env::var_os("CARGO_TARGET_DIR").map_or_else(|| checkout.join("target"), |folder| checkout.join(folder));
+    let target = env::var_os("CARGO_TARGET_DIR")
+        .map_or_else(|| checkout.join("target"), |folder| checkout.join(folder));
     let file = target.join("studio/studio.html");
     if !file.exists() {
         build(&checkout)?;
@@ -47,7 +48,9 @@ fn build(checkout: &Path) -> Result<(), Failure> {
     cargo.args(["xtask", "site"]).current_dir(checkout).stdin(Stdio::null());
     let output = while_busy("building the studio's page, once (some minutes)", || cargo.output());
     let output = output.map_err(|error| {
-        Failure::input(format!("cargo could not be started to build the studio's page ({error}): `cargo xtask site` does"))
+        Failure::input(format!(
+            "cargo could not be started to build the studio's page ({error}): `cargo xtask site` does"
+        ))
     })?;
     if output.status.success() {
         return Ok(());

@@ -79,10 +79,18 @@ impl Answer {
 
 impl Server {
     /// Listens at a port of this machine, for this machine.
-    pub fn bind(port: u16, page: String, logs: Vec<PathBuf>, model: Option<ModelFile>) -> Result<Self, Failure> {
-        let http = tiny_http::Server::http(SocketAddr::from((Ipv4Addr::LOCALHOST, port)))
-            .map_err(|error| Failure::input(format!("port {port} of this machine can not be listened at: {error}")))?;
-        let address = http.server_addr().to_ip().ok_or_else(|| Failure::input("the server has no address"))?;
+    pub fn bind(
+        port: u16,
+        page: String,
+        logs: Vec<PathBuf>,
+        model: Option<ModelFile>,
+    ) -> Result<Self, Failure> {
+        let http =
+            tiny_http::Server::http(SocketAddr::from((Ipv4Addr::LOCALHOST, port))).map_err(|error| {
+                Failure::input(format!("port {port} of this machine can not be listened at: {error}"))
+            })?;
+        let address =
+            http.server_addr().to_ip().ok_or_else(|| Failure::input("the server has no address"))?;
         let guard = Guard::new(address)
             .map_err(|error| Failure::input(format!("the system gives no random token: {error}")))?;
         let token = guard.token();
@@ -92,7 +100,11 @@ impl Server {
             1,
         );
         let address = format!("http://{address}/?token={token}");
-        Ok(Self { http, address, served: Arc::new(Served { guard, page, logs, model, flying: Flying::default() }) })
+        Ok(Self {
+            http,
+            address,
+            served: Arc::new(Served { guard, page, logs, model, flying: Flying::default() }),
+        })
     }
 
     /// The address of the page, with this start's token.
@@ -103,7 +115,8 @@ impl Server {
     /// Serves until the program is ended.
     pub fn serve(self) -> Result<(), Failure> {
         loop {
-            let request = self.http.recv().map_err(|error| Failure::input(format!("the server ended: {error}")))?;
+            let request =
+                self.http.recv().map_err(|error| Failure::input(format!("the server ended: {error}")))?;
             let served = Arc::clone(&self.served);
             // A long log must not hold the page up.
             thread::spawn(move || served.answer(request));
@@ -137,20 +150,24 @@ impl Served {
                 None => Answer::plain(404, "no model was named: pylon studio --model ours.toml"),
             },
             (Method::Put, "/api/model") => self.save(request),
-            (Method::Post, path) => match path.strip_prefix("/api/fly/").and_then(|place| place.parse().ok()) {
+            (Method::Post, path) => match path.strip_prefix("/api/fly/").and_then(|place| place.parse().ok())
+            {
                 Some(place) => self.fly(place, request),
                 None => Answer::plain(404, "there is nothing here"),
             },
-            (Method::Get, path) => match path.strip_prefix("/api/flight/").and_then(|place| place.parse().ok()) {
-                Some(place) => self.log(place),
-                None => Answer::plain(404, "there is nothing here"),
-            },
+            (Method::Get, path) => {
+                match path.strip_prefix("/api/flight/").and_then(|place| place.parse().ok()) {
+                    Some(place) => self.log(place),
+                    None => Answer::plain(404, "there is nothing here"),
+                }
+            }
             _ => Answer::plain(405, "nothing here is changed that way"),
         }
     }
 
     fn session(&self) -> Answer {
-        let name = |file: &PathBuf| file.file_name().unwrap_or(file.as_os_str()).to_string_lossy().into_owned();
+        let name =
+            |file: &PathBuf| file.file_name().unwrap_or(file.as_os_str()).to_string_lossy().into_owned();
         match self.model.as_ref().map(ModelFile::read).transpose() {
             Ok(model) => {
                 let flights = self.logs.iter().map(name).collect();
@@ -186,7 +203,8 @@ impl Served {
         let Some(model) = &self.model else {
             return Answer::plain(404, "no model was named: pylon studio --model ours.toml");
         };
-        let Some(version) = header(request, "If-Match").map(|value| value.trim_matches('"').to_owned()) else {
+        let Some(version) = header(request, "If-Match").map(|value| value.trim_matches('"').to_owned())
+        else {
             return Answer::plain(428, "which version of the model is to be replaced?");
         };
         let text = match model_text(request) {

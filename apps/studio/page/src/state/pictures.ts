@@ -5,11 +5,11 @@ import { computed, signal } from "@preact/signals";
 import { ask } from "../ask";
 import type { Band, Gaps, Level, Line, Mark, TimeSpec, Values } from "../charts/time_chart";
 import type { Role } from "../charts/colours";
-import type { Correlated, Drawn, ModelText, Paired, Series, Signal, Window } from "../protocol";
+import type { Acting, CandidateFacts, Correlated, Diagnosed, Drawn, ModelText, NoiseFacts, Paired, Series, Signal, Window } from "../protocol";
 import { sensor, shown } from "./flights";
 import { resource } from "./resource";
 import { before, model } from "./model";
-import { diagnosed, diagnoses, guides, ribbons } from "./studio";
+import { diagnosed, diagnosedBefore, guides, ribbons } from "./studio";
 import { inside, view } from "./view";
 import type { Span } from "./view";
 
@@ -31,8 +31,6 @@ interface CurvesQuestion {
   readonly from_s: number;
   readonly to_s: number;
   readonly pixels: number;
-  /** The diagnosis that the error beyond the reference rests on. */
-  readonly after: number;
 }
 
 function question(text: ModelText | null, signals: (sensor: string) => Signal[]): CurvesQuestion | null {
@@ -45,19 +43,24 @@ function question(text: ModelText | null, signals: (sensor: string) => Signal[])
   const pixels = Math.max(Math.round((chartWidth.value * (span.to - span.from)) / (to - from)), 64);
   return {
     flight: flight.flight, model: text, window: flight.window, signals: signals(name),
-    from_s: span.from, to_s: span.to, pixels, after: diagnoses.value,
+    from_s: span.from, to_s: span.to, pixels,
   };
 }
 
-async function curves({ after: _, ...request }: CurvesQuestion): Promise<Series> {
+async function curves(request: CurvesQuestion): Promise<Series> {
   return ask("series", request);
 }
 
-function errorSignals(name: string): Signal[] {
-  return [
-    { signal: "beyond_reference", sensor: name },
-    { signal: "error", sensor: name },
-  ];
+function acting({ effect, coefficient, time_constant_s, since }: CandidateFacts): Acting {
+  return { effect, coefficient, time_constant_s, since };
+}
+
+/** The error beyond the reference once there is a diagnosis, which knows the reference's wander; until then the error. */
+function errorSignal(name: string, found: Diagnosed | null): Signal {
+  const noise = found?.diagnosis.noise ?? null;
+  if (!found || noise === null) return { signal: "error", sensor: name };
+  const all = Object.values(found.diagnosis.sensors).flatMap((one) => one?.candidates ?? []);
+  return { signal: "beyond_reference", sensor: name, noise: noise as NoiseFacts, found: all.filter(({ chosen }) => chosen).map(acting) };
 }
 
 const altitudes = resource(
@@ -69,8 +72,8 @@ const altitudes = resource(
   curves,
   REST,
 );
-const errorNow = resource(() => question(model.value, errorSignals), curves, REST);
-const errorBefore = resource(() => question(before.value, errorSignals), curves, REST);
+const errorNow = resource(() => question(model.value, (name) => [errorSignal(name, diagnosed.answer.value)]), curves, REST);
+const errorBefore = resource(() => question(before.value, (name) => [errorSignal(name, diagnosedBefore.answer.value)]), curves, REST);
 const predictions = resource(
   () => (whatIf.value.length === 0 ? null : question(model.value, (name) => predicted(name))),
   curves,
@@ -84,13 +87,7 @@ function predicted(name: string): Signal[] {
     (here?.candidates ?? []).filter(({ effect }) => whatIf.value.includes(effect)).map((candidate) => ({ subject, candidate })));
   return found
     .filter(({ subject, candidate }) => subject === name || guides.value.get(candidate.effect)?.subject === "gps")
-    .map(({ candidate }) => ({
-      signal: "effect",
-      effect: candidate.effect,
-      coefficient: candidate.coefficient,
-      time_constant_s: candidate.time_constant_s,
-      since: candidate.since,
-    }));
+    .map(({ candidate }) => ({ signal: "effect", of: acting(candidate) }));
 }
 
 function values(numbers: Float64Array): Values {
@@ -178,7 +175,7 @@ export const altitudeSpec = computed<TimeSpec | null>(() => {
 /** Whether the reference's wander is taken out of the error that is shown. */
 export const isBeyondReference = computed(() => {
   const reply = errorNow.answer.value;
-  return reply ? curve(reply, 0)?.isEmpty === false : false;
+  return reply?.curves[0]?.signal.signal === "beyond_reference";
 });
 
 interface Part {
@@ -187,13 +184,13 @@ interface Part {
   readonly lines: Line[];
 }
 
-function errorPart(reply: Series, name: string, role: Role, beyond: boolean): Part | null {
-  const found = curve(reply, beyond ? 0 : 1);
+function errorPart(reply: Series, name: string, role: Role): Part | null {
+  const found = curve(reply, 0);
   if (!found || found.isEmpty) return null;
   const { bands, lines } = drawn(name, role, found, 0.5);
   return {
     x: Array.from(reply.time_s),
-    bands: [...(beyond ? sigmaBand(name, role, found) : []), ...bands],
+    bands: [...sigmaBand(name, role, found), ...bands],
     lines: lines.map((line) => ({ ...line, width: 1.75 })),
   };
 }
@@ -201,15 +198,14 @@ function errorPart(reply: Series, name: string, role: Role, beyond: boolean): Pa
 export const errorSpec = computed<TimeSpec | null>(() => {
   const now = errorNow.answer.value;
   if (!now) return null;
-  const beyond = isBeyondReference.value;
   const then = before.value ? errorBefore.answer.value : null;
   const parts: Part[] = [];
   if (then) {
-    const part = errorPart(then, "Before", "before", beyond);
+    const part = errorPart(then, "Before", "before");
     if (part) parts.push(part);
   }
   // Without a revision there is no "after": the error is the one that Add would make smaller.
-  const part = before.value ? errorPart(now, "After", "after", beyond) : errorPart(now, "Error", "before", beyond);
+  const part = before.value ? errorPart(now, "After", "after") : errorPart(now, "Error", "before");
   if (part) parts.push(part);
   const what = whatIf.value.length > 0 ? predictions.answer.value : null;
   if (what) parts.push(predictionPart(what));
@@ -222,7 +218,7 @@ function predictionPart(reply: Series): Part {
   const lines = reply.curves.map((of, at): Line | null => {
     const found = curve(reply, at);
     if (!found || of.signal.signal !== "effect") return null;
-    const title = guides.value.get(of.signal.effect)?.title ?? of.signal.effect;
+    const title = guides.value.get(of.signal.of.effect)?.title ?? of.signal.of.effect;
     return { name: `What if: ${title}`, role: "what-if", y: found.mean, gaps: found.gaps, dashed: true, width: 2 };
   });
   return { x: Array.from(reply.time_s), bands: [], lines: lines.filter((line) => line !== null) };
@@ -267,14 +263,9 @@ export function signalOf(name: string): Signal {
     case "climb_rate": return { signal: "climb_rate" };
     case "load_factor": return { signal: "load_factor" };
     case "turn_rate": return { signal: "turn_rate" };
-    case "error": return errorSignal();
+    case "error": return errorSignal(sensor.value ?? "baro", diagnosed.answer.value);
     default: return { signal: "column", name };
   }
-}
-
-function errorSignal(): Signal {
-  const name = sensor.value ?? "baro";
-  return isBeyondReference.value ? { signal: "beyond_reference", sensor: name } : { signal: "error", sensor: name };
 }
 
 export interface Points {
@@ -289,7 +280,7 @@ export function points(x: () => string, y: () => string): { answer: { readonly v
     () => {
       const flight = shown.value;
       if (!flight || flight.opened.overview.refused !== null || x() === "" || y() === "") return null;
-      return { flight: flight.flight, x: x(), y: y(), xSignal: signalOf(x()), ySignal: signalOf(y()), model: model.value, window: flight.window, after: diagnoses.value };
+      return { flight: flight.flight, x: x(), y: y(), xSignal: signalOf(x()), ySignal: signalOf(y()), model: model.value, window: flight.window };
     },
     async (of): Promise<Points> => ({
       x: of.x, y: of.y,
@@ -316,15 +307,15 @@ export const correlations = resource(
     const flight = shown.value;
     if (!flight || flight.opened.overview.refused !== null || sensor.value === null || !errorNow.answer.value) return null;
     return {
-      flight: flight.flight, window: flight.window, signal: errorSignal(), model: model.value, before: before.value, after: diagnoses.value,
+      flight: flight.flight, window: flight.window, signal: errorSignal(), model: model.value, before: before.value,
       longest: Math.min(LONGEST_LAG, LAG_SHARE * (flight.opened.last_s - flight.opened.first_s)),
     };
   },
   async (of): Promise<Correlations> => {
-    const one = (text: ModelText): Promise<Correlated> => ask("correlation", {
-      flight: of.flight, model: text, window: of.window, signal: of.signal, with: null, from_s: null, to_s: null, longest_lag_s: of.longest,
+    const one = (text: ModelText, signal: Signal): Promise<Correlated> => ask("correlation", {
+      flight: of.flight, model: text, window: of.window, signal, with: null, from_s: null, to_s: null, longest_lag_s: of.longest,
     });
-    return { now: await one(of.model), then: of.before ? await one(of.before) : null };
+    return { now: await one(of.model, of.signal), then: of.before ? await one(of.before, of.signalBefore) : null };
   },
   REST,
 );

@@ -3,6 +3,7 @@
 import { batch, computed, effect, signal } from "@preact/signals";
 
 import { ask, served } from "../ask";
+import type { Progress as EngineProgress } from "../engine/client";
 import type { Added, Compared, Diagnosed, EffectGuide, Headline, Ladder, ModelFacts, ModelText, Ribbons } from "../protocol";
 import { flights, holdOuts, learners, notice, ready, sensor, shown } from "./flights";
 import { before, model, models } from "./model";
@@ -28,9 +29,6 @@ export async function loadGuides(): Promise<void> {
   guides.value = new Map(answer.map((guide) => [guide.effect, guide]));
 }
 
-/** Counts the diagnoses: what is drawn beyond the reference depends on them. */
-export const diagnoses = signal(0);
-
 const files = (list: ReadonlyArray<{ flight: string }>): string[] => list.map(({ flight }) => flight);
 
 function windowOfAll(): { start_s: number; end_s: number } | null {
@@ -51,16 +49,22 @@ export const ribbonsBefore = resource(() => comparisonOf(before.value), (of): Pr
 export const diagnosed = resource(
   () => diagnosisOf(model.value),
   async (of): Promise<Diagnosed> => {
+    const say = (now: EngineProgress): void => {
+      progress.value = { text: now.what, share: now.of === null ? null : now.done / now.of };
+    };
     progress.value = { text: "Looking for the cause", share: null };
     try {
-      // The error beyond the reference is drawn with each model's own diagnosis.
-      if (before.value) await ask("diagnose", { ...of, model: before.value });
-      return await ask("diagnose", of);
+      return await ask("diagnose", of, { onProgress: say });
     } finally {
       progress.value = null;
-      diagnoses.value += 1;
     }
   },
+);
+
+/** The model before its newest revision, diagnosed: its error beyond the reference rests on that. */
+export const diagnosedBefore = resource(
+  () => (before.value ? diagnosisOf(before.value) : null),
+  async (of): Promise<Diagnosed> => ask("diagnose", of),
 );
 
 function diagnosisOf(text: ModelText): { flights: string[]; hold_outs: string[]; model: ModelText; window: { start_s: number; end_s: number } | null } | null {

@@ -12,6 +12,7 @@ import { FlightsPanel } from "./flights_panel";
 import { Header, Sentence } from "./header";
 import { LadderPanel } from "./ladder_panel";
 import { Middle } from "./middle";
+import { Panels } from "./panels";
 import { isNarrow } from "./screen";
 import { Tour } from "./tour";
 
@@ -57,6 +58,7 @@ export function App(): JSX.Element {
           {isNarrow.value ? null : <FlightsPanel />}
           <Middle />
           <Effects />
+          {isNarrow.value ? <Panels /> : null}
           <LadderPanel />
           {isNarrow.value ? <FlightsPanel /> : null}
         </>

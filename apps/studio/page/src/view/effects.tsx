@@ -7,7 +7,8 @@ import type { CandidateFacts as Candidate, EffectGuide, SensorDiagnosis } from "
 import { sensor } from "../state/flights";
 import { whatIf } from "../state/pictures";
 import { accept, addEffect, diagnosed, doubted, guides, modelFacts, progress } from "../state/studio";
-import { capital, plain, sensorName } from "./words";
+import { isNarrow } from "./screen";
+import { capital, columnName, plain, sensorName } from "./words";
 
 interface Row {
   readonly candidate: Candidate;
@@ -81,7 +82,7 @@ function Found({ name, here, rows }: FoundProps): JSX.Element {
         {suspects.map((row) => <EffectRow key={row.candidate.effect} row={row} most={most} />)}
       </ul>
       {others.length > 0 ? (
-        <details class="others" open>
+        <details class="others" open={!isNarrow.value || suspects.length === 0}>
           <summary>Tested, no evidence: {others.length}</summary>
           <ul class="effect-list">
             {others.map((row) => <EffectRow key={row.candidate.effect} row={row} most={most} />)}
@@ -184,7 +185,7 @@ function Untested(): JSX.Element {
     <details class="others">
       <summary>Not tested: {list.length}</summary>
       <ul class="untested">
-        {list.map(({ effect, reason }) => <li key={effect}><b>{capital(title(effect))}</b>: {reason}</li>)}
+        {list.map(({ effect, needs, reason }) => <li key={effect}><b>{capital(title(effect))}</b>: {reason ?? `needs ${needs.map(columnName).join(", ")}`}</li>)}
       </ul>
     </details>
   );

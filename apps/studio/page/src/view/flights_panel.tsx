@@ -74,7 +74,7 @@ function Facts({ flight }: { readonly flight: Flight }): JSX.Element | null {
         <details class="notes">
           <summary>{overview.refused === null ? `${all.length} ${all.length === 1 ? "note" : "notes"}` : "can't be analysed"}</summary>
           <ul>
-            <li>{overview.calibration}</li>
+            {overview.calibration === null ? null : <li>{overview.calibration}</li>}
             {all.map((text) => <li key={text}>{text}</li>)}
           </ul>
         </details>

@@ -19,6 +19,7 @@ import { brush, drag, isWhole, show, showWhole, zoom } from "../state/view";
 import type { Drag } from "../state/view";
 import { Legend } from "./legend";
 import { Panels } from "./panels";
+import { isNarrow } from "./screen";
 import { PhaseRibbon } from "./phase_ribbon";
 import { capital, plain, sensorName, shortSensorName } from "./words";
 
@@ -47,7 +48,7 @@ export function Middle(): JSX.Element {
         </figure>
         <Ribbons />
       </div>
-      <Panels />
+      {isNarrow.value ? null : <Panels />}
     </main>
   );
 }
