@@ -307,7 +307,8 @@ export const correlations = resource(
     const flight = shown.value;
     if (!flight || flight.opened.overview.refused !== null || sensor.value === null || !errorNow.answer.value) return null;
     return {
-      flight: flight.flight, window: flight.window, signal: errorSignal(), model: model.value, before: before.value,
+      flight: flight.flight, window: flight.window, model: model.value, before: before.value,
+      signal: errorSignal(sensor.value, diagnosed.answer.value), signalBefore: errorSignal(sensor.value, diagnosedBefore.answer.value),
       longest: Math.min(LONGEST_LAG, LAG_SHARE * (flight.opened.last_s - flight.opened.first_s)),
     };
   },

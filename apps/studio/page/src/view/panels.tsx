@@ -33,7 +33,7 @@ export function Panels(): JSX.Element {
   const all = isWide.value || isNarrow.value;
   const kinds = all ? KINDS : places.value;
   return (
-    <div class={`panels ${all ? "all" : ""}`} data-tour="panels">
+    <section class={`panels ${all ? "all" : ""}`} aria-label="Signals against each other" data-tour="panels">
       {kinds.map((kind, place) => (
         <figure key={all ? kind : place} class="panel">
           <figcaption>
@@ -43,7 +43,7 @@ export function Panels(): JSX.Element {
           <PanelBody kind={kind} />
         </figure>
       ))}
-    </div>
+    </section>
   );
 }
 
