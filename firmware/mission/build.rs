@@ -33,7 +33,8 @@ fn write_model(out: &Path) -> Result<(), Box<dyn Error>> {
                 println!("cargo:rerun-if-changed={name}");
             }
             let model = Model::load(&name)?;
-            let board = if env::var_os("CARGO_FEATURE_BOARD_F405").is_some() { Board::F405 } else { Board::Recorded };
+            let board =
+                if env::var_os("CARGO_FEATURE_BOARD_F405").is_some() { Board::F405 } else { Board::Recorded };
             model.check_signals(board)?;
             let source = model::codegen(&model)?;
             (name, source)

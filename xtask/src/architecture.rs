@@ -68,7 +68,9 @@ fn found(metadata: &Metadata) -> Arrows {
     let names: BTreeSet<_> = metadata.packages.iter().map(|package| &package.name).collect();
     let ours = |package: &Package| {
         let dependencies = package.dependencies.iter().map(|dependency| &dependency.name);
-        dependencies.filter(|name| names.contains(name)).cloned().collect()
+        // A crate's own tests may ask it for a feature.
+        let others = dependencies.filter(|name| names.contains(name) && **name != package.name);
+        others.cloned().collect()
     };
     metadata.packages.iter().map(|package| (package.name.clone(), ours(package))).collect()
 }

@@ -16,6 +16,7 @@ Examples:
   cargo xtask demo           see Pylon at work: a flight is calibrated, latched, flagged and drawn
   cargo xtask test           set up what is missing and run every test of every kind
   cargo xtask test budgets   only the steps whose name contains `budgets`, with what they need
+  cargo xtask site           the studio as one file, which any browser opens from the disk
   cargo xtask bench          how fast, how small, beside whom
   cargo xtask blind 400      how often a diagnosis is right, on 400 simulated flights
   cargo xtask real-trials    the same on real logs and tracks
@@ -51,6 +52,8 @@ pub enum Job {
         #[arg(long)]
         list: bool,
     },
+    /// Build the studio: the engine as WebAssembly and its page, as the one file target/studio/studio.html.
+    Site,
     /// Measure: instructions a tick beside other filters, ticks a second, time and memory of a comparison.
     Bench {
         /// Print JSON instead of tables.

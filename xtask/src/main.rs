@@ -14,6 +14,7 @@ mod hil;
 mod improvement;
 mod monitor_curves;
 mod setup;
+mod site;
 mod stages;
 mod steps;
 mod story;
@@ -63,6 +64,12 @@ fn run(job: Job, verbose: bool) -> anyhow::Result<ExitCode> {
         Job::Test { words, list } => {
             let passed = test_job::run(&words, list, verbose)?;
             return Ok(if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE });
+        }
+        Job::Site => {
+            for need in [Need::Npm, Need::Wasm] {
+                setup::provide(need, verbose)?;
+            }
+            println!("{}", site::build(verbose)?);
         }
         Job::Hil(arguments) => return hil::run(&arguments, verbose),
         Job::Bench { json, part } => bench::run(part, json, verbose)?,

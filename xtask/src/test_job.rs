@@ -6,6 +6,7 @@ use crate::campaign;
 use crate::child::{self, Failure};
 use crate::demo;
 use crate::setup::{self, Need, Provided};
+use crate::site;
 use crate::steps::{Done, Steps};
 use crate::test_report::{TestProgress, TestReport};
 use crate::wasm;
@@ -25,7 +26,7 @@ const STEPS: &[Step] = &[
     Step { name: "clippy, board-hil", needs: &[Need::Clippy, Need::Target], run: clippy_hil },
     Step { name: "clippy, board-f405", needs: &[Need::Clippy, Need::Target], run: clippy_f405 },
     Step { name: "workbench, wasm32", needs: &[Need::Wasm], run: wasm::check },
-    Step { name: "results, wasm32", needs: &[Need::Wasm, Need::Npm], run: wasm::results },
+    Step { name: "studio", needs: &[Need::Wasm, Need::Npm, Need::Chromium], run: site::test },
     Step { name: "documentation, host", needs: &[Need::Npm], run: documentation_host },
     Step { name: "documentation, firmware", needs: &[Need::Target], run: documentation_firmware },
     Step { name: "image, board-qemu", needs: &[Need::Target], run: image_qemu },
@@ -33,7 +34,7 @@ const STEPS: &[Step] = &[
     Step { name: "image, board-f405", needs: &[Need::Target], run: image_f405 },
     Step {
         name: "tests",
-        needs: &[Need::Target, Need::Qemu, Need::Npm, Need::Chromium, Need::Pymavlink],
+        needs: &[Need::Target, Need::Wasm, Need::Qemu, Need::Npm, Need::Chromium, Need::Pymavlink],
         run: tests,
     },
     Step { name: "fault campaign", needs: &[Need::Npm], run: campaign::test },

@@ -43,12 +43,6 @@ pub fn check(echo: bool) -> anyhow::Result<Done> {
     Ok(Done::all(format!("{} crates: {}", portable.len(), portable.join(", "))))
 }
 
-/// Runs compare and diagnose there, in Node (which comes with npm), and holds what they say against native code.
-pub fn results(echo: bool) -> anyhow::Result<Done> {
-    child::run(&mut workspace::cargo(["test", "--package", "portable"]), echo)?;
-    Ok(Done::all("the same to the last digit".to_owned()))
-}
-
 #[test]
 fn every_crate_of_the_workbench_but_the_one_with_programs_is_portable() {
     let portable = portable().unwrap();

@@ -44,7 +44,7 @@ pub fn cargo<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Command {
 }
 
 /// What runs every test but the firmware's own: always with the same packages, or cargo builds them anew with other features.
-const TESTED: [&str; 6] = ["test", "--workspace", "--exclude", "firmware", "--exclude", "portable"];
+const TESTED: [&str; 4] = ["test", "--workspace", "--exclude", "firmware"];
 
 /// Cargo, to run these tests.
 pub fn test<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Command {

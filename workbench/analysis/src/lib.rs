@@ -1,9 +1,12 @@
 //! What the estimator says of a flight, held against it: where a model holds, which effect it lacks, and what that effect's
 //! coefficient is.
 
+pub mod batch;
 pub mod compare;
 pub mod diagnose;
 pub mod discover;
+pub mod effect_guide;
 pub mod learn;
 pub mod name;
+pub mod overview;
 pub mod progress;

@@ -24,6 +24,7 @@ pub struct Extent {
 
 /// A part of a log that is not analysed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Unused {
     /// From when, seconds.
     pub from_s: f64,

@@ -7,6 +7,7 @@ use super::{CalibrationSource, Replay, WildCells};
 
 /// What of a log is analysed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Usage {
     /// Whether the flight says itself when it was launched.
     pub has_launch: bool,

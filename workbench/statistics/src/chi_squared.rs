@@ -21,6 +21,7 @@ pub struct NisSummary {
 
 /// What [`NisSummary`] found.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Consistency {
     /// Mean NIS; 1 for a consistent filter.
     pub mean: f64,

@@ -28,6 +28,7 @@ const HORIZON_S: f64 = 600.0;
 
 /// A monitor's rule: `|moving average over window_s| > threshold_m`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct MonitorRule {
     /// Threshold, metres: the multiplier times sigma.
     pub threshold_m: f64,
@@ -37,6 +38,7 @@ pub struct MonitorRule {
 
 /// A fault of a sensor that had been healthy.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Fault {
     /// An error that is there at once, metres.
@@ -76,6 +78,7 @@ impl Fault {
 
 /// How long after a fault the sensor is called untrustworthy.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Delay {
     /// The fault.
     pub fault: Fault,
@@ -87,6 +90,7 @@ pub struct Delay {
 
 /// What a rule costs on a healthy sensor and how soon it detects faults.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct RuleQuality {
     /// The rule.
     pub rule: MonitorRule,

@@ -22,6 +22,7 @@ pub fn ljung_box(autocorrelations: &[f64], count: u64) -> f64 {
 
 /// How white a sequence is.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Whiteness {
     /// Autocorrelation at a lag of one sample; its standard error is 1 / sqrt(n) for a white sequence.
     pub lag_one: f64,

@@ -20,7 +20,7 @@ pub fn text(batch: &Batch) -> String {
     );
     let effects: Vec<&str> = batch.effects().collect();
     let heads = ["  flight", "verdict"].into_iter().map(str::to_owned);
-    let heads = heads.chain(batch.units.iter().map(|(effect, unit)| match &**unit {
+    let heads = heads.chain(batch.units().map(|(effect, unit)| match unit {
         "1" => effect.to_string(),
         unit => format!("{effect}, {unit}"),
     }));

@@ -4,12 +4,11 @@ use std::path::PathBuf;
 use std::sync::Mutex;
 
 use clap::Args;
-use pylon::batch::{self, Batch};
+use pylon::batch::{self, Results};
 use pylon::contained::contained;
-use pylon::diagnose::{Diagnosis, diagnose, text};
+use pylon::diagnose::{diagnose, text};
 use pylon::flight::Flight;
 use pylon::replay::{CalibrationWindow, Replay};
-use serde::Serialize;
 
 use super::failure::Failure;
 use super::places::Places;
@@ -111,17 +110,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             .map_or_else(|why| format!("{why}\n"), |diagnosis| text(&diagnosis, terminal::has_colour()));
         terminal::put(&(together + &one_by_one.as_ref().map_or_else(String::new, batch::text)))
     }
-}
-
-/// What `--json` prints.
-#[derive(Serialize)]
-struct Results {
-    #[serde(flatten)]
-    together: Option<Diagnosis>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    failed: Option<String>,
-    #[serde(flatten)]
-    one_by_one: Option<Batch>,
 }
 
 fn defect(why: &str) -> String {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use pylon::contained::contained;
 use pylon::discover::{Discovery, discover, id, text, with_definition};
+use pylon::flight::Flight;
 use pylon::output_file::prepare;
 use pylon::replay::{CalibrationWindow, Replay};
 
@@ -68,30 +69,36 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         refuse_overwriting(&flights, &[Role::new(file, "the model")])?;
         readable(file)?;
     }
-    let batch = load::Batch::read(&given.files, arguments.strict, |flight| {
-        Replay::calibrated_or_not(flight, &model, arguments.calibrate).map(|_| ())
-    })?;
-    let held = load::flights(&held_files.files)?;
+    let is_usable = |flight: &Flight| {
+        let replay = Replay::calibrated_or_not(flight, &model, arguments.calibrate);
+        replay.map(|_| ()).map_err(|error| error.to_string())
+    };
+    let [batch, held_out] =
+        [&given.files, &held_files.files].map(|files| load::Batch::read(files, arguments.strict, is_usable));
+    let (batch, held_out) = (batch?, held_out?);
     let notes = |files: &[PathBuf], flights: &[load::Read]| -> Vec<String> {
         let pairs = files.iter().zip(flights);
         pairs
             .flat_map(|(file, (_, notes))| notes.iter().map(|note| format!("{}: {note}", file.display())))
             .collect()
     };
-    let warnings = [notes(&batch.files, &batch.flights), notes(&held_files.files, &held)].concat();
+    let warnings = [notes(&batch.files, &batch.flights), notes(&held_out.files, &held_out.flights)].concat();
     let learned = load::replays_to_diagnose(&batch.files, &batch.flights, &model, arguments.calibrate)?;
-    let held = load::replays_to_diagnose(&held_files.files, &held, &model, arguments.calibrate)?;
+    let held = load::replays_to_diagnose(&held_out.files, &held_out.flights, &model, arguments.calibrate)?;
     let mut counter = Counter::new("searching for laws", "fits");
     let found = contained(|| discover(&learned, &held, &mut || counter.step()));
     drop(counter);
     let mut discovery = found.map_err(|why| {
-        Failure::input(format!("the flights were not searched, by a defect of pylon; please report it: {why}"))
+        Failure::input(format!(
+            "the flights were not searched, by a defect of pylon; please report it: {why}"
+        ))
     })?;
     discovery.model.clone_from(&arguments.model);
     discovery.warnings.splice(0..0, warnings);
     given.write_notes();
     held_files.write_notes();
     batch.write_skipped();
+    held_out.write_skipped();
     let written = wanted.map(|(file, number)| write(file, number, arguments, &discovery)).transpose()?;
     if arguments.json {
         let mut json = serde_json::to_string_pretty(&discovery)?;
@@ -129,7 +136,12 @@ fn readable(file: &Path) -> Result<String, Failure> {
 }
 
 /// Makes a law an effect definition; says so.
-fn write(file: &Path, number: usize, arguments: &Arguments, discovery: &Discovery) -> Result<String, Failure> {
+fn write(
+    file: &Path,
+    number: usize,
+    arguments: &Arguments,
+    discovery: &Discovery,
+) -> Result<String, Failure> {
     let law = discovery.laws.get(number - 1).ok_or_else(|| {
         let there = match discovery.laws.len() {
             0 => "no law is proposed".to_owned(),

@@ -22,6 +22,7 @@ mod places;
 mod progress;
 mod report;
 mod simulate;
+mod studio;
 mod terminal;
 
 use std::process::ExitCode;
@@ -53,6 +54,7 @@ enum Command {
     Ladder(ladder::Arguments),
     Fly(fly::Arguments),
     Report(report::Arguments),
+    Studio(studio::Arguments),
 }
 
 /// Whether there was no argument at all: who only types the name wants to know what it does.
@@ -76,6 +78,7 @@ pub fn main() -> ExitCode {
             Command::Ladder(arguments) => ladder::run(&arguments),
             Command::Fly(arguments) => fly::run(&arguments),
             Command::Report(arguments) => report::run(&arguments),
+            Command::Studio(arguments) => studio::run(&arguments),
         },
         Err(error) if error.use_stderr() && !is_bare(&error) => Err(Failure::usage(&error)),
         Err(help) => terminal::write(&help.render().ansi().to_string(), &help.render().to_string()),

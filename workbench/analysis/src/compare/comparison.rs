@@ -13,6 +13,7 @@ use replay::Usage;
 /// How well a model agrees with a flight. Serialised, a value that does not exist is null, and so is
 /// one that is not finite.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Comparison {
     /// The flight.
     pub flight: FlightFacts,
@@ -45,6 +46,7 @@ pub struct Comparison {
 
 /// Which flight it was.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct FlightFacts {
     /// The file.
     pub file: String,
@@ -63,6 +65,7 @@ pub struct FlightFacts {
 
 /// One sensor.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct SensorComparison {
     /// Whether the sensor leaves with the UAV.
     pub flies_free: bool,
@@ -98,6 +101,7 @@ pub struct SensorComparison {
 
 /// Barometer less inertial altitude while the reference was lost, each by its latched bias.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct CrossCheckFacts {
     /// Pairs of readings.
     pub pairs: u64,
@@ -113,6 +117,7 @@ pub struct CrossCheckFacts {
 
 /// How often a source's readings were used or not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct ReadingCounts {
     /// Used.
     pub accepted: u32,
@@ -132,6 +137,7 @@ pub struct ReadingCounts {
 
 /// The reference in captive flight.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct ReferenceComparison {
     /// Innovations of its fixes: bias, spread, whiteness, NIS.
     pub captive: PhaseSummary,
@@ -141,6 +147,7 @@ pub struct ReferenceComparison {
 
 /// The calibration.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct CalibrationFacts {
     /// `good`, `degraded`, or null when nothing was latched.
     pub quality: Option<&'static str>,
@@ -154,6 +161,7 @@ pub struct CalibrationFacts {
 
 /// An effect that the model accounts for.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct EffectFacts {
     /// Its id in the catalogue.
     pub effect: &'static str,
@@ -173,6 +181,7 @@ pub struct EffectFacts {
 
 /// The monitor as configured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct MonitorFacts {
     /// Where sigma comes from.
     pub sigma: &'static str,

@@ -108,6 +108,7 @@ impl SignalReader {
 
 /// Which signal a quantity was read from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct MotionSources {
     /// Of the climb rate.
     pub climb_rate: Option<&'static str>,

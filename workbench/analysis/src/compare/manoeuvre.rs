@@ -20,6 +20,7 @@ const STEADY_MPS2: f64 = 1.0;
 
 /// How the aircraft moved during one stretch of flight; `None` where the flight does not say.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Motion {
     /// Climb rate, m/s, up positive.
     pub climb_rate_mps: Option<f64>,
@@ -35,6 +36,7 @@ pub struct Motion {
 
 /// What the aircraft was doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Manoeuvre {
     /// Steady, level and straight.

@@ -11,6 +11,7 @@ mod envelope;
 mod flags;
 mod kinematics;
 mod manoeuvre;
+mod motion_track;
 mod phase_statistics;
 mod remedies;
 mod rules;
@@ -28,6 +29,7 @@ pub use comparison::{
 pub use envelope::{Envelope, Slot};
 pub use kinematics::MotionSources;
 pub use manoeuvre::{Manoeuvre, Motion, without_minus_zero};
+pub use motion_track::MotionTrack;
 pub use phase_statistics::PhaseSummary;
 pub use remedies::{Remedy, RemedyFigures};
 pub use rules::{Recommendation, RuleWishes, SensorRules};

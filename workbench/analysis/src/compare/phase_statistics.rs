@@ -20,6 +20,7 @@ pub(super) struct PhaseStatistics {
 
 /// What a sensor's errors were like in one phase. A value that the readings cannot give is `None`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct PhaseSummary {
     /// Readings that had a reference to be compared with.
     pub readings: u64,

@@ -17,6 +17,7 @@ pub(super) struct RemedyTally {
 
 /// What a second correction did for one sensor.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct RemedyFigures {
     /// The sensor.
     pub sensor: &'static str,
@@ -32,6 +33,7 @@ pub struct RemedyFigures {
 
 /// One second correction, for every sensor that flies free.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Remedy {
     /// `none`, `moving_average` or `kalman`.
     pub second_correction: &'static str,

@@ -32,6 +32,7 @@ impl Default for RuleWishes {
 
 /// The rule that is set and the one that is recommended, for one sensor.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct SensorRules {
     /// The residual's stochastic model, fitted to its autocovariance in captive flight.
     pub residual: ResidualModel,
@@ -63,6 +64,7 @@ impl SensorRules {
 
 /// A recommended rule.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Recommendation {
     /// Value for `[monitor] multiplier`.
     pub multiplier: f64,

@@ -42,6 +42,7 @@ impl ErrorSums {
 
 /// Errors of one sensor in one stretch.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct ErrorFigures {
     /// Mean, metres.
     pub mean_m: f64,
@@ -65,6 +66,7 @@ pub(super) struct Timeline {
 
 /// A stretch of flight in which the aircraft did one thing.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Stretch {
     /// Start and end, seconds after launch.
     pub from_s: f64,
@@ -85,6 +87,7 @@ pub struct Stretch {
 
 /// Errors in all that was flown of one manoeuvre.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct ManoeuvreErrors {
     /// What the aircraft was doing.
     pub doing: Manoeuvre,
@@ -98,6 +101,7 @@ pub struct ManoeuvreErrors {
 
 /// Where the model fails.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Failures {
     /// For each sensor the stretches of largest rms error, worst first.
     pub worst: Vec<Stretch>,
@@ -193,7 +197,7 @@ impl Timeline {
 }
 
 /// Counts runs shorter than [`SHORTEST_RUN`] to the run before them.
-fn without_short_runs(mut names: Vec<Manoeuvre>) -> Vec<Manoeuvre> {
+pub(super) fn without_short_runs(mut names: Vec<Manoeuvre>) -> Vec<Manoeuvre> {
     let mut start = 0;
     while start < names.len() {
         let length = names[start..].iter().take_while(|name| **name == names[start]).count();

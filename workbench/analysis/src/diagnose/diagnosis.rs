@@ -9,6 +9,7 @@ use replay::{Unused, Usage};
 
 /// What is known about a misfit. Ordered by how much it asks of the user.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// The model fits as well as the noise allows, and the flight would have shown what it lacks.
@@ -40,6 +41,7 @@ impl Verdict {
 
 /// A diagnosis of one or more flights with one model.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Diagnosis {
     /// Version of what these keys mean: a new one where a key changes its meaning or goes.
     pub version: u32,
@@ -81,6 +83,7 @@ impl Diagnosis {
 
 /// One sensor, or the reference.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct SensorDiagnosis {
     /// The verdict.
     pub verdict: Verdict,
@@ -112,6 +115,7 @@ impl SensorDiagnosis {
 
 /// One candidate.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct CandidateFacts {
     /// Its id.
     pub effect: Name,
@@ -147,6 +151,7 @@ pub struct CandidateFacts {
 
 /// A signal that the unexplained residual follows.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Follows {
     /// The signal, and what of it.
     pub signal: String,
@@ -160,6 +165,7 @@ pub struct Follows {
 
 /// One flight.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(from = "FlatFlight")]
 pub struct DiagnosedFlight {
     /// The file.
@@ -186,6 +192,7 @@ pub struct DiagnosedFlight {
 
 /// The noise that was found.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct NoiseFacts {
     /// The reference's wander: sigma, m.
     pub reference_wander_m: f64,
@@ -199,6 +206,7 @@ pub struct NoiseFacts {
 
 /// An effect that could not be tested.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Untested {
     /// Its id.
     pub effect: Name,

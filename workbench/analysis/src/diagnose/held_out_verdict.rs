@@ -23,6 +23,7 @@ const LEVEL: f64 = 1.645;
 
 /// What was held out, with an effect and without.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct HeldOutVerdict {
     /// What twice the log likelihood gains by the effect; negative: it is worse with it.
     pub gain: f64,

@@ -18,6 +18,7 @@
 //! `study` is a diagnosis that ends in a lesson, for `crate::learn`.
 
 mod advice;
+mod beyond_reference;
 mod blocks;
 mod candidates;
 mod coefficient_prior;
@@ -45,6 +46,7 @@ mod named_replay;
 mod noise;
 mod physical_range;
 mod posterior;
+mod prediction;
 mod prepare;
 mod problem;
 mod quasi_newton;
@@ -67,6 +69,7 @@ mod wind;
 mod wish;
 mod work;
 
+pub use beyond_reference::{ErrorSlot, reference_wander};
 pub use diagnosis::{
     CandidateFacts, DiagnosedFlight, Diagnosis, Follows, NoiseFacts, SensorDiagnosis, Untested, Verdict,
 };
@@ -77,6 +80,7 @@ pub use held_out_verdict::HeldOutVerdict;
 pub use lesson::{Lesson, Nuisance, Term};
 pub use named_replay::NamedReplay;
 pub use noise::{GaussMarkov, Noise, SensorNoise};
+pub use prediction::prediction;
 pub use series::{BySensor, Series};
 pub use study::study;
 pub use wish::Wish;
@@ -88,11 +92,11 @@ pub(crate) mod parts {
     pub(crate) use super::evidence::{Fitted, of_flights, of_folds};
     pub(crate) use super::held_out::{HeldOut, flights, manoeuvres};
     pub(crate) use super::long_run::inflation;
+    pub(crate) use super::noise::Noise;
     pub(crate) use super::prepare::Prepared;
     pub(crate) use super::problem::{NoiseFit, Problem};
-    pub(crate) use super::noise::Noise;
-    pub(crate) use super::series::{BySensor, Series};
     pub(crate) use super::search::Explanation;
+    pub(crate) use super::series::{BySensor, Series};
     pub(crate) use super::suspects::Suspects;
     pub(crate) use super::unknown::{BETTER, SHAPE, SHAPE_WITHOUT_CLIMB_RATE};
     pub(crate) use super::whitener::{LANES, whiten_by_groups};

@@ -44,6 +44,7 @@ pub struct Request<'a> {
 
 /// What the errors before and after are of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum JudgedOn {
     /// The held-out flights, by the mission; where one of them has nothing to calibrate on, all of them about
@@ -55,6 +56,7 @@ pub enum JudgedOn {
 
 /// A sensor on a flight without and with the effect.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct SensorChange {
     /// With the model as it was.
     pub before: SensorScore,
@@ -64,6 +66,7 @@ pub struct SensorChange {
 
 /// A flight without and with the effect.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct FlightChange {
     /// The file.
     pub file: String,
@@ -73,6 +76,7 @@ pub struct FlightChange {
 
 /// An effect added: the keys of `pylon add --json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Addition {
     /// Its id.
     pub effect: &'static str,

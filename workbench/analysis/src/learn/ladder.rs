@@ -10,6 +10,7 @@ use replay::{CalibrationWindow, Replay, ReplayError};
 
 /// The keys of `pylon ladder --json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Ladder {
     /// The model's name.
     pub model: String,
@@ -19,6 +20,7 @@ pub struct Ladder {
 
 /// One revision.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Rung {
     /// Its number; 0 is before all revisions.
     pub number: u32,
@@ -34,6 +36,7 @@ pub struct Rung {
 
 /// One flight with one revision.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct RungFlight {
     /// The file.
     pub file: String,

@@ -11,6 +11,7 @@ use replay::{Replay, ReplayError};
 
 /// One sensor's errors on one flight (eq. 16), and its flags.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct SensorScore {
     /// Root mean square error in captive flight, by the latched bias, metres; `None` without a reading.
     pub captive_rms_m: Option<f64>,

@@ -1,0 +1,61 @@
+//! The studio's page: one file, which is built where it is missing.
+
+use std::env;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use crate::cli::failure::Failure;
+use crate::cli::progress::while_busy;
+
+/// Names a page that is built already.
+const VARIABLE: &str = "PYLON_STUDIO";
+
+/// The page's text.
+pub fn page() -> Result<String, Failure> {
+    if let Some(file) = env::var_os(VARIABLE) {
+        return read(&PathBuf::from(file));
+    }
+    let checkout = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let target = env::var_os("CARGO_TARGET_DIR")
+        .map_or_else(|| checkout.join("target"), |folder| checkout.join(folder));
+    let file = target.join("studio/studio.html");
+    if !file.exists() {
+        build(&checkout)?;
+    }
+    read(&file)
+}
+
+fn read(file: &Path) -> Result<String, Failure> {
+    fs::read_to_string(file).map_err(|error| {
+        Failure::input(format!(
+            "{}: the studio's page can not be read: {error}; `cargo xtask site` builds it in the checkout, and {VARIABLE} names it",
+            file.display()
+        ))
+    })
+}
+
+/// Builds the page, once: some minutes.
+fn build(checkout: &Path) -> Result<(), Failure> {
+    if !checkout.join("xtask").is_dir() {
+        return Err(Failure::input(format!(
+            "the studio's page is built by `cargo xtask site` in the checkout, which is not in {} any more; {VARIABLE} names a \
+             page that is built already",
+            checkout.display()
+        )));
+    }
+    let mut cargo = Command::new("cargo");
+    cargo.args(["xtask", "site"]).current_dir(checkout).stdin(Stdio::null());
+    let output = while_busy("building the studio's page, once (some minutes)", || cargo.output());
+    let output = output.map_err(|error| {
+        Failure::input(format!(
+            "cargo could not be started to build the studio's page ({error}): `cargo xtask site` does"
+        ))
+    })?;
+    if output.status.success() {
+        return Ok(());
+    }
+    let said = String::from_utf8_lossy(&output.stderr);
+    let last = said.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or("");
+    Err(Failure::input(format!("the studio's page could not be built (`cargo xtask site`): {last}")))
+}

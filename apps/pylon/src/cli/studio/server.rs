@@ -1,0 +1,259 @@
+//! The loopback server: the page, the flights that were named, and the model that may be written. Nothing else is read or written, whatever is
+//! asked for: a file is asked for by its place on the command line, never by a path.
+
+use std::fs::File;
+use std::io::{Cursor, Read as _};
+use std::net::{Ipv4Addr, SocketAddr};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::thread;
+
+use serde::Serialize;
+use tiny_http::{Header, Method, Request, Response, StatusCode};
+
+use super::fly::{Flying, NotFlown};
+use super::guard::{Guard, Refusal, header};
+use super::model_file::{ModelFile, Saved, ServedModel};
+use crate::cli::failure::Failure;
+
+/// No model is longer, bytes.
+const LONGEST_MODEL: u64 = 4 << 20;
+/// What lets the page fetch nothing; here it may ask this server.
+const FROM_DISK: &str = "connect-src 'none'";
+const FROM_HERE: &str = "connect-src 'self'";
+
+/// A server that listens.
+pub struct Server {
+    http: tiny_http::Server,
+    address: String,
+    served: Arc<Served>,
+}
+
+/// What is served.
+struct Served {
+    guard: Guard,
+    page: String,
+    logs: Vec<PathBuf>,
+    model: Option<ModelFile>,
+    flying: Flying,
+}
+
+/// What a page is told at its start.
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+struct Session {
+    /// The logs' names, without their folders.
+    flights: Vec<String>,
+    model: Option<ServedModel>,
+    can_fly: bool,
+}
+
+/// An answer: its status, its media type and its text.
+struct Answer {
+    status: u16,
+    media: &'static str,
+    body: Body,
+}
+
+enum Body {
+    Text(String),
+    File(File),
+}
+
+impl Answer {
+    fn text(status: u16, media: &'static str, text: String) -> Self {
+        Self { status, media, body: Body::Text(text) }
+    }
+
+    fn plain(status: u16, text: &str) -> Self {
+        Self::text(status, "text/plain; charset=utf-8", format!("{text}\n"))
+    }
+
+    fn json(status: u16, value: &impl Serialize) -> Self {
+        match serde_json::to_string(value) {
+            Ok(text) => Self::text(status, "application/json", text),
+            Err(error) => Self::plain(500, &error.to_string()),
+        }
+    }
+}
+
+impl Server {
+    /// Listens at a port of this machine, for this machine.
+    pub fn bind(
+        port: u16,
+        page: String,
+        logs: Vec<PathBuf>,
+        model: Option<ModelFile>,
+    ) -> Result<Self, Failure> {
+        let http =
+            tiny_http::Server::http(SocketAddr::from((Ipv4Addr::LOCALHOST, port))).map_err(|error| {
+                Failure::input(format!("port {port} of this machine can not be listened at: {error}"))
+            })?;
+        let address =
+            http.server_addr().to_ip().ok_or_else(|| Failure::input("the server has no address"))?;
+        let guard = Guard::new(address)
+            .map_err(|error| Failure::input(format!("the system gives no random token: {error}")))?;
+        let token = guard.token();
+        let page = page.replace(FROM_DISK, FROM_HERE).replacen(
+            "<head>",
+            &format!("<head>\n<meta name=\"pylon-token\" content=\"{token}\">"),
+            1,
+        );
+        let address = format!("http://{address}/?token={token}");
+        Ok(Self {
+            http,
+            address,
+            served: Arc::new(Served { guard, page, logs, model, flying: Flying::default() }),
+        })
+    }
+
+    /// The address of the page, with this start's token.
+    pub fn address(&self) -> &str {
+        &self.address
+    }
+
+    /// Serves until the program is ended.
+    pub fn serve(self) -> Result<(), Failure> {
+        loop {
+            let request =
+                self.http.recv().map_err(|error| Failure::input(format!("the server ended: {error}")))?;
+            let served = Arc::clone(&self.served);
+            // A long log must not hold the page up.
+            thread::spawn(move || served.answer(request));
+        }
+    }
+}
+
+impl Served {
+    fn answer(&self, mut request: Request) {
+        let answer = match self.guard.check(&request) {
+            Ok(()) => self.found(&mut request),
+            Err(Refusal::Host) => Answer::plain(403, "this is the studio of another host"),
+            Err(Refusal::Origin) => Answer::plain(403, "this studio answers its own page only"),
+            Err(Refusal::Token) => Answer::plain(
+                403,
+                "the token is missing or of an earlier start: use the address that `pylon studio` printed",
+            ),
+        };
+        // A page that was closed meanwhile is no error.
+        let _ = respond(request, answer);
+    }
+
+    fn found(&self, request: &mut Request) -> Answer {
+        let path = request.url().split('?').next().unwrap_or_default().to_owned();
+        match (request.method(), path.as_str()) {
+            (Method::Get, "/") => Answer::text(200, "text/html; charset=utf-8", self.page.clone()),
+            (Method::Get, "/api/session") => self.session(),
+            (Method::Get, "/api/model") => match self.model.as_ref().map(ModelFile::read) {
+                Some(Ok(served)) => Answer::json(200, &served),
+                Some(Err(failure)) => Answer::plain(500, failure.message()),
+                None => Answer::plain(404, "no model was named: pylon studio --model ours.toml"),
+            },
+            (Method::Put, "/api/model") => self.save(request),
+            (Method::Post, path) => match path.strip_prefix("/api/fly/").and_then(|place| place.parse().ok())
+            {
+                Some(place) => self.fly(place, request),
+                None => Answer::plain(404, "there is nothing here"),
+            },
+            (Method::Get, path) => {
+                match path.strip_prefix("/api/flight/").and_then(|place| place.parse().ok()) {
+                    Some(place) => self.log(place),
+                    None => Answer::plain(404, "there is nothing here"),
+                }
+            }
+            _ => Answer::plain(405, "nothing here is changed that way"),
+        }
+    }
+
+    fn session(&self) -> Answer {
+        let name =
+            |file: &PathBuf| file.file_name().unwrap_or(file.as_os_str()).to_string_lossy().into_owned();
+        match self.model.as_ref().map(ModelFile::read).transpose() {
+            Ok(model) => {
+                let flights = self.logs.iter().map(name).collect();
+                Answer::json(200, &Session { flights, model, can_fly: true })
+            }
+            Err(failure) => Answer::plain(500, failure.message()),
+        }
+    }
+
+    fn log(&self, place: usize) -> Answer {
+        let Some(file) = self.logs.get(place) else { return Answer::plain(404, "no such flight was named") };
+        match File::open(file) {
+            Ok(log) => Answer { status: 200, media: "application/octet-stream", body: Body::File(log) },
+            Err(error) => Answer::plain(500, &format!("{}: can not be read: {error}", file.display())),
+        }
+    }
+
+    /// Flies a named flight in the emulator, with the model that the request brings.
+    fn fly(&self, place: usize, request: &mut Request) -> Answer {
+        let Some(log) = self.logs.get(place) else { return Answer::plain(404, "no such flight was named") };
+        let text = match model_text(request) {
+            Ok(text) => text,
+            Err(answer) => return answer,
+        };
+        match self.flying.fly(log, &text) {
+            Ok(json) => Answer::text(200, "application/json", json),
+            Err(NotFlown::Busy) => Answer::plain(409, "another flight is flying"),
+            Err(NotFlown::Failed(why)) => Answer::plain(422, &why),
+        }
+    }
+
+    fn save(&self, request: &mut Request) -> Answer {
+        let Some(model) = &self.model else {
+            return Answer::plain(404, "no model was named: pylon studio --model ours.toml");
+        };
+        let Some(version) = header(request, "If-Match").map(|value| value.trim_matches('"').to_owned())
+        else {
+            return Answer::plain(428, "which version of the model is to be replaced?");
+        };
+        let text = match model_text(request) {
+            Ok(text) => text,
+            Err(answer) => return answer,
+        };
+        match model.save(text, &version) {
+            Ok(Saved::Written(served)) => Answer::json(200, &served),
+            Ok(Saved::Changed(served)) => Answer::json(412, &served),
+            Ok(Saved::NoModel(why)) => Answer::plain(422, &why),
+            Err(failure) => Answer::plain(500, failure.message()),
+        }
+    }
+}
+
+/// The model that a request brings.
+fn model_text(request: &mut Request) -> Result<String, Answer> {
+    let mut text = String::new();
+    match request.as_reader().take(LONGEST_MODEL + 1).read_to_string(&mut text) {
+        Ok(_) if text.len() as u64 > LONGEST_MODEL => Err(Answer::plain(413, "that is too long for a model")),
+        Ok(_) => Ok(text),
+        Err(error) => Err(Answer::plain(400, &format!("the model could not be received: {error}"))),
+    }
+}
+
+fn respond(request: Request, answer: Answer) -> std::io::Result<()> {
+    let status = StatusCode(answer.status);
+    let headers = [
+        ("Content-Type", answer.media),
+        ("Cache-Control", "no-store"),
+        ("Referrer-Policy", "no-referrer"),
+        ("X-Content-Type-Options", "nosniff"),
+        ("X-Frame-Options", "DENY"),
+        ("Content-Security-Policy", "frame-ancestors 'none'"),
+        ("Cross-Origin-Opener-Policy", "same-origin"),
+        ("Cross-Origin-Resource-Policy", "same-origin"),
+    ];
+    let headers: Vec<Header> = headers
+        .into_iter()
+        .filter_map(|(name, value)| Header::from_bytes(name.as_bytes(), value.as_bytes()).ok())
+        .collect();
+    match answer.body {
+        Body::Text(text) => {
+            let length = text.len();
+            request.respond(Response::new(status, headers, Cursor::new(text), Some(length), None))
+        }
+        Body::File(file) => {
+            let length = file.metadata().ok().and_then(|facts| usize::try_from(facts.len()).ok());
+            request.respond(Response::new(status, headers, file, length, None))
+        }
+    }
+}

@@ -1,0 +1,223 @@
+//! An engine: opened flights, and the requests that are answered of them.
+
+use std::collections::BTreeMap;
+use std::fmt::Display;
+use std::ops::ControlFlow;
+use std::rc::Rc;
+
+use executor::Executor;
+use flight_data::{Flight, Note};
+use model::Model;
+use replay::{CalibrationWindow, Replay};
+use serde::Serialize;
+use thiserror::Error;
+
+use crate::protocol::{ModelText, Numbers, Request, Window};
+use crate::recording::Recording;
+use crate::{catalogue, correlate, opening, pairs, results, ribbons, samples, series};
+
+/// Recordings that are kept: before and after, of two flights.
+const RECORDINGS: usize = 4;
+
+/// Is told what is being done, how many steps are done, and of how many; 0 where nobody knows.
+pub type Progress<'a> = dyn FnMut(&str, u64, u64) + Send + 'a;
+
+/// Why there is no answer: one line, for the user.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{0}")]
+pub struct Refused(String);
+
+/// That, of any error.
+pub(crate) fn refused(error: impl Display) -> Refused {
+    Refused(error.to_string())
+}
+
+/// An answer.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Reply {
+    /// `{"ok": ANSWER}` or `{"error": "one line"}`.
+    pub json: String,
+    /// The arrays of the answer ([`Numbers`]).
+    pub numbers: Vec<f64>,
+    /// The bytes of a file.
+    pub bytes: Vec<u8>,
+}
+
+/// What an answer is put together in.
+#[derive(Debug, Default)]
+pub(crate) struct Beside {
+    numbers: Vec<f64>,
+    pub(crate) bytes: Vec<u8>,
+}
+
+impl Beside {
+    /// Puts an array beside the answer.
+    pub(crate) fn put(&mut self, values: impl IntoIterator<Item = f64>) -> Numbers {
+        let start = self.numbers.len();
+        self.numbers.extend(values);
+        Numbers { start: start as u32, length: (self.numbers.len() - start) as u32 }
+    }
+}
+
+/// A flight as it was opened.
+#[derive(Debug)]
+pub(crate) struct OpenFlight {
+    pub(crate) file: String,
+    pub(crate) format: String,
+    pub(crate) flight: Flight,
+    pub(crate) notes: Vec<Note>,
+    /// Which opening of this engine it was: a name may be used again.
+    number: u64,
+}
+
+type RecordingKey = (u64, String, Option<[u64; 2]>);
+
+/// Opened flights, and who works on them.
+pub struct Engine {
+    flights: BTreeMap<String, OpenFlight>,
+    opened: u64,
+    /// The last used comes last.
+    recordings: Vec<(RecordingKey, Rc<Recording>)>,
+    pub(crate) executor: &'static dyn Executor,
+}
+
+impl Engine {
+    /// An engine without flights.
+    #[must_use]
+    pub fn new(executor: &'static dyn Executor) -> Self {
+        Self { flights: BTreeMap::new(), opened: 0, recordings: Vec::new(), executor }
+    }
+
+    /// Answers a request; `bytes` are what comes beside it.
+    pub fn ask(&mut self, request: &[u8], bytes: &[u8], progress: &mut Progress<'_>) -> Reply {
+        let mut beside = Beside::default();
+        let json = serde_json::from_slice(request)
+            .map_err(|error| refused(format!("the request is none of this engine's: {error}")))
+            .and_then(|request| self.answer(request, bytes, &mut beside, progress));
+        match json {
+            Ok(json) => {
+                Reply { json: format!("{{\"ok\":{json}}}"), numbers: beside.numbers, bytes: beside.bytes }
+            }
+            Err(Refused(why)) => {
+                Reply { json: serde_json::json!({ "error": why }).to_string(), ..Reply::default() }
+            }
+        }
+    }
+
+    fn answer(
+        &mut self,
+        request: Request,
+        bytes: &[u8],
+        beside: &mut Beside,
+        progress: &mut Progress<'_>,
+    ) -> Result<String, Refused> {
+        match request {
+            Request::Open(open) => {
+                progress("reading", 0, 0);
+                json(&opening::open(self, open, bytes)?)
+            }
+            Request::Samples(_) => json(&samples::list()),
+            Request::OpenSample(open) => {
+                progress("simulating", 0, 0);
+                json(&samples::open(self, open)?)
+            }
+            Request::Flight(of) => json(&opening::opened(self.flight(&of.flight)?, of.window)?),
+            Request::Close(close) => {
+                let was_open = self.flights.remove(&close.flight).is_some();
+                json(&crate::protocol::Closed { was_open })
+            }
+            Request::Presets(_) => json(&catalogue::presets()),
+            Request::Model(of) => json(&catalogue::facts(&parsed(&of.model)?)),
+            Request::Effects(_) => json(&catalogue::effects()),
+            Request::Series(of) => json(&series::series(self, of, beside, progress)?),
+            Request::Ribbons(of) => json(&ribbons::ribbons(self, &of, beside, progress)?),
+            Request::Scatter(of) => json(&pairs::pairs(self, &of, beside, progress)?),
+            Request::Correlation(of) => json(&correlate::correlate(self, &of, beside, progress)?),
+            Request::Compare(of) => json(&results::compared(self, &of, progress)?),
+            Request::Diagnose(of) => json(&results::diagnosed(self, &of, progress)?),
+            Request::Add(of) => json(&results::added(self, of, progress)?),
+            Request::Ladder(of) => json(&results::ladder(self, &of, progress)?),
+            Request::Export(of) => json(&results::exported(self, of.export, beside, progress)?),
+        }
+    }
+
+    /// Keeps an opened flight under a name.
+    pub(crate) fn keep(
+        &mut self,
+        name: String,
+        file: String,
+        format: String,
+        (flight, notes): (Flight, Vec<Note>),
+    ) -> &OpenFlight {
+        self.opened += 1;
+        let open = OpenFlight { file, format, flight, notes, number: self.opened };
+        let slot = self.flights.entry(name);
+        slot.insert_entry(open).into_mut()
+    }
+
+    /// An opened flight.
+    pub(crate) fn flight(&self, name: &str) -> Result<&OpenFlight, Refused> {
+        self.flights.get(name).ok_or_else(|| refused(format!("flight '{name}' is not open")))
+    }
+
+    /// A mission over a flight, tick by tick.
+    pub(crate) fn recording(
+        &mut self,
+        name: &str,
+        model: &ModelText,
+        window: Option<Window>,
+        progress: &mut Progress<'_>,
+    ) -> Result<Rc<Recording>, Refused> {
+        let open = self.flight(name)?;
+        let bits = window.map(|window| [window.start_s.to_bits(), window.end_s.to_bits()]);
+        let key = (open.number, model.text.clone(), bits);
+        let found = self.recordings.iter().position(|(other, _)| *other == key);
+        let recording = match found {
+            Some(place) => self.recordings.remove(place).1,
+            None => Rc::new(Recording::take(&replay(open, model, window)?, progress)?),
+        };
+        if self.recordings.len() >= RECORDINGS {
+            self.recordings.remove(0);
+        }
+        self.recordings.push((key, Rc::clone(&recording)));
+        Ok(recording)
+    }
+}
+
+/// An answer as JSON.
+fn json(answer: &impl Serialize) -> Result<String, Refused> {
+    serde_json::to_string(answer).map_err(refused)
+}
+
+/// A model.
+pub(crate) fn parsed(model: &ModelText) -> Result<Model, Refused> {
+    Model::parse(&model.text).map_err(|error| refused(format!("{}: {error}", model.name)))
+}
+
+/// Where to calibrate.
+pub(crate) fn window(window: Option<Window>) -> Option<CalibrationWindow> {
+    window.map(|Window { start_s, end_s }| CalibrationWindow { start_s, end_s })
+}
+
+/// A flight, ready to be flown by a model; one that can not be calibrated as it is.
+pub(crate) fn replay<'a>(
+    open: &'a OpenFlight,
+    model: &ModelText,
+    on: Option<Window>,
+) -> Result<Replay<'a>, Refused> {
+    Replay::new(&open.flight, &parsed(model)?, window(on))
+        .map_err(|error| refused(format!("{}: {error}", open.file)))
+}
+
+/// Progress of work of which nobody knows how many steps it has. To cancel it is to end the worker, so it never ends itself.
+pub(crate) fn counting<'a>(
+    what: &'static str,
+    progress: &'a mut Progress<'_>,
+) -> impl FnMut() -> ControlFlow<()> + 'a {
+    let mut done = 0;
+    move || {
+        done += 1;
+        progress(what, done, 0);
+        ControlFlow::Continue(())
+    }
+}

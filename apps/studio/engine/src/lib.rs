@@ -1,0 +1,21 @@
+//! The workbench for a page: what it asks ([`protocol`]), and what it is answered ([`Engine::ask`]).
+//!
+//! As a WebAssembly module it has a C interface ([`wasm`]); one module does one request after another.
+
+mod beyond;
+mod catalogue;
+mod correlate;
+mod curve;
+mod engine;
+mod headline;
+mod opening;
+mod pairs;
+pub mod protocol;
+mod recording;
+mod results;
+mod ribbons;
+mod samples;
+mod series;
+pub mod wasm;
+
+pub use engine::{Engine, Progress, Refused, Reply};

@@ -1,0 +1,37 @@
+//! What a page asks the engine and what it is answered: one request, one answer, as JSON.
+//!
+//! Arrays of numbers do not go through JSON: an answer names them by their place ([`Numbers`]) in the numbers that are
+//! handed over beside it. The bytes of a log come beside a request, those of an export beside an answer.
+//!
+//! A model is a value: every request that needs one brings its text. So an engine remembers nothing but the flights, which
+//! are files of the user's: one that was lost is opened anew, and any number of engines work on one model.
+
+mod calls;
+mod correlation;
+mod effects;
+mod flights;
+mod headline;
+mod models;
+mod numbers;
+mod results;
+mod ribbons;
+mod scatter;
+mod series;
+
+pub use calls::{REQUESTS, Request};
+pub use correlation::{Correlated, CorrelationRequest};
+pub use effects::{EffectGuide, EffectsRequest};
+pub use flights::{
+    CloseRequest, Closed, ColumnFacts, FlightRequest, OpenRequest, OpenSampleRequest, Opened, Sample,
+    SamplesRequest, Window,
+};
+pub use headline::{Headline, Tone};
+pub use models::{ModelFacts, ModelRequest, ModelText, Preset, PresetsRequest, RevisionFacts, TermFacts};
+pub use numbers::Numbers;
+pub use results::{
+    AddRequest, Added, CompareRequest, Compared, DiagnoseRequest, Diagnosed, ExportRequest, Exported,
+    Exports, LadderRequest,
+};
+pub use ribbons::{MotionNumbers, Ribbons, Span};
+pub use scatter::{Paired, ScatterRequest};
+pub use series::{Acting, Drawn, Series, SeriesRequest, Signal};

@@ -1,0 +1,141 @@
+//! What the command line's commands find: their own types.
+
+use analysis::batch::Batch;
+use analysis::compare::Comparison;
+use analysis::diagnose::Diagnosis;
+use analysis::learn::Addition;
+use serde::{Deserialize, Serialize};
+
+use super::{Headline, ModelText, Window};
+
+/// Compares a model with a flight: `pylon compare`.
+#[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub struct CompareRequest {
+    /// The flight.
+    pub flight: String,
+    /// The model.
+    pub model: ModelText,
+    /// Where to calibrate, instead of where Pylon would.
+    pub window: Option<Window>,
+}
+
+/// A comparison.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub struct Compared {
+    /// What `pylon compare --json` prints. A value that is not finite is null.
+    pub comparison: Comparison,
+    /// In one sentence.
+    pub headline: Headline,
+}
+
+/// Finds which effect a model lacks: `pylon diagnose`.
+#[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub struct DiagnoseRequest {
+    /// The flights to learn from: one, or several together.
+    pub flights: Vec<String>,
+    /// The flights to judge by; without, stretches of the flights are held out in turn.
+    pub hold_outs: Vec<String>,
+    /// The model.
+    pub model: ModelText,
+    /// Where to calibrate all of them, instead of where Pylon would.
+    pub window: Option<Window>,
+}
+
+/// A diagnosis.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub struct Diagnosed {
+    /// What `pylon diagnose --json` prints of all flights together. A value that is not finite is null.
+    pub diagnosis: Diagnosis,
+    /// Of several flights: what each says alone, by vehicle, and which do not belong with the others.
+    pub batch: Option<Batch>,
+    /// In one sentence.
+    pub headline: Headline,
+}
+
+/// Learns an effect's coefficient and makes the model's next revision: `pylon add`.
+#[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub struct AddRequest {
+    /// The effect's id.
+    pub effect: String,
+    /// The flights to learn from.
+    pub flights: Vec<String>,
+    /// The flights to judge by.
+    pub hold_outs: Vec<String>,
+    /// The model as it is.
+    pub model: ModelText,
+    /// Where to calibrate all of them, instead of where Pylon would.
+    pub window: Option<Window>,
+    /// Whether the filter is to estimate the coefficient in captive flight.
+    pub estimate: bool,
+    /// Time constant, seconds; null: the best of a grid.
+    pub time_constant_s: Option<f64>,
+    /// `launch` or `start`; null: whichever fits best.
+    pub since: Option<String>,
+    /// The day to write down, as 2026-01-31.
+    pub date: String,
+}
+
+/// An effect added.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub struct Added {
+    /// What `pylon add --json` prints. Where it has `concerns`, the command line would not write it without being told to.
+    pub addition: Addition,
+    /// The model with it: the next revision, under the same name.
+    pub model: ModelText,
+    /// In one sentence: what was learned, and how the error falls.
+    pub headline: Headline,
+}
+
+/// Flies every revision of a model over flights: `pylon ladder`. Answered by what `pylon ladder --json` prints.
+#[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub struct LadderRequest {
+    /// The flights.
+    pub flights: Vec<String>,
+    /// The model.
+    pub model: ModelText,
+    /// Where to calibrate all of them, instead of where Pylon would.
+    pub window: Option<Window>,
+}
+
+/// Makes a file of a result. Its bytes come beside the answer: byte for byte what the command line writes.
+#[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub struct ExportRequest {
+    /// What of.
+    pub export: Exports,
+}
+
+/// What a file can be made of.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(tag = "what", rename_all = "snake_case")]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub enum Exports {
+    /// `pylon compare --json`.
+    Compare(CompareRequest),
+    /// `pylon diagnose --json`.
+    Diagnose(DiagnoseRequest),
+    /// `pylon ladder --json`.
+    Ladder(LadderRequest),
+    /// The flight as Pylon's own CSV: `pylon import`.
+    Flight {
+        /// The flight.
+        flight: String,
+    },
+}
+
+/// A file, whose bytes are beside the answer.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub struct Exported {
+    /// A name for it.
+    pub name: String,
+    /// Its media type.
+    pub media: String,
+}

@@ -1,0 +1,124 @@
+//! A mission over a flight, tick by tick: what curves are drawn from.
+
+use analysis::compare::MotionTrack;
+use kf_core::atmosphere::pressure_altitude_m;
+use kf_core::input::{BaroReading, TickInput};
+use kf_core::latch::LatchRecord;
+use kf_core::output::{Phase, TickOutput};
+use kf_core::sensor::{SENSORS, Sensor};
+use replay::Replay;
+
+use crate::engine::{Progress, Refused, refused};
+
+/// Progress is said once in this many ticks.
+const TICKS_PER_REPORT: usize = 1 << 14;
+
+/// One sensor, a value a tick; NaN where there is none. Empty for a sensor without a reading.
+#[derive(Debug, Default)]
+pub struct SensorTrack {
+    /// Its altitude as measured, where it has an error, m.
+    pub measured_m: Vec<f32>,
+    /// Its error, m.
+    pub error_m: Vec<f32>,
+    /// The mean of that over the monitor's window, m.
+    pub average_m: Vec<f32>,
+    /// Its trust, as spans of ticks: the first tick of each.
+    pub trust: Vec<(usize, &'static str)>,
+    /// The alarm's limit, m.
+    pub bound_m: Option<f64>,
+}
+
+/// A mission over a flight.
+#[derive(Debug, Default)]
+pub struct Recording {
+    /// Times of the ticks, seconds, increasing.
+    pub time_s: Vec<f64>,
+    /// The sensors, in the order of [`Sensor`].
+    pub sensors: [SensorTrack; SENSORS],
+    /// The reference's altitude at its accepted fixes, m.
+    pub reference_m: Vec<f32>,
+    /// The estimated altitude in captive flight, m.
+    pub estimate_m: Vec<f32>,
+    /// The mission's phases: the first tick of each.
+    pub phases: Vec<(usize, &'static str)>,
+    /// When it was launched, seconds.
+    pub launch_s: Option<f64>,
+    /// How the aircraft moved.
+    pub motion: MotionTrack,
+}
+
+impl Recording {
+    /// Flies the replay.
+    pub fn take(replay: &Replay<'_>, progress: &mut Progress<'_>) -> Result<Self, Refused> {
+        let mut recording = Self::default();
+        let rows = replay.times_s().len() as u64;
+        let summary = replay.run(&mut |input, output| {
+            if !output.out_of_order {
+                recording.tick(input, output);
+            }
+            if recording.time_s.len().is_multiple_of(TICKS_PER_REPORT) {
+                progress("flying", recording.time_s.len() as u64, rows);
+            }
+        });
+        let latch = summary.map_err(refused)?.latch;
+        recording.finish(latch.as_ref());
+        recording.motion = MotionTrack::of(replay);
+        Ok(recording)
+    }
+
+    fn tick(&mut self, input: &TickInput, output: &TickOutput) {
+        let tick = self.time_s.len();
+        self.time_s.push(output.time_us as f64 * 1e-6);
+        if output.latched_now {
+            self.launch_s = self.time_s.last().copied();
+        }
+        let phase = match output.phase {
+            Phase::Settling => "settling",
+            Phase::Calibrating => "calibrating",
+            Phase::FreeFlight => "free_flight",
+        };
+        note(&mut self.phases, tick, phase);
+        let fix = input.gps.filter(|_| output.gps_rejection.is_none());
+        self.reference_m.push(fix.map_or(f32::NAN, |fix| fix.altitude_m));
+        let is_captive = output.phase == Phase::Calibrating;
+        self.estimate_m.push(if is_captive { output.altitude_m } else { f32::NAN });
+        for ((track, said), sensor) in self.sensors.iter_mut().zip(&output.sensors).zip(Sensor::ALL) {
+            let measured_m = said.error_m.and_then(|_| reading_m(sensor, input));
+            track.measured_m.push(measured_m.unwrap_or(f32::NAN));
+            track.error_m.push(said.error_m.unwrap_or(f32::NAN));
+            let average_m = said.moving_average_m.filter(|_| output.phase == Phase::FreeFlight);
+            track.average_m.push(average_m.unwrap_or(f32::NAN));
+            note(&mut track.trust, tick, said.trust.name());
+        }
+    }
+
+    fn finish(&mut self, latch: Option<&LatchRecord>) {
+        for (track, sensor) in self.sensors.iter_mut().zip(Sensor::ALL) {
+            if track.error_m.iter().all(|error_m| error_m.is_nan()) {
+                *track = SensorTrack::default();
+                continue;
+            }
+            let bound_m = latch.map(|latch| f64::from(latch.sensors[sensor.index()].bound_m()));
+            track.bound_m = bound_m.filter(|bound_m| *bound_m > 0.0);
+        }
+    }
+}
+
+/// Notes what begins at a tick, if it is something else than before.
+fn note(spans: &mut Vec<(usize, &'static str)>, tick: usize, what: &'static str) {
+    if spans.last().is_none_or(|(_, last)| *last != what) {
+        spans.push((tick, what));
+    }
+}
+
+/// What a sensor read, as an altitude.
+fn reading_m(sensor: Sensor, input: &TickInput) -> Option<f32> {
+    match sensor {
+        Sensor::ImuMaster => input.imu_master_altitude_m,
+        Sensor::ImuSlave => input.imu_slave_altitude_m,
+        Sensor::Baro => match input.baro? {
+            BaroReading::PressurePa(pressure_pa) => pressure_altitude_m(pressure_pa),
+            BaroReading::AltitudeM(altitude_m) => Some(altitude_m),
+        },
+    }
+}

@@ -1,0 +1,214 @@
+//! What the command line's commands find, by the same functions.
+
+use std::sync::Mutex;
+
+use analysis::batch::{Results, batch};
+use analysis::compare::{Comparison, Options, compare};
+use analysis::diagnose::{NamedReplay, Wish, diagnose};
+use analysis::learn::{Ladder, NamedFlight, Request, add, nearest_effects};
+use kf_core::effect::{Clock, EffectId};
+use replay::Replay;
+use serde::Serialize;
+use time::{Date, Month};
+
+use crate::engine::{Beside, Engine, Progress, Refused, counting, parsed, refused, replay, window};
+use crate::headline;
+use crate::protocol::{
+    AddRequest, Added, CompareRequest, Compared, DiagnoseRequest, Diagnosed, Exported, Exports,
+    LadderRequest, ModelText, Window,
+};
+
+/// How well a model agrees with a flight.
+pub fn compared(
+    engine: &Engine,
+    request: &CompareRequest,
+    progress: &mut Progress<'_>,
+) -> Result<Compared, Refused> {
+    let comparison = comparison(engine, request, progress)?;
+    Ok(Compared { headline: headline::of_comparison(&comparison), comparison })
+}
+
+fn comparison(
+    engine: &Engine,
+    request: &CompareRequest,
+    progress: &mut Progress<'_>,
+) -> Result<Comparison, Refused> {
+    let open = engine.flight(&request.flight)?;
+    let replay = replay(open, &request.model, request.window)?;
+    let rows = open.flight.rows() as u64;
+    let mut flying = |done| progress("flying", done, rows);
+    let (mut comparison, _) = compare(&replay, &Options::default(), &mut flying, engine.executor)
+        .map_err(|error| refused(format!("{}: {error}", open.file)))?;
+    comparison.flight.file.clone_from(&open.file);
+    comparison.model.clone_from(&request.model.name);
+    comparison.warnings.splice(0..0, open.notes.iter().map(ToString::to_string));
+    Ok(comparison)
+}
+
+/// Which effect a model lacks.
+pub fn diagnosed(
+    engine: &Engine,
+    request: &DiagnoseRequest,
+    progress: &mut Progress<'_>,
+) -> Result<Diagnosed, Refused> {
+    let Results { together, one_by_one, .. } = results(engine, request, progress)?;
+    let diagnosis = together.unwrap_or_default();
+    Ok(Diagnosed { headline: headline::of_diagnosis(&diagnosis), diagnosis, batch: one_by_one })
+}
+
+fn results(
+    engine: &Engine,
+    request: &DiagnoseRequest,
+    progress: &mut Progress<'_>,
+) -> Result<Results, Refused> {
+    if request.flights.is_empty() {
+        return Err(refused("no flight to diagnose"));
+    }
+    let learned = to_diagnose(engine, &request.flights, &request.model, request.window)?;
+    let held = to_diagnose(engine, &request.hold_outs, &request.model, request.window)?;
+    let found = diagnose(&learned, &held, &mut counting("diagnosing", progress), engine.executor);
+    let mut together = found.map_err(refused)?;
+    let one_by_one = (learned.len() > 1).then(|| {
+        let done = Mutex::new((0, progress));
+        let step = || {
+            if let Ok(mut done) = done.lock() {
+                done.0 += 1;
+                let (count, progress) = &mut *done;
+                progress("diagnosing one by one", *count, learned.len() as u64);
+            }
+        };
+        batch(&learned, Some(&together), &step, engine.executor)
+    });
+    together.model.clone_from(&request.model.name);
+    let mut notes = Vec::new();
+    for name in request.flights.iter().chain(&request.hold_outs) {
+        let open = engine.flight(name)?;
+        notes.extend(open.notes.iter().map(|note| format!("{}: {note}", open.file)));
+    }
+    together.warnings.splice(0..0, notes);
+    Ok(Results { together: Some(together), failed: None, one_by_one })
+}
+
+fn to_diagnose<'a>(
+    engine: &'a Engine,
+    names: &[String],
+    model: &ModelText,
+    on: Option<Window>,
+) -> Result<Vec<NamedReplay<'a>>, Refused> {
+    let model = parsed(model)?;
+    let each = names.iter().map(|name| {
+        let open = engine.flight(name)?;
+        let replay = Replay::to_diagnose(&open.flight, &model, window(on))
+            .map_err(|error| refused(format!("{}: {error}", open.file)))?;
+        Ok(NamedReplay { file: open.file.clone(), replay })
+    });
+    each.collect()
+}
+
+fn named<'a>(engine: &'a Engine, names: &[String]) -> Result<Vec<NamedFlight<'a>>, Refused> {
+    let each = names.iter().map(|name| engine.flight(name).map(|open| (open.file.clone(), &open.flight)));
+    each.collect()
+}
+
+/// An effect learned, and the model with it.
+pub fn added(engine: &Engine, request: AddRequest, progress: &mut Progress<'_>) -> Result<Added, Refused> {
+    let effect = EffectId::from_name(&request.effect).ok_or_else(|| {
+        let nearest = nearest_effects(&request.effect).join(", ");
+        refused(format!("no effect '{}' in the catalogue; nearest: {nearest}", request.effect))
+    })?;
+    let has_time = effect.has_time_constant();
+    if !has_time && (request.time_constant_s.is_some() || request.since.is_some()) {
+        return Err(refused(format!("{} has no time constant", request.effect)));
+    }
+    let since = match request.since.as_deref() {
+        None => None,
+        Some("launch") => Some(Clock::Launch),
+        Some("start") => Some(Clock::Start),
+        Some(other) => return Err(refused(format!("no clock '{other}', expected launch or start"))),
+    };
+    let time_constant_s = request.time_constant_s.map(|seconds| seconds as f32);
+    if time_constant_s.is_some_and(|seconds| !(seconds.is_finite() && seconds > 0.0)) {
+        return Err(refused("a time constant must be above 0 s"));
+    }
+    if request.flights.is_empty() {
+        return Err(refused("no flight to learn from"));
+    }
+    let text = &request.model.text;
+    let of = Request {
+        text,
+        wish: Wish { effect, time_constant_s, since },
+        estimate: request.estimate,
+        date: date(&request.date)?,
+        learning: named(engine, &request.flights)?,
+        held_out: named(engine, &request.hold_outs)?,
+        window: window(request.window),
+    };
+    let addition = add(&of, &mut counting("learning", progress), engine.executor).map_err(refused)?;
+    let model = ModelText { name: request.model.name.clone(), text: addition.text.clone() };
+    Ok(Added { headline: headline::of_addition(&addition), addition, model })
+}
+
+/// A day, written as 2026-01-31.
+fn date(text: &str) -> Result<Date, Refused> {
+    let parts: Vec<&str> = text.split('-').collect();
+    let date = match parts.as_slice() {
+        [year, month, day] => year.parse().ok().zip(month.parse::<u8>().ok()).zip(day.parse().ok()),
+        _ => None,
+    };
+    let date = date.and_then(|((year, month), day)| {
+        Date::from_calendar_date(year, Month::try_from(month).ok()?, day).ok()
+    });
+    date.ok_or_else(|| refused(format!("'{text}' is no day, expected one such as 2026-01-31")))
+}
+
+/// Every revision of a model on every flight.
+pub fn ladder(
+    engine: &Engine,
+    request: &LadderRequest,
+    progress: &mut Progress<'_>,
+) -> Result<Ladder, Refused> {
+    let model = parsed(&request.model)?;
+    let flights = named(engine, &request.flights)?;
+    let all = (model.revisions.len() as u64 + 1) * flights.len() as u64;
+    let mut flying = |done| progress("flying", done, all);
+    let mut ladder = analysis::learn::ladder(&model, &flights, window(request.window), &mut flying)
+        .map_err(|(file, error)| refused(format!("{file}: {error}")))?;
+    ladder.model.clone_from(&request.model.name);
+    Ok(ladder)
+}
+
+/// A file of a result, beside the answer.
+pub fn exported(
+    engine: &Engine,
+    export: Exports,
+    beside: &mut Beside,
+    progress: &mut Progress<'_>,
+) -> Result<Exported, Refused> {
+    let (name, media) = match export {
+        Exports::Compare(request) => {
+            beside.bytes = pretty(&comparison(engine, &request, progress)?)?;
+            ("comparison.json", "application/json")
+        }
+        Exports::Diagnose(request) => {
+            beside.bytes = pretty(&results(engine, &request, progress)?)?;
+            ("diagnosis.json", "application/json")
+        }
+        Exports::Ladder(request) => {
+            beside.bytes = pretty(&ladder(engine, &request, progress)?)?;
+            ("ladder.json", "application/json")
+        }
+        Exports::Flight { flight } => {
+            let open = engine.flight(&flight)?;
+            flight_data::to_writer(&mut beside.bytes, &open.flight).map_err(refused)?;
+            ("flight.csv", "text/csv")
+        }
+    };
+    Ok(Exported { name: name.to_owned(), media: media.to_owned() })
+}
+
+/// JSON as the command line prints it.
+fn pretty(result: &impl Serialize) -> Result<Vec<u8>, Refused> {
+    let mut json = serde_json::to_vec_pretty(result).map_err(refused)?;
+    json.push(b'\n');
+    Ok(json)
+}

@@ -1,0 +1,55 @@
+//! The flights that come with Pylon: scenarios, simulated when they are opened.
+
+use simulate::{Scenario, simulate};
+
+use crate::engine::{Engine, Refused, refused};
+use crate::opening::opened;
+use crate::protocol::{OpenSampleRequest, Opened, Sample};
+
+macro_rules! scenario {
+    ($name:literal) => {
+        include_str!(concat!("../../../../flights/", $name, ".toml"))
+    };
+}
+
+/// Name, what it is, scenario.
+const SAMPLES: [(&str, &str, &str); 4] = [
+    (
+        "hidden-static-port",
+        "A small UAV whose static port reads part of the dynamic pressure, which the model does not know (simulated).",
+        scenario!("hidden-static-port"),
+    ),
+    (
+        "hidden-static-port-second",
+        "The same UAV on another day, to judge by what was learned on the first (simulated).",
+        scenario!("hidden-static-port-second"),
+    ),
+    (
+        "paper-reconstruction",
+        "The paper's flight, reconstructed from its figures: the telemetry was never published (simulated).",
+        scenario!("paper-reconstruction"),
+    ),
+    ("clean", "A flight of which the model lacks nothing (simulated).", scenario!("clean")),
+];
+
+/// All of them.
+pub fn list() -> Vec<Sample> {
+    let samples = SAMPLES.iter();
+    samples.map(|(name, about, _)| Sample { name: (*name).to_owned(), about: (*about).to_owned() }).collect()
+}
+
+/// Simulates one, and opens it.
+pub fn open(engine: &mut Engine, request: OpenSampleRequest) -> Result<Opened, Refused> {
+    let OpenSampleRequest { flight, sample } = request;
+    let (name, _, text) = SAMPLES
+        .iter()
+        .find(|(name, ..)| *name == sample)
+        .ok_or_else(|| refused(format!("no flight '{sample}' comes with Pylon")))?;
+    let scenario = Scenario::from_toml(text, &format!("{name}.toml")).map_err(refused)?;
+    let (made, _) = simulate(&scenario, scenario.seed).map_err(refused)?;
+    // As a file of its own: what is read back from a CSV is what a user would have.
+    let mut csv = Vec::new();
+    flight_data::to_writer(&mut csv, &made).map_err(refused)?;
+    let read = flight_data::parse_with(&csv, engine.executor).map_err(refused)?;
+    opened(engine.keep(flight, format!("{name}.csv"), "Pylon's own CSV, simulated".to_owned(), read), None)
+}

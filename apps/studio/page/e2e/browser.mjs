@@ -1,0 +1,93 @@
+// A page of the studio in headless Chromium, and what is waited for in it.
+
+import { existsSync, readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { dirname, join, resolve } from "node:path";
+import { fileURLToPath, pathToFileURL } from "node:url";
+import { chromium } from "playwright-core";
+
+const here = dirname(fileURLToPath(import.meta.url));
+export const root = resolve(here, "../../../..");
+export const realLogs = resolve(root, "../shared/flights/real");
+/** `cargo xtask site` makes it. */
+const studio = process.env.PYLON_STUDIO ?? join(root, "target/studio/studio.html");
+const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+/** Others may be building on the machine. */
+const PATIENCE_MS = 60_000;
+
+export const DESK = { width: 1280, height: 720 };
+
+export async function launch() {
+  if (!existsSync(studio)) throw new Error(`${studio} is missing: cargo xtask site`);
+  return chromium.launch({
+    executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+    args: ["--no-sandbox", "--disable-background-networking"],
+  });
+}
+
+/** A page that has been opened, and everything that it did wrong: to be empty at the end. */
+export async function open(browser, { viewport = DESK, colorScheme = "light" } = {}) {
+  const context = await browser.newContext({ viewport, colorScheme, acceptDownloads: true });
+  context.setDefaultTimeout(PATIENCE_MS);
+  const page = await context.newPage();
+  const wrongs = [];
+  page.on("console", (message) => {
+    if (message.type() === "error" || message.type() === "warning") wrongs.push(`console: ${message.text()}`);
+  });
+  page.on("pageerror", (error) => wrongs.push(`error: ${error.message}`));
+  page.on("request", (request) => {
+    const url = request.url();
+    if (url !== pathToFileURL(studio).href && !/^(blob|data):/.test(url)) wrongs.push(`request: ${url}`);
+  });
+  await page.goto(pathToFileURL(studio).href);
+  return { context, page, wrongs };
+}
+
+export async function openSample(page, name) {
+  await page.locator(`[data-sample="${name}"]`).click();
+}
+
+/** Chooses files by the button, as a user does. */
+export async function choose(page, files) {
+  const chooser = page.waitForEvent("filechooser");
+  await page.getByRole("button", { name: /^(Choose a log|Open)…$/ }).first().click();
+  await (await chooser).setFiles(files);
+}
+
+/** Drops a file on the page. */
+export async function drop(page, name, text) {
+  const transfer = await page.evaluateHandle(([file, content]) => {
+    const made = new DataTransfer();
+    made.items.add(new File([content], file));
+    return made;
+  }, [name, text]);
+  await page.dispatchEvent("body", "drop", { dataTransfer: transfer });
+}
+
+/** The sentence on top, once it says what was found. */
+export async function sentence(page) {
+  await page.waitForFunction(() => {
+    const text = document.querySelector("h1")?.textContent ?? "";
+    return text !== "" && !text.endsWith("…") && !text.includes("Drop a flight log") && !document.querySelector(".progress");
+  });
+  return (await page.locator("h1").textContent()).replace(/^[✓!✕]/, "").trim();
+}
+
+/** The rms errors at the bottom, metres: of each revision those learned and held out. */
+export async function rungs(page) {
+  const rows = await page.locator(".rung").evaluateAll((list) =>
+    list.map((rung) => [...rung.querySelectorAll(".rung-bar .number")].map((value) => Number.parseFloat(value.textContent ?? ""))));
+  return rows;
+}
+
+export async function rungsAre(page, count) {
+  await page.waitForFunction((wanted) => document.querySelectorAll(".rung").length === wanted && !document.querySelector(".progress"), count);
+  return rungs(page);
+}
+
+/** What axe finds, as lines. */
+export async function violations(page) {
+  await page.evaluate(axe);
+  const found = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ["violations"] }));
+  return found.violations.flatMap(({ id, nodes }) => nodes.map(({ html, failureSummary }) => `${id}: ${html.slice(0, 160)} ${failureSummary ?? ""}`));
+}

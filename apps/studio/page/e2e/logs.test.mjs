@@ -1,0 +1,73 @@
+// A log of each format is opened, drawn, and said something about.
+
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { existsSync, mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+
+import { choose, launch, open, openSample, realLogs, root, sentence } from "./browser.mjs";
+
+let browser;
+before(async () => { browser = await launch(); });
+after(async () => browser.close());
+
+async function opens(file) {
+  const { context, page, wrongs } = await open(browser);
+  await choose(page, file);
+  const said = await sentence(page);
+  assert.ok(said.length > 20, said);
+  assert.equal(await page.locator(".flight.failed").count(), 0, said);
+  // A file's name, never its path.
+  assert.ok(!(await page.locator("body").innerText()).includes("/shared/flights"));
+  if (await page.locator(".chart.error canvas").count()) {
+    assert.ok(await page.locator(".chart.error canvas").first().evaluate(isDrawn), "the error is drawn");
+  }
+  assert.deepEqual(wrongs, []);
+  await context.close();
+  return said;
+}
+
+/** Whether a canvas has more than one colour. */
+function isDrawn(canvas) {
+  const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+  const colours = new Set();
+  for (let i = 0; i < data.length; i += 4) colours.add(`${data[i]} ${data[i + 1]} ${data[i + 2]} ${data[i + 3]}`);
+  return colours.size > 4;
+}
+
+for (const file of [
+  "igc/goigc_short1.igc",
+  "igc/igclib_new_zealand.igc",
+  "ulog/frrs_motor_failure.ulg",
+  "dataflash/pymav_test.BIN",
+  "tlog/dronekit_flight_replay.tlog",
+  "rocket/prometheus_2022-06-24-serial-6583-flight-0003-TeleMega.csv",
+]) {
+  const path = join(realLogs, file);
+  test(`opens ${file}`, { skip: !existsSync(path) && `skipped: ${path} is not there` }, async () => { await opens(path); });
+}
+
+const pylon = ["target/release/pylon", "target/debug/pylon"].map((path) => join(root, path)).find((path) => existsSync(path));
+test("opens what `pylon simulate flights/quickstart.toml` makes", { skip: !pylon && "skipped: pylon is not built" }, async () => {
+  const folder = mkdtempSync(join(tmpdir(), "pylon-e2e-"));
+  try {
+    const file = join(folder, "quickstart.csv");
+    execFileSync(pylon, ["simulate", join(root, "flights/quickstart.toml"), "-o", file], { stdio: "ignore" });
+    assert.match(await opens(file), /static|dynamic/i, "the hidden cause is named");
+  } finally {
+    rmSync(folder, { recursive: true, force: true });
+  }
+});
+
+for (const name of ["paper-reconstruction", "clean"]) {
+  test(`opens the flight '${name}' that comes with Pylon`, async () => {
+    const { context, page, wrongs } = await open(browser);
+    await openSample(page, name);
+    assert.ok((await sentence(page)).length > 20);
+    assert.match(await page.locator(".flights").innerText(), /simulat|reconstruct/i, "a simulated flight is called simulated");
+    assert.deepEqual(wrongs, []);
+    await context.close();
+  });
+}

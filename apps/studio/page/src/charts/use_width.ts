@@ -1,0 +1,17 @@
+import { useEffect, useRef, useState } from "preact/hooks";
+import type { RefObject } from "preact";
+
+/** An element, and its width in pixels as it is now. */
+export function useWidth<T extends HTMLElement>(): [RefObject<T | null>, number] {
+  const place = useRef<T>(null);
+  const [width, setWidth] = useState(0);
+  useEffect(() => {
+    const box = place.current;
+    if (!box) return undefined;
+    const watcher = new ResizeObserver(() => setWidth(box.clientWidth));
+    watcher.observe(box);
+    setWidth(box.clientWidth);
+    return () => watcher.disconnect();
+  }, []);
+  return [place, width];
+}

@@ -1,0 +1,322 @@
+// The curves and points in the middle of the screen: what is asked of the engine for them, and how they are to look.
+
+import { computed, signal } from "@preact/signals";
+
+import { ask } from "../ask";
+import type { Band, Gaps, Level, Line, Mark, TimeSpec, Values } from "../charts/time_chart";
+import type { Role } from "../charts/colours";
+import type { Acting, CandidateFacts, Correlated, Diagnosed, Drawn, ModelText, NoiseFacts, Paired, Series, Signal, Window } from "../protocol";
+import { sensor, shown } from "./flights";
+import { resource } from "./resource";
+import { before, model } from "./model";
+import { diagnosed, diagnosedBefore, guides, ribbons } from "./studio";
+import { inside, view } from "./view";
+import type { Span } from "./view";
+
+/** The width of the time charts, pixels. */
+export const chartWidth = signal(800);
+/** Effects whose prediction is drawn over the error. */
+export const whatIf = signal<ReadonlyArray<string>>([]);
+
+/** Milliseconds without a change before curves are asked for anew. */
+const REST = 70;
+/** So much more than what is in view is asked for, on both sides: panning shows curves at once. */
+const MARGIN = 0.5;
+
+interface CurvesQuestion {
+  readonly flight: string;
+  readonly model: ModelText;
+  readonly window: Window | null;
+  readonly signals: Signal[];
+  readonly from_s: number;
+  readonly to_s: number;
+  readonly pixels: number;
+}
+
+function question(text: ModelText | null, signals: (sensor: string) => Signal[]): CurvesQuestion | null {
+  const flight = shown.value;
+  const name = sensor.value;
+  if (!flight || name === null || text === null || flight.opened.overview.refused !== null) return null;
+  const { from, to } = view.value;
+  const margin = MARGIN * (to - from);
+  const span = inside({ from: Math.max(from - margin, flight.opened.first_s), to: Math.min(to + margin, flight.opened.last_s) });
+  const pixels = Math.max(Math.round((chartWidth.value * (span.to - span.from)) / (to - from)), 64);
+  return {
+    flight: flight.flight, model: text, window: flight.window, signals: signals(name),
+    from_s: span.from, to_s: span.to, pixels,
+  };
+}
+
+async function curves(request: CurvesQuestion): Promise<Series> {
+  return ask("series", request);
+}
+
+function acting({ effect, coefficient, time_constant_s, since }: CandidateFacts): Acting {
+  return { effect, coefficient, time_constant_s, since };
+}
+
+/** The error beyond the reference once there is a diagnosis, which knows the reference's wander; until then the error. */
+function errorSignal(name: string, found: Diagnosed | null): Signal {
+  const noise = found?.diagnosis.noise ?? null;
+  if (!found || noise === null) return { signal: "error", sensor: name };
+  const all = Object.values(found.diagnosis.sensors).flatMap((one) => one?.candidates ?? []);
+  return { signal: "beyond_reference", sensor: name, noise: noise as NoiseFacts, found: all.filter(({ chosen }) => chosen).map(acting) };
+}
+
+const altitudes = resource(
+  () => question(model.value, (name) => [
+    { signal: "measured", sensor: name },
+    { signal: "modelled", sensor: name },
+    { signal: "reference" },
+  ]),
+  curves,
+  REST,
+);
+const errorNow = resource(() => question(model.value, (name) => [errorSignal(name, diagnosed.answer.value)]), curves, REST);
+const errorBefore = resource(() => question(before.value, (name) => [errorSignal(name, diagnosedBefore.answer.value)]), curves, REST);
+const predictions = resource(
+  () => (whatIf.value.length === 0 ? null : question(model.value, (name) => predicted(name))),
+  curves,
+  REST,
+);
+
+/** The effects' coefficients as the diagnosis has them. */
+function predicted(name: string): Signal[] {
+  const sensors = diagnosed.answer.value?.diagnosis.sensors ?? {};
+  const found = Object.entries(sensors).flatMap(([subject, here]) =>
+    (here?.candidates ?? []).filter(({ effect }) => whatIf.value.includes(effect)).map((candidate) => ({ subject, candidate })));
+  return found
+    .filter(({ subject, candidate }) => subject === name || guides.value.get(candidate.effect)?.subject === "gps")
+    .map(({ candidate }) => ({ signal: "effect", of: acting(candidate) }));
+}
+
+function values(numbers: Float64Array): Values {
+  return Array.from(numbers, (value) => (Number.isNaN(value) ? null : value));
+}
+
+function gapsOf(drawn: Drawn): Gaps {
+  const pairs = drawn.gaps_s;
+  const gaps: Span[] = [];
+  for (let i = 0; i + 1 < pairs.length; i += 2) gaps.push({ from: pairs[i] ?? 0, to: pairs[i + 1] ?? 0 });
+  return gaps;
+}
+
+interface Curve {
+  readonly least: Values;
+  readonly greatest: Values;
+  readonly mean: Values;
+  readonly sigma: Float64Array | null;
+  readonly gaps: Gaps;
+  readonly isEmpty: boolean;
+  readonly isThinned: boolean;
+}
+
+function curve(reply: Series, at: number): Curve | null {
+  const drawn = reply.curves[at];
+  if (!drawn) return null;
+  const [least, greatest] = [drawn.least, drawn.greatest];
+  return {
+    least: values(least),
+    greatest: values(greatest),
+    mean: values(least.map((value, i) => (value + (greatest[i] ?? NaN)) / 2)),
+    sigma: drawn.sigma ? drawn.sigma : null,
+    gaps: gapsOf(drawn),
+    isEmpty: drawn.values === 0,
+    isThinned: reply.is_thinned,
+  };
+}
+
+/** An envelope where many samples share a pixel, else a line. */
+function drawn(name: string, role: Role, found: Curve, alpha = 0.45): { bands: Band[]; lines: Line[] } {
+  if (!found.isThinned) return { bands: [], lines: [{ name, role, y: found.mean, gaps: found.gaps }] };
+  return { bands: [{ name, role, low: found.least, high: found.greatest, gaps: found.gaps, alpha, edge: true }], lines: [] };
+}
+
+function sigmaBand(name: string, role: Role, found: Curve): Band[] {
+  const { sigma } = found;
+  if (!sigma) return [];
+  const edge = (sign: number): Values => found.mean.map((value, i) => {
+    const by = sigma[i] ?? NaN;
+    return value === null || Number.isNaN(by) ? null : value + sign * by;
+  });
+  return [{ name: `${name}, one sigma`, quiet: true, role, low: edge(-1), high: edge(1), gaps: found.gaps, alpha: 0.2, edge: false }];
+}
+
+export const calibration = computed<Span | null>(() => {
+  const window = shown.value?.window;
+  if (window) return { from: window.start_s, to: window.end_s };
+  const phase = ribbons.answer.value?.phases.find(({ what }) => what === "calibrating");
+  return phase ? { from: phase.from_s, to: phase.to_s } : null;
+});
+
+const marks = computed<Mark[]>(() => {
+  const launch = ribbons.answer.value?.launch_s ?? null;
+  const hasLaunch = shown.value?.opened.overview.has_launch === true;
+  return launch === null || !hasLaunch ? [] : [{ name: "launch", at: launch, role: "ink" }];
+});
+
+export const altitudeSpec = computed<TimeSpec | null>(() => {
+  const reply = altitudes.answer.value;
+  if (!reply) return null;
+  const [measured, modelled, reference] = [0, 1, 2].map((at) => curve(reply, at));
+  const parts = [
+    ...(reference && !reference.isEmpty ? [drawn("Reference (GPS)", "reference", reference)] : []),
+    ...(measured && !measured.isEmpty ? [drawn("Measured", "measured", measured)] : []),
+    ...(modelled && !modelled.isEmpty ? [drawn("Modelled", "modelled", modelled)] : []),
+  ];
+  return {
+    x: Array.from(reply.time_s),
+    bands: parts.flatMap(({ bands }) => bands),
+    lines: parts.flatMap(({ lines }) => lines),
+    levels: [], marks: marks.value, shade: calibration.value, zero: false, unit: "",
+  };
+});
+
+/** Whether the reference's wander is taken out of the error that is shown. */
+export const isBeyondReference = computed(() => {
+  const reply = errorNow.answer.value;
+  return reply?.curves[0]?.signal.signal === "beyond_reference";
+});
+
+interface Part {
+  readonly x: ReadonlyArray<number>;
+  readonly bands: Band[];
+  readonly lines: Line[];
+}
+
+function errorPart(reply: Series, name: string, role: Role): Part | null {
+  const found = curve(reply, 0);
+  if (!found || found.isEmpty) return null;
+  const { bands, lines } = drawn(name, role, found, 0.5);
+  return {
+    x: Array.from(reply.time_s),
+    bands: [...sigmaBand(name, role, found), ...bands],
+    lines: lines.map((line) => ({ ...line, width: 1.75 })),
+  };
+}
+
+export const errorSpec = computed<TimeSpec | null>(() => {
+  const now = errorNow.answer.value;
+  if (!now) return null;
+  const then = before.value ? errorBefore.answer.value : null;
+  const parts: Part[] = [];
+  if (then) {
+    const part = errorPart(then, "Before", "before");
+    if (part) parts.push(part);
+  }
+  // Without a revision there is no "after": the error is the one that Add would make smaller.
+  const part = before.value ? errorPart(now, "After", "after") : errorPart(now, "Error", "before");
+  if (part) parts.push(part);
+  const what = whatIf.value.length > 0 ? predictions.answer.value : null;
+  if (what) parts.push(predictionPart(what));
+  const merged = joined(parts);
+  const bound = sensor.value === null ? undefined : ribbons.answer.value?.bounds_m[sensor.value];
+  return { ...merged, levels: limits(bound), marks: marks.value, shade: calibration.value, zero: true, unit: "" };
+});
+
+function predictionPart(reply: Series): Part {
+  const lines = reply.curves.map((of, at): Line | null => {
+    const found = curve(reply, at);
+    if (!found || of.signal.signal !== "effect") return null;
+    const title = guides.value.get(of.signal.of.effect)?.title ?? of.signal.of.effect;
+    return { name: `What if: ${title}`, role: "what-if", y: found.mean, gaps: found.gaps, dashed: true, width: 2 };
+  });
+  return { x: Array.from(reply.time_s), bands: [], lines: lines.filter((line) => line !== null) };
+}
+
+function limits(bound: number | undefined): Level[] {
+  const launch = ribbons.answer.value?.launch_s ?? null;
+  const end = shown.value?.opened.last_s ?? 0;
+  if (bound === undefined || launch === null) return [];
+  return [
+    { name: "alarm limit", y: bound, role: "ink", from: launch, to: end },
+    { name: "", y: -bound, role: "ink", from: launch, to: end },
+  ];
+}
+
+/** Onto one axis: where a part has no point there, its curve is drawn through. */
+function joined(parts: ReadonlyArray<Part>): { x: ReadonlyArray<number>; bands: Band[]; lines: Line[] } {
+  const [first, ...rest] = parts;
+  if (!first) return { x: [], bands: [], lines: [] };
+  const isShared = rest.every(({ x }) => x.length === first.x.length && x[0] === first.x[0] && x.at(-1) === first.x.at(-1));
+  if (isShared) return { x: first.x, bands: parts.flatMap(({ bands }) => bands), lines: parts.flatMap(({ lines }) => lines) };
+  const x = [...new Set(parts.flatMap((part) => part.x))].sort((one, other) => one - other);
+  const place = new Map(x.map((time, i) => [time, i]));
+  const spread = (part: Part, y: Values): Values => {
+    const out = new Array<number | null>(x.length).fill(null);
+    part.x.forEach((time, i) => { out[place.get(time) ?? 0] = y[i] ?? null; });
+    return out;
+  };
+  return {
+    x,
+    bands: parts.flatMap((part) => part.bands.map((band) => ({ ...band, low: spread(part, band.low), high: spread(part, band.high) }))),
+    lines: parts.flatMap((part) => part.lines.map((line) => ({ ...line, y: spread(part, line.y) }))),
+  };
+}
+
+/** Points are asked for once, and brushed here. */
+const MOST_POINTS = 3000;
+
+export function signalOf(name: string): Signal {
+  switch (name) {
+    case "speed": return { signal: "speed" };
+    case "climb_rate": return { signal: "climb_rate" };
+    case "load_factor": return { signal: "load_factor" };
+    case "turn_rate": return { signal: "turn_rate" };
+    case "error": return errorSignal(sensor.value ?? "baro", diagnosed.answer.value);
+    default: return { signal: "column", name };
+  }
+}
+
+export interface Points {
+  readonly reply: Paired;
+  readonly x: string;
+  readonly y: string;
+}
+
+/** Points of one signal over another, as two choices say. */
+export function points(x: () => string, y: () => string): { answer: { readonly value: Points | null }; problem: { readonly value: string | null } } {
+  return resource(
+    () => {
+      const flight = shown.value;
+      if (!flight || flight.opened.overview.refused !== null || x() === "" || y() === "") return null;
+      return { flight: flight.flight, x: x(), y: y(), xSignal: signalOf(x()), ySignal: signalOf(y()), model: model.value, window: flight.window };
+    },
+    async (of): Promise<Points> => ({
+      x: of.x, y: of.y,
+      reply: await ask("scatter", {
+        flight: of.flight, model: of.model, window: of.window, x: of.xSignal, y: of.ySignal,
+        from_s: null, to_s: null, at_most: MOST_POINTS,
+      }),
+    }),
+    REST,
+  );
+}
+
+export interface Correlations {
+  readonly now: Correlated;
+  readonly then: Correlated | null;
+}
+
+const LAG_SHARE = 0.15;
+const LONGEST_LAG = 120;
+
+/** The error's autocorrelation, with the model and with the one before. */
+export const correlations = resource(
+  () => {
+    const flight = shown.value;
+    if (!flight || flight.opened.overview.refused !== null || sensor.value === null || !errorNow.answer.value) return null;
+    return {
+      flight: flight.flight, window: flight.window, model: model.value, before: before.value,
+      signal: errorSignal(sensor.value, diagnosed.answer.value), signalBefore: errorSignal(sensor.value, diagnosedBefore.answer.value),
+      longest: Math.min(LONGEST_LAG, LAG_SHARE * (flight.opened.last_s - flight.opened.first_s)),
+    };
+  },
+  async (of): Promise<Correlations> => {
+    const one = (text: ModelText, signal: Signal): Promise<Correlated> => ask("correlation", {
+      flight: of.flight, model: text, window: of.window, signal, with: null, from_s: null, to_s: null, longest_lag_s: of.longest,
+    });
+    return { now: await one(of.model, of.signal), then: of.before ? await one(of.before, of.signalBefore) : null };
+  },
+  REST,
+);

@@ -1,0 +1,173 @@
+// The model, what was found out about it, and how it changes: everything is asked anew when a flight or the model changes.
+
+import { batch, computed, effect, signal } from "@preact/signals";
+
+import { ask, served } from "../ask";
+import type { Progress as EngineProgress } from "../engine/client";
+import type { Added, Compared, Diagnosed, EffectGuide, Headline, Ladder, ModelFacts, ModelText, Ribbons } from "../protocol";
+import { flights, holdOuts, learners, notice, ready, sensor, shown } from "./flights";
+import { before, model, models } from "./model";
+import { messageOf, resource } from "./resource";
+
+export const isServed = served !== null;
+
+export interface Progress {
+  readonly text: string;
+  /** From 0 to 1; null: nobody knows. */
+  readonly share: number | null;
+}
+export const progress = signal<Progress | null>(null);
+
+/** An effect that was learned, and that its own numbers speak against: the user decides. */
+export const doubted = signal<Added | null>(null);
+const added = signal<Headline | null>(null);
+
+export const guides = signal<ReadonlyMap<string, EffectGuide>>(new Map());
+
+export async function loadGuides(): Promise<void> {
+  const answer = await ask("effects", {});
+  guides.value = new Map(answer.map((guide) => [guide.effect, guide]));
+}
+
+const files = (list: ReadonlyArray<{ flight: string }>): string[] => list.map(({ flight }) => flight);
+
+function windowOfAll(): { start_s: number; end_s: number } | null {
+  const all = [...learners.value, ...holdOuts.value];
+  return all.length === 1 ? (all[0]?.window ?? null) : null;
+}
+
+function comparisonOf(text: ModelText | null): { flight: string; model: ModelText; window: { start_s: number; end_s: number } | null } | null {
+  const flight = shown.value;
+  if (!flight || flight.opened.overview.refused !== null || text === null) return null;
+  return { flight: flight.flight, model: text, window: flight.window };
+}
+
+export const compared = resource(() => comparisonOf(model.value), async (of): Promise<Compared> => await ask("compare", of));
+export const ribbons = resource(() => comparisonOf(model.value), (of): Promise<Ribbons> => ask("ribbons", of));
+export const ribbonsBefore = resource(() => comparisonOf(before.value), (of): Promise<Ribbons> => ask("ribbons", of));
+
+export const diagnosed = resource(
+  () => diagnosisOf(model.value),
+  async (of): Promise<Diagnosed> => {
+    const say = (now: EngineProgress): void => {
+      progress.value = { text: now.what, share: now.of === null ? null : now.done / now.of };
+    };
+    progress.value = { text: "Looking for the cause", share: null };
+    try {
+      return await ask("diagnose", of, { onProgress: say });
+    } finally {
+      progress.value = null;
+    }
+  },
+);
+
+/** The model before its newest revision, diagnosed: its error beyond the reference rests on that. */
+export const diagnosedBefore = resource(
+  () => (before.value ? diagnosisOf(before.value) : null),
+  async (of): Promise<Diagnosed> => ask("diagnose", of),
+);
+
+function diagnosisOf(text: ModelText): { flights: string[]; hold_outs: string[]; model: ModelText; window: { start_s: number; end_s: number } | null } | null {
+  if (learners.value.length === 0) return null;
+  return { flights: files(learners.value), hold_outs: files(holdOuts.value), model: text, window: windowOfAll() };
+}
+
+/** What is in the model, as it is now. */
+export const modelFacts = resource(() => ({ model: model.value }), async (of): Promise<ModelFacts> => await ask("model", of));
+
+export interface Judged {
+  readonly ladder: Ladder;
+  /** The first so many of each revision's flights were learned from, the others were held out. */
+  readonly learned: number;
+}
+
+export const ladder = resource(
+  () => (ready.value.length === 0 ? null : { flights: files([...learners.value, ...holdOuts.value]), model: model.value, window: windowOfAll() }),
+  async (of): Promise<Judged> => ({ ladder: await ask("ladder", of), learned: learners.value.length }),
+);
+
+interface Said {
+  readonly sentence: string;
+  readonly tone: Headline["tone"] | "none";
+}
+
+/** What stands on top. */
+export const headline = computed<Said>(() => {
+  if (flights.value.length === 0) return { sentence: "Drop a flight log: see what your altitude sensors get wrong, and why.", tone: "none" };
+  const said = added.value ?? diagnosed.answer.value?.headline ?? compared.answer.value?.headline;
+  const flight = shown.value;
+  if (flight?.opened.overview.refused) return { sentence: `This log can't be analysed: ${flight.opened.overview.refused}`, tone: "caution" };
+  if (said) return said;
+  const problem = diagnosed.problem.value ?? compared.problem.value;
+  if (problem !== null) return { sentence: problem, tone: "caution" };
+  const failed = flights.value.find((one) => one.problem !== null);
+  if (!flight && failed?.problem) return { sentence: failed.problem, tone: "caution" };
+  return { sentence: flight ? "Looking for the cause…" : "Reading the log…", tone: "none" };
+});
+
+// What was said of an addition holds until something else is asked.
+effect(() => {
+  void [learners.value, holdOuts.value];
+  added.value = null;
+});
+
+export async function addEffect(id: string): Promise<void> {
+  if (learners.value.length === 0) return;
+  progress.value = { text: `Learning ${id}`, share: null };
+  try {
+    const answer = await ask("add", {
+      effect: id,
+      flights: files(learners.value),
+      hold_outs: files(holdOuts.value),
+      model: model.value,
+      window: windowOfAll(),
+      estimate: false,
+      time_constant_s: null,
+      since: null,
+      date: today(),
+    });
+    if (answer.addition.concerns.length > 0) doubted.value = answer;
+    else accept(answer);
+  } catch (error) {
+    notice.value = messageOf(error);
+  } finally {
+    progress.value = null;
+  }
+}
+
+export function accept(answer: Added): void {
+  batch(() => {
+    models.value = [...models.value, answer.model];
+    added.value = answer.headline;
+    doubted.value = null;
+    const subject = guides.value.get(answer.addition.effect)?.subject;
+    if (subject !== undefined && shown.value?.opened.sensors.includes(subject)) sensor.value = subject;
+  });
+}
+
+export function undo(): void {
+  if (models.value.length < 2) return;
+  batch(() => {
+    models.value = models.value.slice(0, -1);
+    added.value = null;
+  });
+}
+
+/** Another model, of a file of the user's. */
+export async function openModel(name: string, text: string): Promise<void> {
+  try {
+    await ask("model", { model: { name, text } });
+    batch(() => {
+      models.value = [...models.value, { name, text }];
+      added.value = null;
+    });
+  } catch (error) {
+    notice.value = messageOf(error);
+  }
+}
+
+function today(): string {
+  const now = new Date();
+  const two = (value: number): string => String(value).padStart(2, "0");
+  return `${now.getFullYear()}-${two(now.getMonth() + 1)}-${two(now.getDate())}`;
+}

@@ -1,0 +1,88 @@
+// On top: what was found, in one sentence, and what can be done with it.
+
+import type { JSX } from "preact";
+import { useEffect, useRef } from "preact/hooks";
+
+import { canUndo } from "../state/model";
+import { headline, progress, undo } from "../state/studio";
+import { chooseFiles, exportFile, saveModel } from "../state/files";
+import type { ExportKind } from "../state/files";
+import { flights } from "../state/flights";
+import { isNarrow } from "./screen";
+
+const SIGNS = { good: "✓", caution: "!", bad: "✕", none: "" } as const;
+
+export function Header(): JSX.Element {
+  return (
+    <header class="top">
+      <p class="brand"><span class="mark" aria-hidden="true" />Pylon <span class="brand-rest">studio</span></p>
+      {isNarrow.value ? null : <Sentence />}
+      <div class="acts">
+        {isNarrow.value && flights.value.length > 0 ? <button type="button" onClick={chooseFiles}>Open…</button> : null}
+        <button type="button" onClick={undo} disabled={!canUndo.value} title="Take the newest revision back">Undo</button>
+        <button type="button" onClick={() => void saveModel()} disabled={flights.value.length === 0} title="Save the model file">Save</button>
+        <Export />
+      </div>
+      <Progress />
+    </header>
+  );
+}
+
+export function Sentence(): JSX.Element {
+  const { sentence, tone } = headline.value;
+  return (
+    <h1 class={`sentence ${tone}`} data-tour="sentence" aria-live="polite">
+      {tone === "none" ? null : <span class="sign" aria-hidden="true">{SIGNS[tone]}</span>}
+      <span>{sentence}</span>
+    </h1>
+  );
+}
+
+function Progress(): JSX.Element | null {
+  const now = progress.value;
+  if (!now) return null;
+  return (
+    <div class="progress" role="status">
+      <span class="progress-bar" style={{ width: now.share === null ? "100%" : `${now.share * 100}%` }} />
+      <span class="hidden-text">{now.text}</span>
+    </div>
+  );
+}
+
+const KINDS: ReadonlyArray<{ kind: ExportKind; text: string }> = [
+  { kind: "model", text: "Model (TOML)" },
+  { kind: "flight", text: "Flight (CSV)" },
+  { kind: "compare", text: "Comparison (JSON)" },
+  { kind: "diagnose", text: "Diagnosis (JSON)" },
+  { kind: "ladder", text: "Revisions (JSON)" },
+];
+
+function Export(): JSX.Element | null {
+  const place = useRef<HTMLDetailsElement>(null);
+  useEffect(() => {
+    const away = (event: Event): void => {
+      const menu = place.current;
+      if (menu?.open && event.target instanceof Node && !menu.contains(event.target)) menu.open = false;
+    };
+    document.addEventListener("pointerdown", away);
+    return () => document.removeEventListener("pointerdown", away);
+  }, []);
+  const close = (): void => {
+    const menu = place.current;
+    if (!menu) return;
+    menu.open = false;
+    menu.querySelector("summary")?.focus();
+  };
+  if (flights.value.length === 0) return null;
+  return (
+    <details class="menu" ref={place} onKeyDown={(event) => { if (event.key === "Escape") close(); }}>
+      <summary class="button">Export</summary>
+      <div class="menu-list">
+        {KINDS.map(({ kind, text }) => (
+          <button key={kind} type="button" class="plain" onClick={() => { close(); void exportFile(kind); }}>{text}</button>
+        ))}
+        <button type="button" class="plain" onClick={() => { close(); print(); }}>Print this page</button>
+      </div>
+    </details>
+  );
+}

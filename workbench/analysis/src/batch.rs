@@ -1,0 +1,273 @@
+//! Several flights, one by one: what each lacks by itself, what each vehicle's coefficients are, and which flight does not
+//! belong with the others.
+
+use std::collections::BTreeMap;
+
+use std::ops::ControlFlow;
+
+use executor::contained::contained;
+use executor::{Executor, Inline};
+use flight_data::Header;
+use serde::{Deserialize, Serialize};
+use statistics::{Estimate, pooled};
+
+use crate::diagnose::{Diagnosis, NamedReplay, Verdict, diagnose};
+use crate::name::Name;
+
+/// Header keys that say which aircraft it was, beside the vehicle.
+const IDS: [&str; 4] = ["glider_id", "registration", "vehicle_id", "serial"];
+
+/// One effect's coefficient by one flight.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub struct Coefficient {
+    /// The estimate: beside what that flight shows to be missing.
+    pub value: f64,
+    /// One sigma.
+    pub sigma: f64,
+    /// Whether that flight alone shows that the effect is missing.
+    pub identified: bool,
+}
+
+/// What one flight alone says.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub struct FlightResult {
+    /// The file.
+    pub file: String,
+    /// The vehicle, by the flight's header.
+    pub vehicle: String,
+    /// The verdict; `None` where the diagnosis failed.
+    pub verdict: Option<Verdict>,
+    /// Why it failed: a defect of this program.
+    pub failed: Option<String>,
+    /// Coefficients of the effects in question, by their ids, where the flight tells them.
+    pub coefficients: BTreeMap<Name, Coefficient>,
+}
+
+/// One effect by all flights of a vehicle.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub struct EffectResult {
+    /// Its id.
+    pub effect: Name,
+    /// Its unit.
+    pub unit: Name,
+    /// Flights that tell it.
+    pub flights: usize,
+    /// Their mean, without the outliers.
+    pub mean: f64,
+    /// One sigma of it.
+    pub sigma: f64,
+    /// How much it differs from flight to flight beyond their sigmas, 1 sigma.
+    pub spread: f64,
+    /// Flights that do not belong with the others, the oddest first.
+    pub outliers: Vec<OddFlight>,
+}
+
+/// A flight that does not belong with the others.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub struct OddFlight {
+    /// The file.
+    pub file: String,
+    /// Its coefficient.
+    pub coefficient: f64,
+    /// One sigma.
+    pub sigma: f64,
+    /// Chance that one of so many flights is as far off, were all alike.
+    pub p_value: f64,
+}
+
+/// A vehicle's flights.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub struct VehicleResult {
+    /// The vehicle; empty where the header does not say one.
+    pub vehicle: String,
+    /// Its flights.
+    pub flights: usize,
+    /// The effects in question that any of them tells.
+    pub effects: Vec<EffectResult>,
+}
+
+/// Several flights, one by one.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub struct Batch {
+    /// The flights, in the user's order.
+    pub by_flight: Vec<FlightResult>,
+    /// The vehicles, by their names.
+    pub by_vehicle: Vec<VehicleResult>,
+    /// Units of the effects in question.
+    #[serde(skip)]
+    units: BTreeMap<Name, Name>,
+}
+
+impl Batch {
+    /// The effects in question.
+    pub fn effects(&self) -> impl Iterator<Item = &str> {
+        self.units.keys().map(|effect| &**effect)
+    }
+
+    /// Those, each with its unit.
+    pub fn units(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.units.iter().map(|(effect, unit)| (&**effect, &**unit))
+    }
+
+    /// Files of the flights that do not belong with the others.
+    pub fn odd_files(&self) -> impl Iterator<Item = &str> {
+        let effects = self.by_vehicle.iter().flat_map(|vehicle| &vehicle.effects);
+        effects.flat_map(|effect| &effect.outliers).map(|odd| odd.file.as_str())
+    }
+}
+
+/// The keys of `pylon diagnose --json`.
+#[derive(Clone, Debug, Serialize)]
+pub struct Results {
+    /// All flights together; `None` where that failed.
+    #[serde(flatten)]
+    pub together: Option<Diagnosis>,
+    /// Why it failed: a defect of this program.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub failed: Option<String>,
+    /// Of several flights, what each says.
+    #[serde(flatten)]
+    pub one_by_one: Option<Batch>,
+}
+
+/// The vehicle that a header names, with what tells it from another of its type.
+#[must_use]
+pub fn vehicle(header: &Header) -> String {
+    let ids = IDS.iter().filter_map(|id| {
+        let (_, value) = header.other.iter().find(|(key, _)| key == id)?;
+        (!value.is_empty()).then_some(value.as_str())
+    });
+    std::iter::once(header.vehicle.as_str())
+        .filter(|name| !name.is_empty())
+        .chain(ids)
+        .collect::<Vec<_>>()
+        .join(", ")
+}
+
+/// Diagnoses every flight by itself. `together` is the diagnosis of all; `progress` is called once a flight. A flight that the
+/// diagnosis panics on costs none of the others.
+#[must_use]
+pub fn batch(
+    flights: &[NamedReplay<'_>],
+    together: Option<&Diagnosis>,
+    progress: &(dyn Fn() + Sync),
+    executor: &dyn Executor,
+) -> Batch {
+    // Flights side by side; those that are too few for the executor are each divided.
+    let inside: &dyn Executor = if flights.len() < executor.width() { executor } else { &Inline };
+    let one = |flight| {
+        let found = diagnose(std::slice::from_ref(flight), &[], &mut || ControlFlow::Continue(()), inside);
+        found.unwrap_or_else(|_| unreachable!("it is never cancelled"))
+    };
+    let jobs = flights.iter().map(|flight| {
+        let one = &one;
+        move || {
+            let diagnosis = contained(|| one(flight));
+            progress();
+            diagnosis
+        }
+    });
+    let alone: Vec<Result<Diagnosis, String>> = executor::map(executor, jobs);
+    let mut units = BTreeMap::new();
+    for diagnosis in alone.iter().filter_map(|diagnosis| diagnosis.as_ref().ok()).chain(together) {
+        let asked = in_question(diagnosis);
+        let candidates = diagnosis.sensors.values().flat_map(|sensor| &sensor.candidates);
+        units.extend(
+            candidates
+                .filter(|candidate| asked.contains(&candidate.effect))
+                .map(|candidate| (candidate.effect.clone(), candidate.unit.clone())),
+        );
+    }
+    let by_flight: Vec<FlightResult> = flights
+        .iter()
+        .zip(alone)
+        .map(|(flight, diagnosis)| {
+            let diagnosis = diagnosis.as_ref();
+            FlightResult {
+                file: flight.file.clone(),
+                vehicle: vehicle(&flight.replay.flight().header),
+                verdict: diagnosis.ok().map(|diagnosis| diagnosis.verdict),
+                failed: diagnosis.err().cloned(),
+                coefficients: diagnosis.map(|diagnosis| coefficients(diagnosis, &units)).unwrap_or_default(),
+            }
+        })
+        .collect();
+    Batch { by_vehicle: vehicles(&by_flight, &units), by_flight, units }
+}
+
+/// Effects that a diagnosis says to be missing, or to be among those that are.
+fn in_question(diagnosis: &Diagnosis) -> Vec<Name> {
+    let sensors = diagnosis.sensors.values();
+    sensors
+        .flat_map(|sensor| {
+            let best = sensor.indistinguishable.iter().filter_map(|set| set.first());
+            sensor.missing.iter().chain(best).cloned()
+        })
+        .collect()
+}
+
+fn coefficients(diagnosis: &Diagnosis, units: &BTreeMap<Name, Name>) -> BTreeMap<Name, Coefficient> {
+    let mut found = BTreeMap::new();
+    for sensor in diagnosis.sensors.values() {
+        for candidate in &sensor.candidates {
+            let is_known =
+                candidate.coefficient.is_finite() && candidate.sigma.is_finite() && candidate.sigma > 0.0;
+            if is_known && units.contains_key(&candidate.effect) {
+                let coefficient = Coefficient {
+                    value: candidate.coefficient,
+                    sigma: candidate.sigma,
+                    identified: sensor.missing.contains(&candidate.effect),
+                };
+                // The chosen ones come first.
+                found.entry(candidate.effect.clone()).or_insert(coefficient);
+            }
+        }
+    }
+    found
+}
+
+fn vehicles(flights: &[FlightResult], units: &BTreeMap<Name, Name>) -> Vec<VehicleResult> {
+    let mut by_name: BTreeMap<&str, Vec<&FlightResult>> = BTreeMap::new();
+    for flight in flights {
+        by_name.entry(&flight.vehicle).or_default().push(flight);
+    }
+    let effect = |flights: &[&FlightResult], effect: &Name, unit: &Name| {
+        let told: Vec<(&FlightResult, Coefficient)> =
+            flights.iter().filter_map(|flight| Some((*flight, *flight.coefficients.get(effect)?))).collect();
+        let estimates: Vec<Estimate> =
+            told.iter().map(|(_, one)| Estimate { value: one.value, sigma: one.sigma }).collect();
+        let pooled = pooled(&estimates)?;
+        let outliers = pooled.outliers.iter().filter_map(|outlier| {
+            let (flight, one) = told.get(outlier.place)?;
+            Some(OddFlight {
+                file: flight.file.clone(),
+                coefficient: one.value,
+                sigma: one.sigma,
+                p_value: outlier.p_value,
+            })
+        });
+        Some(EffectResult {
+            effect: effect.clone(),
+            unit: unit.clone(),
+            flights: told.len(),
+            mean: pooled.mean,
+            sigma: pooled.sigma,
+            spread: pooled.spread,
+            outliers: outliers.collect(),
+        })
+    };
+    by_name
+        .into_iter()
+        .map(|(vehicle, flights)| VehicleResult {
+            vehicle: vehicle.to_owned(),
+            flights: flights.len(),
+            effects: units.iter().filter_map(|(id, unit)| effect(&flights, id, unit)).collect(),
+        })
+        .collect()
+}

@@ -1,0 +1,129 @@
+//! What is in a log, in the words of who flew it: `pylon open`.
+
+mod next;
+mod sensors;
+
+use serde::Serialize;
+
+use flight_data::{Channel, Column, Flight, Note};
+use model::Model;
+use replay::airborne::{self, Outing};
+use replay::barometer;
+use replay::{CalibrationWindow, Replay, Usage, has_launch};
+
+pub use sensors::{SensorState, SensorView};
+
+/// What is in a log: the keys of `pylon open --json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub struct Overview {
+    /// The file.
+    pub file: String,
+    /// What kind of log it is.
+    pub format: String,
+    /// The vehicle, as the log says.
+    pub vehicle: String,
+    /// Rows.
+    pub rows: u64,
+    /// First time of the flight's own clock, seconds: what `--calibrate` counts from is zero of that clock, not this.
+    pub first_s: f64,
+    /// From the first row to the last, seconds.
+    pub duration_s: f64,
+    /// When it was launched or dropped, by its own `launch` column, seconds.
+    pub launch_s: Option<f64>,
+    /// Which part of it is analysed.
+    #[serde(flatten)]
+    pub usage: Usage,
+    /// Every time in the air.
+    pub outings: Vec<Aloft>,
+    /// On the ground before the take-off of the flight that is analysed, seconds.
+    pub ground_before_s: Option<f64>,
+    /// After its landing, seconds.
+    pub after_landing_s: Option<f64>,
+    /// Where it is calibrated, in words; null where nothing can be.
+    pub calibration: Option<String>,
+    /// From when to when it is calibrated, seconds; null for a flight with a launch, or where nothing can be calibrated.
+    pub calibration_window_s: Option<[f64; 2]>,
+    /// Why it can not be analysed, if it can not.
+    pub refused: Option<String>,
+    /// What is wrong with the barometer for all of the log, if anything is.
+    pub barometer_fault: Option<String>,
+    /// The sensors.
+    pub sensors: Vec<SensorView>,
+    /// What was remarkable about the log.
+    pub notes: Vec<String>,
+    /// Commands to go on with.
+    pub next: Vec<String>,
+}
+
+/// One time in the air, seconds of the flight's own clock; null where the log does not show it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub struct Aloft {
+    /// When it took off.
+    pub take_off_s: Option<f64>,
+    /// When it landed.
+    pub landing_s: Option<f64>,
+    /// How long it was in the air.
+    pub duration_s: f64,
+}
+
+impl From<&Outing> for Aloft {
+    fn from(outing: &Outing) -> Self {
+        Self { take_off_s: outing.take_off_s, landing_s: outing.landing_s, duration_s: outing.duration_s() }
+    }
+}
+
+impl Overview {
+    /// Of a flight as it was read; `format` is what the file was.
+    #[must_use]
+    pub fn new(
+        file: &str,
+        format: &str,
+        flight: &Flight,
+        notes: &[Note],
+        window: Option<CalibrationWindow>,
+    ) -> Self {
+        let first_s = flight.time_s.first().copied().unwrap_or(0.0);
+        let last_s = flight.time_s.iter().copied().fold(first_s, f64::max);
+        let replay = Replay::new(flight, &Model::default(), window);
+        let outings = airborne::find(flight).outings;
+        let (usage, calibration, window_s, refused, chosen) = match &replay {
+            Ok(replay) => (
+                Usage::of(replay),
+                Some(replay.source().to_string()),
+                replay.source().window().map(|window| [window.start_s, window.end_s]),
+                None,
+                replay.extent().outing(),
+            ),
+            Err(error) => (Usage::default(), None, None, Some(error.to_string()), None),
+        };
+        Self {
+            file: file.to_owned(),
+            format: format.to_owned(),
+            vehicle: flight.header.vehicle.clone(),
+            rows: flight.rows() as u64,
+            first_s,
+            duration_s: last_s - first_s,
+            launch_s: launch_s(flight),
+            // A flight that says itself when it was launched is not searched for take-offs.
+            outings: if has_launch(flight) { Vec::new() } else { outings.iter().map(Aloft::from).collect() },
+            ground_before_s: chosen.and_then(|outing| Some(outing.take_off_s? - outing.ground_from_s?)),
+            after_landing_s: chosen.and_then(|outing| Some(last_s - outing.landing_s?)),
+            calibration,
+            calibration_window_s: window_s,
+            next: next::next(file, refused.is_none()),
+            refused,
+            barometer_fault: barometer::check(flight).map(barometer::Fault::sentence),
+            sensors: sensors::views(flight),
+            notes: notes.iter().map(ToString::to_string).collect(),
+            usage,
+        }
+    }
+}
+
+fn launch_s(flight: &Flight) -> Option<f64> {
+    let launch: &Column = flight.channel(Channel::Launch)?;
+    let (row, _) = launch.samples().find(|(_, value)| *value != 0.0)?;
+    flight.time_s.get(row).copied()
+}

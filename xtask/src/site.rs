@@ -1,0 +1,80 @@
+//! `cargo xtask site`: the studio as one file, and its tests in a browser.
+
+use std::fs;
+use std::path::PathBuf;
+use std::process::Command;
+
+use anyhow::{Context, bail};
+
+use crate::child;
+use crate::steps::Done;
+use crate::wasm;
+use crate::workspace;
+
+/// The page's folder.
+const PAGE: &str = "apps/studio/page";
+/// The engine, and the profile that it is built with.
+const ENGINE: &str = "studio-engine";
+const PROFILE: &str = "studio";
+
+/// The file that is made.
+pub fn file() -> PathBuf {
+    workspace::target_folder().join("studio").join("studio.html")
+}
+
+/// Builds the engine and the page, and makes one file of them; what it is and how large.
+pub fn build(echo: bool) -> anyhow::Result<String> {
+    let mut engine = workspace::cargo(["build", "--package", ENGINE, "--lib"]);
+    child::run(engine.args(["--profile", PROFILE, "--target", wasm::TARGET]), echo)?;
+    let module = workspace::target_folder().join(wasm::TARGET).join(PROFILE).join("studio_engine.wasm");
+    packages(echo)?;
+    let file = file();
+    fs::create_dir_all(file.parent().context("the file has no folder")?)?;
+    let made = child::run(node("site.mjs").args([&module, &file]), echo)?;
+    Ok(made.stdout.trim().replace(&file.display().to_string(), &workspace::shown(&file)))
+}
+
+/// Builds the site, checks the page's types, and opens the page in a browser.
+pub fn test(echo: bool) -> anyhow::Result<Done> {
+    let made = build(echo)?;
+    child::run(npm(&["run", "--silent", "check"]).current_dir(folder()), echo)?;
+    if fs::read_dir(folder().join("e2e")).map_or(0, Iterator::count) == 0 {
+        bail!("{PAGE}/e2e has no test");
+    }
+    let mut tests = npm(&["run", "--silent", "e2e"]);
+    tests.current_dir(folder()).env("PYLON_STUDIO", file());
+    let said = child::run(&mut tests, echo)?;
+    let counts = said.all.lines().filter(|line| line.starts_with("# pass") || line.starts_with("ℹ pass"));
+    Ok(Done::all(format!(
+        "{} tests; {made}",
+        counts.last().unwrap_or("").trim_matches(|c: char| !c.is_ascii_digit())
+    )))
+}
+
+/// Fetches the page's packages, once a lock file.
+fn packages(echo: bool) -> anyhow::Result<()> {
+    let lock = fs::read(folder().join("package-lock.json"))?;
+    let stamp = folder().join("node_modules/.pylon-lock");
+    if fs::read(&stamp).is_ok_and(|found| found == lock) {
+        return Ok(());
+    }
+    let fetch = ["ci", "--no-audit", "--no-fund", "--loglevel=error"];
+    child::run(npm(&fetch).current_dir(folder()), echo)?;
+    Ok(fs::write(stamp, lock)?)
+}
+
+fn folder() -> PathBuf {
+    workspace::root().join(PAGE)
+}
+
+fn npm(arguments: &[&str]) -> Command {
+    let mut npm = workspace::program("npm");
+    npm.args(arguments);
+    npm
+}
+
+fn node(script: &str) -> Command {
+    let mut node = workspace::program("node");
+    node.current_dir(folder()).arg(script);
+    node
+}
