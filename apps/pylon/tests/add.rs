@@ -191,7 +191,7 @@ fn an_effect_is_learned_written_and_laddered() {
 
     // Learned anew, and as a state: the old coefficient is kept, the file has one effect and two revisions.
     let again = stdout(directory, &[ADD.as_slice(), &["--estimate"]].concat());
-    assert!(again.contains("the model had it already, with"), "{again}");
+    assert!(again.contains("replaces the model's earlier value"), "{again}");
     assert!(again.contains("revision 2") && again.contains("Held-out manoeuvres"), "{again}");
     let model = Model::read(&directory.join("ours.toml")).unwrap();
     assert_eq!((model.effects.len(), model.revisions.len()), (1, 2));

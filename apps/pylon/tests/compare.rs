@@ -196,7 +196,7 @@ fn effects_are_said_with_their_coefficients() {
     assert!(!fact.estimated && (fact.coefficient - 0.07).abs() < 1e-6 && (fact.sigma - 0.01).abs() < 1e-6);
     assert!(
         pylon::compare::text(&constant, false)
-            .contains("Effect baro.dynamic_pressure: 0.070 ± 0.010, as the model says.")
+            .contains("Effect baro.dynamic_pressure: 0.070 ± 0.010, constant in the model.")
     );
 }
 
@@ -314,5 +314,5 @@ fn without_the_reference_the_sensors_disagreement_is_said() {
     assert!((check.doubtful_after_s.unwrap() - 15.0).abs() < 0.1, "{check:?}");
     assert!(check.disagree_after_s.unwrap() >= 15.0 && check.disagree_after_s.unwrap() < 20.0, "{check:?}");
     assert!((check.largest_difference_m + 1_000.0).abs() < 200.0, "baro less inertial: {check:?}");
-    assert!(pylon::compare::text(&disagreeing, false).contains("nothing says which"));
+    assert!(pylon::compare::text(&disagreeing, false).contains("nothing shows which"));
 }

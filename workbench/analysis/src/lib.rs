@@ -3,6 +3,7 @@
 
 pub mod compare;
 pub mod diagnose;
+pub mod json;
 pub mod learn;
 pub mod name;
 pub mod progress;

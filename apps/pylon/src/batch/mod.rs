@@ -6,6 +6,7 @@ mod text;
 use std::collections::BTreeMap;
 
 use executor::{Executor as _, Inline};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use analysis::name::Name;
@@ -22,7 +23,7 @@ pub use text::text;
 const IDS: [&str; 4] = ["glider_id", "registration", "vehicle_id", "serial"];
 
 /// One effect's coefficient by one flight.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Coefficient {
     /// The estimate: beside what that flight shows to be missing.
     pub value: f64,
@@ -33,7 +34,7 @@ pub struct Coefficient {
 }
 
 /// What one flight alone says.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FlightResult {
     /// The file.
     pub file: String,
@@ -48,7 +49,7 @@ pub struct FlightResult {
 }
 
 /// One effect by all flights of a vehicle.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EffectResult {
     /// Its id.
     pub effect: Name,
@@ -67,7 +68,7 @@ pub struct EffectResult {
 }
 
 /// A flight that does not belong with the others.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct OddFlight {
     /// The file.
     pub file: String,
@@ -80,7 +81,7 @@ pub struct OddFlight {
 }
 
 /// A vehicle's flights.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct VehicleResult {
     /// The vehicle; empty where the header does not say one.
     pub vehicle: String,
@@ -91,7 +92,7 @@ pub struct VehicleResult {
 }
 
 /// Several flights, one by one.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Batch {
     /// The flights, in the user's order.
     pub by_flight: Vec<FlightResult>,

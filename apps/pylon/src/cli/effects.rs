@@ -7,6 +7,7 @@ use kf_core::effect::EffectId;
 use pylon::effect_guide::{Picture, explained, list, named, nearest};
 use pylon::output_file::write_atomically;
 use pylon::plots::draw_effect;
+use pylon::results::EffectsResult;
 
 use super::failure::Failure;
 use super::terminal;
@@ -20,28 +21,42 @@ Examples:
   pylon effects baro.lag --svg lag.svg
       the same picture as a file
   pylon effects baro
-      all of the barometer's";
+      all of the barometer's
+  pylon effects --json | jq '.effects[].effect'
+      for other programs";
 
 /// Explain the physical effects that a model can account for
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// An effect, or a sensor whose effects are all to be explained
+    /// An effect, or a sensor to explain all of its effects
     #[arg(value_name = "NAME")]
     name: Option<String>,
-    /// Draw what the effect looks like on a simulated flight into this file (SVG)
+    /// Draw the effect on a simulated flight into this file (SVG)
     #[arg(long, value_name = "FILE", requires = "name")]
     svg: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long, conflicts_with = "svg")]
+    json: bool,
 }
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let Some(name) = &arguments.name else { return terminal::put(&list()) };
+    let Some(name) = &arguments.name else {
+        return if arguments.json {
+            terminal::put_json(&EffectsResult::new(&EffectId::ALL))
+        } else {
+            terminal::put(&list())
+        };
+    };
     let effects = named(name);
     if effects.is_empty() {
         let hint = nearest(name)
             .map_or_else(|| "'pylon effects' lists them".to_owned(), |nearest| format!("is it '{nearest}'?"));
         return Err(Failure::input(format!("no effect '{name}' ({hint})")));
+    }
+    if arguments.json {
+        return terminal::put_json(&EffectsResult::new(&effects));
     }
     if let Some(file) = &arguments.svg {
         let [effect] = effects.as_slice() else {
@@ -51,7 +66,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             )));
         };
         let Some(picture) = Picture::of(*effect) else {
-            return Err(Failure::input(format!("{}: the simulator does not have it", effect.name())));
+            return Err(Failure::input(format!(
+                "{}: not in the simulator, so it can not be drawn",
+                effect.name()
+            )));
         };
         let svg = draw_effect(&picture)?;
         write_atomically(file, |out| out.write_all(svg.as_bytes()))?;

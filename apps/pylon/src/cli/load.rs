@@ -10,6 +10,7 @@ use pylon::contained::contained;
 use pylon::diagnose::NamedReplay;
 use pylon::flight::{Channel, Flight, Note};
 use pylon::import::{self, barometer};
+use pylon::printable::printable;
 use pylon::replay::{CalibrationWindow, Replay, ReplayError, Usage};
 
 use super::failure::Failure;
@@ -28,14 +29,14 @@ pub fn refuse_repeats(learned: &[PathBuf], held: &[PathBuf]) -> Result<(), Failu
     for file in learned {
         if !seen.insert(same(file)) {
             return Err(Failure::input(format!(
-                "{}: given twice, expected different flights",
+                "{}: given twice; expected different flights",
                 file.display()
             )));
         }
     }
     for file in held {
         if !seen.insert(same(file)) {
-            let message = "is learned from or held out already, expected a flight of its own to hold out";
+            let message = "is already used for learning or held out; hold out a different flight";
             return Err(Failure::input(format!("{}: {message}", file.display())));
         }
     }
@@ -82,7 +83,7 @@ impl Batch {
                 flight(file).and_then(|read| match is_usable(&read.0) {
                     // Alone it is looked at with a warning; among others it would speak for all.
                     Ok(()) if files.len() > 1 && is_copy(&read.0) => Err(Failure::input(format!(
-                        "{}: no barometer: what stands in its place is the receiver's altitude, copied",
+                        "{}: no barometer: its column is a copy of the receiver's altitude",
                         file.display()
                     ))),
                     Ok(()) => Ok(read),
@@ -91,7 +92,7 @@ impl Batch {
             });
             let usable = usable.unwrap_or_else(|why| {
                 Err(Failure::input(format!(
-                    "{}: not read, by a defect of pylon; please report it: {why}",
+                    "{}: not read because of a bug in pylon; please report it: {why}",
                     file.display()
                 )))
             });
@@ -119,8 +120,7 @@ impl Batch {
             return;
         }
         let all = self.files.len() + self.skipped.len();
-        let mut text =
-            format!("skipped {} of {all} flights (--strict refuses instead):\n", self.skipped.len());
+        let mut text = format!("skipped {} of {all} flights (--strict fails instead):\n", self.skipped.len());
         for why in &self.skipped {
             text += &format!("  {why}\n");
         }
@@ -196,6 +196,6 @@ pub fn model(name: &str) -> Result<Model, Failure> {
 pub fn write_notes(notes: &[Note]) {
     for note in notes {
         // Nothing is left to be told to when standard error is closed.
-        let _ = writeln!(std::io::stderr(), "note: {note}");
+        let _ = writeln!(std::io::stderr(), "note: {}", printable(&note.to_string()));
     }
 }

@@ -3,7 +3,8 @@
 mod sensors;
 mod text;
 
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use crate::airborne::Outing;
 use crate::flight::{Channel, Column, Flight, Note};
@@ -14,8 +15,10 @@ pub use sensors::{SensorState, SensorView};
 pub use text::text;
 
 /// What is in a log: the keys of `pylon open --json`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Overview {
+    /// Version of what these keys mean: a new one where a key changes its meaning or goes.
+    pub version: u32,
     /// The file.
     pub file: String,
     /// What kind of log it is.
@@ -31,7 +34,7 @@ pub struct Overview {
     /// When it was launched or dropped, by its own `launch` column, seconds.
     pub launch_s: Option<f64>,
     /// Which part of it is analysed.
-    #[serde(flatten)]
+    #[serde(flatten, deserialize_with = "analysis::json::whole")]
     pub usage: Usage,
     /// Every time in the air.
     pub outings: Vec<Aloft>,
@@ -54,7 +57,7 @@ pub struct Overview {
 }
 
 /// One time in the air, seconds of the flight's own clock; null where the log does not show it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Aloft {
     /// When it took off.
     pub take_off_s: Option<f64>,
@@ -71,6 +74,9 @@ impl From<&Outing> for Aloft {
 }
 
 impl Overview {
+    /// The version that is written.
+    pub const VERSION: u32 = 1;
+
     /// Of a flight as it was read; `format` is what the file was.
     #[must_use]
     pub fn new(
@@ -95,6 +101,7 @@ impl Overview {
             Err(error) => (Usage::default(), None, None, Some(error.to_string()), None),
         };
         Self {
+            version: Self::VERSION,
             file: file.to_owned(),
             format: format.to_owned(),
             vehicle: flight.header.vehicle.clone(),

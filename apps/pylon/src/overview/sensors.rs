@@ -1,12 +1,15 @@
 //! Which sensors a log has, and whether they measured.
 
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use analysis::name::Name;
 
 use crate::flight::{Channel, Column, Flight};
 use crate::import::barometer::{self, Fault};
 
 /// Whether a sensor measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SensorState {
     /// It has values that change.
@@ -20,10 +23,10 @@ pub enum SensorState {
 }
 
 /// A sensor of a log.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SensorView {
     /// Its name.
-    pub sensor: &'static str,
+    pub sensor: Name,
     /// Whether it measured.
     pub state: SensorState,
     /// Samples.
@@ -31,7 +34,7 @@ pub struct SensorView {
     /// Median rate, samples a second.
     pub rate_hz: Option<f64>,
     /// Its columns.
-    pub columns: Vec<&'static str>,
+    pub columns: Vec<Name>,
 }
 
 /// A sensor and its columns, the telling one first.
@@ -61,11 +64,11 @@ pub(super) fn views(flight: &Flight) -> Vec<SensorView> {
         let state = telling.map_or(SensorState::Absent, |column| state(flight, sensor, column));
         // The receiver and the barometer are asked for, the others are not.
         (place < 3 || state != SensorState::Absent).then(|| SensorView {
-            sensor,
+            sensor: (*sensor).into(),
             state,
             samples: telling.map_or(0, |column| column.samples().count() as u64),
             rate_hz: telling.and_then(|column| rate_hz(flight, column)),
-            columns: columns.iter().map(|(channel, _)| channel.name()).collect(),
+            columns: columns.iter().map(|(channel, _)| channel.name().into()).collect(),
         })
     };
     SENSORS.iter().enumerate().filter_map(view).collect()
@@ -118,7 +121,7 @@ mod tests {
         flight.set_channel(Channel::GyroXRadps, empty.clone());
         flight.set_channel(Channel::BaroPa, empty);
         let views = views(&flight);
-        let named: Vec<_> = views.iter().map(|view| (view.sensor, view.state)).collect();
+        let named: Vec<_> = views.iter().map(|view| (&*view.sensor, view.state)).collect();
         assert_eq!(
             named,
             [

@@ -2,18 +2,22 @@
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use super::phase_statistics::PhaseSummary;
 use super::remedies::Remedy;
 use super::rules::SensorRules;
 use super::timeline::Failures;
+use crate::name::Name;
 use replay::Usage;
 
 /// How well a model agrees with a flight. Serialised, a value that does not exist is null, and so is
 /// one that is not finite.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Comparison {
+    /// Version of what these keys mean: a new one where a key changes its meaning or goes.
+    pub version: u32,
     /// The flight.
     pub flight: FlightFacts,
     /// The model's name: a preset or a file.
@@ -21,7 +25,7 @@ pub struct Comparison {
     /// When the UAV was launched, by the flight's own clock, seconds.
     pub launch_s: Option<f64>,
     /// The sensors by name; those without a single reading are left out.
-    pub sensors: BTreeMap<&'static str, SensorComparison>,
+    pub sensors: BTreeMap<Name, SensorComparison>,
     /// What barometer and inertial altitude said of each other while the reference was lost in free
     /// flight; null where it never was, or no pair of readings came.
     pub cross_check: Option<CrossCheckFacts>,
@@ -34,7 +38,7 @@ pub struct Comparison {
     /// The monitor as configured.
     pub monitor: MonitorFacts,
     /// What the monitor's rule costs and catches, and a better one, by sensor.
-    pub rules: BTreeMap<&'static str, SensorRules>,
+    pub rules: BTreeMap<Name, SensorRules>,
     /// Section 4's second correction, side by side.
     pub remedies: Vec<Remedy>,
     /// Where the model fails.
@@ -43,8 +47,13 @@ pub struct Comparison {
     pub warnings: Vec<String>,
 }
 
+impl Comparison {
+    /// The version that is written.
+    pub const VERSION: u32 = 1;
+}
+
 /// Which flight it was.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FlightFacts {
     /// The file.
     pub file: String,
@@ -57,12 +66,12 @@ pub struct FlightFacts {
     /// From the first row to the last, seconds.
     pub duration_s: f64,
     /// Which part of it is analysed.
-    #[serde(flatten)]
+    #[serde(flatten, deserialize_with = "crate::json::whole")]
     pub usage: Usage,
 }
 
 /// One sensor.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SensorComparison {
     /// Whether the sensor leaves with the UAV.
     pub flies_free: bool,
@@ -83,10 +92,10 @@ pub struct SensorComparison {
     /// When it became untrustworthy, seconds after launch.
     pub untrustworthy_after_s: Option<f64>,
     /// Trust at the flight's end.
-    pub trust: &'static str,
+    pub trust: Name,
     /// For how long there was no reference to watch it by, seconds.
     pub unmonitored_s: f64,
-    /// The monitor's bound (multiplier times sigma), metres.
+    /// The monitor's alarm limit (multiplier times sigma), metres.
     pub bound_m: Option<f64>,
     /// Captive flight after settling.
     pub captive: PhaseSummary,
@@ -97,14 +106,14 @@ pub struct SensorComparison {
 }
 
 /// Barometer less inertial altitude while the reference was lost, each by its latched bias.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CrossCheckFacts {
     /// Pairs of readings.
     pub pairs: u64,
     /// The difference farthest from zero, metres.
     pub largest_difference_m: f64,
     /// What the two had come to after the last pair: `agree`, `doubtful` or `disagree`.
-    pub agreement: &'static str,
+    pub agreement: Name,
     /// When they were first doubtful or worse, seconds after launch.
     pub doubtful_after_s: Option<f64>,
     /// When they disagreed, seconds after launch.
@@ -112,11 +121,11 @@ pub struct CrossCheckFacts {
 }
 
 /// How often a source's readings were used or not.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct ReadingCounts {
     /// Used.
     pub accepted: u32,
-    /// NaN or infinite, or a pressure that is none.
+    /// NaN or infinite, or an invalid pressure.
     pub not_finite: u32,
     /// A fix held since the last.
     pub held: u32,
@@ -131,7 +140,7 @@ pub struct ReadingCounts {
 }
 
 /// The reference in captive flight.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ReferenceComparison {
     /// Innovations of its fixes: bias, spread, whiteness, NIS.
     pub captive: PhaseSummary,
@@ -140,29 +149,29 @@ pub struct ReferenceComparison {
 }
 
 /// The calibration.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CalibrationFacts {
     /// `good`, `degraded`, or null when nothing was latched.
-    pub quality: Option<&'static str>,
+    pub quality: Option<Name>,
     /// Names of the checks that failed.
-    pub failed_checks: Vec<&'static str>,
-    /// For how long was calibrated, seconds.
+    pub failed_checks: Vec<Name>,
+    /// Length of the calibration, seconds.
     pub duration_s: Option<f64>,
     /// What decided when the captive flight ends.
     pub source: String,
 }
 
 /// An effect that the model accounts for.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EffectFacts {
     /// Its id in the catalogue.
-    pub effect: &'static str,
+    pub effect: Name,
     /// Its coefficient: as estimated by the end of captive flight, or the model's constant.
     pub coefficient: f64,
     /// Standard deviation of the coefficient.
     pub sigma: f64,
     /// Unit of both.
-    pub unit: &'static str,
+    pub unit: Name,
     /// Whether it was estimated.
     pub estimated: bool,
     /// The range of its regressor that the coefficient was learned in, metres per unit of coefficient.
@@ -172,10 +181,10 @@ pub struct EffectFacts {
 }
 
 /// The monitor as configured.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MonitorFacts {
     /// Where sigma comes from.
-    pub sigma: &'static str,
+    pub sigma: Name,
     /// Threshold in sigmas.
     pub multiplier: f64,
     /// Length of the moving average, seconds.

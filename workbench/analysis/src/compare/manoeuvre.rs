@@ -1,6 +1,7 @@
 //! What an aircraft is doing, by how it moves.
 
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 /// Climb or descent below this is level flight, m/s.
 const LEVEL_MPS: f64 = 2.0;
@@ -19,7 +20,7 @@ const REST_MPS: f64 = 1.0;
 const STEADY_MPS2: f64 = 1.0;
 
 /// How the aircraft moved during one stretch of flight; `None` where the flight does not say.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Motion {
     /// Climb rate, m/s, up positive.
     pub climb_rate_mps: Option<f64>,
@@ -34,7 +35,7 @@ pub struct Motion {
 }
 
 /// What the aircraft was doing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Manoeuvre {
     /// Steady, level and straight.

@@ -2,13 +2,16 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::name::Name;
 use replay::{Unused, Usage};
 
 /// What is known about a misfit. Ordered by how much it asks of the user.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// The model fits as well as the noise allows, and the flight would have shown what it lacks.
@@ -39,7 +42,7 @@ impl Verdict {
 }
 
 /// A diagnosis of one or more flights with one model.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Diagnosis {
     /// Version of what these keys mean: a new one where a key changes its meaning or goes.
     pub version: u32,
@@ -80,7 +83,7 @@ impl Diagnosis {
 }
 
 /// One sensor, or the reference.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SensorDiagnosis {
     /// The verdict.
     pub verdict: Verdict,
@@ -111,7 +114,7 @@ impl SensorDiagnosis {
 }
 
 /// One candidate.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CandidateFacts {
     /// Its id.
     pub effect: Name,
@@ -142,7 +145,7 @@ pub struct CandidateFacts {
 }
 
 /// A signal that the unexplained residual follows.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Follows {
     /// The signal, and what of it.
     pub signal: String,
@@ -155,7 +158,7 @@ pub struct Follows {
 }
 
 /// One flight.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(from = "FlatFlight")]
 pub struct DiagnosedFlight {
     /// The file.
@@ -181,7 +184,7 @@ pub struct DiagnosedFlight {
 }
 
 /// The noise that was found.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct NoiseFacts {
     /// The reference's wander: sigma, m.
     pub reference_wander_m: f64,
@@ -194,7 +197,7 @@ pub struct NoiseFacts {
 }
 
 /// An effect that could not be tested.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Untested {
     /// Its id.
     pub effect: Name,
@@ -212,7 +215,7 @@ const fn is_none(count: &u64) -> bool {
 
 /// A flight as it is read: serde's `flatten` does not read numbers where a dependency has `serde_json` keep their digits
 /// (serde_json's issue 505).
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 struct FlatFlight {
     file: String,
     calibration: String,
