@@ -5,7 +5,7 @@ use clap::{Parser, Subcommand};
 use crate::board::Barometer;
 use crate::{campaign, hil};
 
-/// Every job that has to do with this checkout.
+/// Every job in this checkout.
 #[derive(Debug, Parser)]
 #[command(
     name = "cargo xtask",
@@ -13,26 +13,26 @@ use crate::{campaign, hil};
     disable_help_subcommand = true,
     after_help = "\
 Examples:
-  cargo xtask demo           see Pylon at work: a flight is calibrated, latched, flagged and drawn
-  cargo xtask test           set up what is missing and run every test of every kind
-  cargo xtask test budgets   only the steps whose name contains `budgets`, with what they need
+  cargo xtask demo           see Pylon work: a flight is calibrated, latched, flagged and drawn
+  cargo xtask test           install what is missing and run every test
+  cargo xtask test budgets   only the steps whose name contains `budgets`, and their set-up
   cargo xtask site           the studio as one file, which any browser opens from the disk
-  cargo xtask bench          how fast, how small, beside whom
-  cargo xtask blind 400      how often a diagnosis is right, on 400 simulated flights
+  cargo xtask bench          speed and size, compared with other filters
+  cargo xtask blind 400      how often the diagnosis is right, on 400 simulated flights
   cargo xtask real-trials    the same on real logs and tracks
-  cargo xtask campaign       a thousand flights with faults of chips, wires and supply, against the same without
+  cargo xtask campaign       a thousand flights with faults of chips, wires and supply, compared with the same flights without
   cargo xtask flash          write the flight computer's image to a board (docs/bring-up.md)
   cargo xtask hil q.csv      fly a flight through a board on its debug probe, and compare every tick with the host
   cargo xtask endurance      ten hours captive, and fifty random flights, in QEMU, bit for bit
 
-Missing tools are installed by rustup and apt-get, and what is installed is said first."
+Missing tools are installed with rustup and apt-get; each is announced first."
 )]
 pub struct Cli {
     /// What to do; without it, this help.
     #[command(subcommand)]
     pub job: Option<Job>,
 
-    /// Show what the commands that run say.
+    /// Show the output of the commands that are run.
     #[arg(long, short, global = true)]
     pub verbose: bool,
 }
@@ -42,9 +42,9 @@ pub struct Cli {
 pub enum Job {
     /// Install what is missing: rustfmt, clippy, the flight computer's target, wasm32, QEMU, npm, Chromium.
     Setup,
-    /// Fly the paper's flight, as reconstructed, on the host and in QEMU, and tell what happened.
+    /// Fly the reconstructed flight of the paper on the host and in QEMU, and report the result.
     Demo,
-    /// Run every test of every kind; ends with `N passed, N failed, N skipped`.
+    /// Run every test; ends with `N passed, N failed, N skipped`.
     Test {
         /// Only the steps whose name contains one of these words.
         words: Vec<String>,
@@ -54,16 +54,16 @@ pub enum Job {
     },
     /// Build the studio: the engine as WebAssembly and its page, as the one file target/studio/studio.html.
     Site,
-    /// Measure: instructions a tick beside other filters, ticks a second, time and memory of a comparison.
+    /// Measure instructions per tick (also of other filters), ticks per second, and time and memory of a comparison.
     Bench {
         /// Print JSON instead of tables.
         #[arg(long)]
         json: bool,
-        /// Only this part: `target` (instructions, in QEMU), `host` (time and memory) or `import` (real logs, beside their formats'
+        /// Only this part: `target` (instructions, in QEMU), `host` (time and memory) or `import` (real logs, also with their formats'
         /// reference readers).
         part: Option<BenchPart>,
     },
-    /// Fly simulated flights with hidden effects, diagnose them blind, and count how often that is right.
+    /// Diagnose simulated flights with hidden effects, and count how often the diagnosis is right.
     Blind {
         /// How many trials.
         #[arg(default_value_t = 200)]
@@ -72,17 +72,17 @@ pub enum Job {
         #[arg(long, default_value_t = 1)]
         seed: u64,
     },
-    /// Diagnose the real logs in ../shared/flights/real, flights made of their tracks, and both with one effect added,
-    /// and count how often that is right.
+    /// Diagnose the real logs in ../shared/flights/real, flights simulated along their tracks, and both with one effect added,
+    /// and count how often the diagnosis is right.
     RealTrials {
-        /// Which half of the logs: `development`, or `unseen`, which is for the final figures only.
+        /// Which half of the logs: `development`, or `unseen`, for final figures only.
         #[arg(long, default_value = "development", value_parser = ["development", "unseen"])]
         half: String,
         /// Write the table into docs/blind-trials.md as well.
         #[arg(long)]
         write: bool,
     },
-    /// Give the blind trials' residuals to least squares and the LASSO as well, and compare.
+    /// Compare the diagnosis with least squares and the LASSO on the blind trials' residuals.
     Baselines {
         /// How many trials.
         #[arg(default_value_t = 200)]
@@ -94,31 +94,31 @@ pub enum Job {
         #[arg(long)]
         write: bool,
     },
-    /// Fly random faults through the whole chain, and hold every flight against the same one without them.
+    /// Fly random faults through the whole chain, and compare every flight with the same one without them.
     #[command(after_help = "\
 Examples:
   cargo xtask campaign                          a thousand runs: a table of fault by phase with the worst consequence
-  cargo xtask campaign 10000 --seed 77          more of them, of another seed
-  cargo xtask campaign --run 42 --seed 77       one of them: what was drawn, what came of it
-  cargo xtask campaign --mutants                take out each guard in turn: the campaign must report it
-  cargo xtask campaign --qemu 50                fly fifty short runs in QEMU instead, every tick bit for bit the host's
+  cargo xtask campaign 10000 --seed 77          more runs, from another seed
+  cargo xtask campaign --run 42 --seed 77       one run: what was drawn and what resulted
+  cargo xtask campaign --mutants                disable each guard in turn: the campaign must report it
+  cargo xtask campaign --qemu 50                fly fifty short runs in QEMU instead, every tick compared with the host bit for bit
 
 Exit status: 0 every invariant was kept; 1 one was broken; 2 bad usage.")]
     Campaign(campaign::Arguments),
     /// Compare rules for the monitor on the same residuals, and write docs/monitor-rules.md and its picture.
     MonitorCurves {
-        /// Seed of the made residuals.
+        /// Seed of the simulated residuals.
         #[arg(long, default_value_t = 1)]
         seed: u64,
     },
-    /// Build the flight computer's image with a model, write it to a board by its debug probe, and start it.
+    /// Build the flight computer's image with a model, write it to a board through its debug probe, and start it.
     #[command(after_help = "\
 Examples:
   cargo xtask flash                             the default model
-  cargo xtask flash --model ours.toml           a model of one's own, as `pylon add` has improved it
-  cargo xtask flash --probe 0483:3748           where more than one probe is plugged in (`probe-rs list`)
+  cargo xtask flash --model ours.toml           your own model, as improved by `pylon add`
+  cargo xtask flash --probe 0483:3748           if several probes are connected (`probe-rs list`)
 
-It needs probe-rs and a debug probe, and says how to get them. docs/bring-up.md has the wiring and the first checks.")]
+It needs probe-rs and a debug probe; if one is missing it says how to get it. docs/bring-up.md has the wiring and the first checks.")]
     Flash {
         /// A model file, or a preset's name.
         #[arg(long, default_value = "default")]
@@ -133,27 +133,27 @@ It needs probe-rs and a debug probe, and says how to get them. docs/bring-up.md 
     /// Read the log of the board that was flashed last, until interrupted.
     #[command(after_help = "\
 Examples:
-  cargo xtask log                               what the flight computer says, from the attachment on
-  cargo xtask log --probe 0483:3748             where more than one probe is plugged in (`probe-rs list`)
+  cargo xtask log                               the flight computer's log, from now on
+  cargo xtask log --probe 0483:3748             if several probes are connected (`probe-rs list`)
 
-It neither stops nor resets the board, which drops what finds no room in the log.")]
+It neither stops nor resets the board, which drops entries that do not fit into its log buffer.")]
     Log {
         /// The probe: VID:PID or VID:PID:SERIAL.
         #[arg(long)]
         probe: Option<String>,
     },
-    /// Fly a flight through a board by its debug probe (hardware in the loop), and compare every tick with the host.
+    /// Fly a flight through a board and its debug probe (hardware in the loop), and compare every tick with the host.
     #[command(after_help = "\
 Examples:
   cargo xtask hil q.csv                         through an STM32F405 on an ST-LINK, with the default model
-  cargo xtask hil q.csv --model ours.toml       with a model of one's own
+  cargo xtask hil q.csv --model ours.toml       with your own model
   cargo xtask hil q.csv --probe-config interface/cmsis-dap.cfg
                                                 on a CMSIS-DAP probe
   cargo xtask hil q.csv -- --fault \"baro stuck-low 60..65\" --json
                                                 with further options of `pylon fly`
 
-It needs openocd 0.11 or newer and a debug probe, and says how to get them. It writes the board's flash. Nothing but the probe has to
-be wired: the sensors are models, on the board as on the host. docs/bring-up.md has what is seen, and what is not tried.
+It needs openocd 0.11 or newer and a debug probe; if one is missing it says how to get it. It writes the board's flash. Only the probe has
+to be connected: the sensors are models, on the board as on the host. docs/bring-up.md says what to expect and what is untested.
 
 Exit status: 0 every bit is the same; 1 bits differ; 2 bad usage or bad input, or no probe or board.")]
     Hil(hil::Arguments),
@@ -169,6 +169,27 @@ Exit status: 0 every bit is the same; 1 bits differ; 2 bad usage or bad input, o
         #[arg(long, default_value_t = 1)]
         seed: u64,
     },
+    /// Measure what the tests of a crate catch: change its code at random places, one at a time, and run its tests
+    #[command(after_help = "\
+Examples:
+  cargo xtask mutants statistics               25 mutants of workbench/statistics
+  cargo xtask mutants replay --sample 200      a larger sample
+  cargo xtask mutants kf-core --sample 0       every mutant: hours
+
+It uses cargo-mutants, which it installs into target/tools when it is missing. It is no part of `cargo xtask test`. The survivors
+are listed in target/mutants/mutants.out/missed.txt; docs/mutants.md has what was measured.")]
+    Mutants {
+        /// The crate.
+        package: String,
+        /// How many mutants, drawn at random; 0 for all.
+        #[arg(long, default_value_t = 25)]
+        sample: usize,
+        /// The seed of the draw.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+    },
+    /// Write the JSON schemas of what the commands print into docs/schemas. A test fails where these are stale.
+    Schemas,
     /// Run a command and print its wall time and its peak memory as JSON (for `bench`).
     #[command(hide = true)]
     Measure {

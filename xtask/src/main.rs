@@ -13,6 +13,8 @@ mod endurance;
 mod hil;
 mod improvement;
 mod monitor_curves;
+mod mutants;
+mod schemas;
 mod setup;
 mod site;
 mod stages;
@@ -81,6 +83,8 @@ fn run(job: Job, verbose: bool) -> anyhow::Result<ExitCode> {
             let is_kept = campaign::run(&arguments, verbose)?;
             return Ok(if is_kept { ExitCode::SUCCESS } else { ExitCode::FAILURE });
         }
+        Job::Mutants { package, sample, seed } => mutants::run(&package, sample, seed, verbose)?,
+        Job::Schemas => schemas::run(verbose)?,
         Job::Flash { model, barometer, probe } => board::flash(&model, barometer, probe.as_deref(), verbose)?,
         Job::Log { probe } => board::log(probe.as_deref(), verbose)?,
         Job::Endurance { hours, flights, seed } => endurance::run(hours, flights, seed, verbose)?,

@@ -191,7 +191,7 @@ fn an_effect_is_learned_written_and_laddered() {
 
     // Learned anew, and as a state: the old coefficient is kept, the file has one effect and two revisions.
     let again = stdout(directory, &[ADD.as_slice(), &["--estimate"]].concat());
-    assert!(again.contains("the model had it already, with"), "{again}");
+    assert!(again.contains("replaces the model's earlier value"), "{again}");
     assert!(again.contains("revision 2") && again.contains("Held-out manoeuvres"), "{again}");
     let model = Model::read(&directory.join("ours.toml")).unwrap();
     assert_eq!((model.effects.len(), model.revisions.len()), (1, 2));
@@ -229,7 +229,7 @@ fn a_preset_is_never_changed_and_starts_a_file_of_ones_own() {
     stdout(directory, &[from("default").as_slice(), &["-o", "ours.toml"]].concat());
     assert_eq!(Model::read(&directory.join("ours.toml")).unwrap().effects.len(), 1);
     let refused = refusal(directory, &[from("default").as_slice(), &["-o", "ours.toml"]].concat());
-    assert!(refused.contains("is there already"), "{refused}");
+    assert!(refused.contains("already exists"), "{refused}");
     // Another file than the model's own: the model stays as it was.
     let before = fs::read(directory.join("ours.toml")).unwrap();
     stdout(directory, &[from("ours.toml").as_slice(), &["-o", "next.toml"]].concat());
@@ -250,7 +250,7 @@ fn what_speaks_against_an_effect_is_said_and_nothing_is_written_without_force() 
     let refused = refusal(directory, &add("baro.lag", &[]));
     assert!(refused.contains("within 3 sigma") && refused.contains("--force"), "{refused}");
     let refused = refusal(directory, &add("baro.lag", &["--hold-out", "./a.csv"]));
-    assert!(refused.contains("a.csv: is learned from"), "{refused}");
+    assert!(refused.contains("a.csv: is already used for learning"), "{refused}");
     let refused = refusal(directory, &add("baro.dynamicpressure", &[]));
     assert!(refused.contains("nearest: baro.dynamic_pressure"), "{refused}");
     let refused = refusal(directory, &add("baro.lag", &["--time-constant", "3"]));

@@ -77,7 +77,7 @@ fn an_effect_that_others_look_like_is_named_with_them_and_needs_force() {
     assert_eq!((model_text(directory).as_str(), files(directory)), (MODEL, names));
 
     let said = stdout(directory, &add("baro.acceleration", &["--force"]));
-    assert!(said.contains("written all the same (--force): these flights can't identify it"), "{said}");
+    assert!(said.contains("written despite this (--force): these flights can't identify it"), "{said}");
     assert!(said.contains("baro.angle_of_attack"), "{said}");
     assert!(model_text(directory).starts_with(MODEL));
     assert_eq!(Model::read(&directory.join("ours.toml")).unwrap().effects.len(), 1);
@@ -111,7 +111,7 @@ fn an_effect_that_another_flight_contradicts_needs_force() {
     // The raw errors are still said.
     assert!(found["rms_after_m"].as_f64().unwrap() > found["rms_before_m"].as_f64().unwrap(), "{found}");
     let said = stdout(directory, &forced);
-    for words in ["written all the same (--force)", "raw rms", "worse with the effect, beyond chance"] {
+    for words in ["written despite this (--force)", "raw rms", "worse with the effect, beyond chance"] {
         assert!(said.contains(words), "{words}: {said}");
     }
     assert_eq!(Model::read(&directory.join("ours.toml")).unwrap().revisions.len(), 2);

@@ -30,7 +30,7 @@ fn a_flight_that_cannot_be_read_is_skipped_and_named_and_strict_refuses_it() {
         let output = pylon(directory.path(), &all);
         let said = errors(&output);
         assert!(output.status.success(), "{command}: {said}");
-        assert!(said.contains("skipped 2 of 3 flights (--strict refuses instead):"), "{command}: {said}");
+        assert!(said.contains("skipped 2 of 3 flights (--strict fails instead):"), "{command}: {said}");
         for file in ["  rubbish.bin: ", "  nothing.ulg: "] {
             assert!(said.contains(file), "{command}: {said}");
         }
@@ -67,7 +67,7 @@ fn add_learns_from_what_is_of_use_in_a_folder_and_strict_refuses() {
     let output = pylon(path, &add);
     let said = errors(&output);
     assert!(output.status.success(), "{said}");
-    assert!(said.contains("skipped 1 of 2 flights (--strict refuses instead):\n  logs/cut.csv: "), "{said}");
+    assert!(said.contains("skipped 1 of 2 flights (--strict fails instead):\n  logs/cut.csv: "), "{said}");
     assert!(fs::read_to_string(path.join("ours.toml")).unwrap().contains("baro.lag"));
     // A log without the effect's own signal is of no use for it either; held-out ones are treated alike.
     fs::rename(path.join("logs/cut.csv"), path.join("cut.csv")).unwrap();
@@ -141,7 +141,7 @@ fn a_folder_is_every_log_in_it_and_a_pattern_what_it_matches() {
 
     for (arguments, message) in [
         (&["diagnose", "logs/.trash", "logs"][..], ""),
-        (&["diagnose", "logs", "logs/b.csv"], "logs/b.csv: given twice, expected different flights"),
+        (&["diagnose", "logs", "logs/b.csv"], "logs/b.csv: given twice; expected different flights"),
         (&["diagnose", "logs/*.igc"], "logs/*.igc: no file matches this pattern"),
         (&["diagnose", "logs/***"], "logs/***: no pattern of files: "),
         (

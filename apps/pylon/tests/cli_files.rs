@@ -49,7 +49,7 @@ fn spellings(directory: &Path, name: &str) -> Vec<String> {
 fn no_command_writes_over_what_it_reads() {
     let directory = directory();
     let directory = directory.path();
-    let commands: [(&str, &[&str]); 8] = [
+    let commands: [(&str, &[&str]); 10] = [
         ("log.igc", &["import", "log.igc", "-o"]),
         ("scenario.toml", &["simulate", "scenario.toml", "-o"]),
         ("scenario.toml", &["simulate", "scenario.toml", "-o", "new.csv", "--truth"]),
@@ -58,6 +58,8 @@ fn no_command_writes_over_what_it_reads() {
         ("ours.toml", &["report", "made.csv", "--model", "ours.toml", "-o"]),
         ("made.csv", &["add", "baro.lag", "--model", "ours.toml", "--from", "made.csv", "-o"]),
         ("made.csv", &["fly", "made.csv", "--telemetry"]),
+        ("made.csv", &["fly", "made.csv", "--record"]),
+        ("ours.toml", &["fly", "made.csv", "--model", "ours.toml", "--record"]),
     ];
     for (input, arguments) in commands {
         for spelling in spellings(directory, input) {
@@ -132,4 +134,18 @@ fn a_model_keeps_its_mode_and_a_read_only_one_its_text() {
     stdout(directory.path(), &arguments);
     assert!(fs::read_to_string(&model).unwrap().contains("baro.lag"));
     assert_eq!(fs::metadata(&model).unwrap().permissions().mode() & 0o777, 0o600);
+}
+
+/// Only a terminal is harmed, but what is piped into a file is looked at on one later.
+#[test]
+fn escape_sequences_in_a_header_are_not_passed_on() {
+    let directory = directory();
+    let made = directory.path().join("made.csv");
+    let text =
+        fs::read_to_string(&made).unwrap().replacen("# vehicle: made", "# vehicle: \x1b]0;owned\x07made", 1);
+    fs::write(&made, text).unwrap();
+    for command in ["compare", "open"] {
+        let said = stdout(directory.path(), &[command, "made.csv"]);
+        assert!(said.contains("\\u{1b}]0;owned\\u{7}made") && !said.contains('\x1b'), "{said}");
+    }
 }

@@ -4,7 +4,9 @@
 mod common;
 
 use common::Recipe;
+use common::json::read;
 use common::program::{run, stdout};
+use pylon::results::FlyResult;
 use serde_json::Value;
 
 #[test]
@@ -31,8 +33,9 @@ fn bits_that_are_the_same_are_status_0_and_others_status_1() {
     }
     let ideal = stdout(directory.path(), &["fly", "made.csv", "--ideal-sensors"]);
     assert!(ideal.contains("all 1100 ticks") && ideal.contains("sensors              ideal"), "{ideal}");
-    let same: Value =
-        serde_json::from_str(&stdout(directory.path(), &["fly", "made.csv", "--json"])).unwrap();
+    let text = stdout(directory.path(), &["fly", "made.csv", "--json"]);
+    assert!(matches!(read::<FlyResult>("fly", &text), FlyResult::Agrees(_)));
+    let same: Value = serde_json::from_str(&text).unwrap();
     assert_eq!(same["bit_for_bit"], true);
     assert_eq!(same["ticks"], 4397);
     assert_eq!(same["chips"]["agreement"]["baro"]["within_bound"], true);
@@ -43,7 +46,9 @@ fn bits_that_are_the_same_are_status_0_and_others_status_1() {
     assert_eq!(output.status.code(), Some(1), "{stderr}");
     assert!(stderr.starts_with("error: made.csv: target and host differ: first at tick "), "{stderr}");
     assert_eq!(stderr.lines().count(), 1);
-    let other: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(matches!(read::<FlyResult>("fly", &text), FlyResult::Differs(_)));
+    let other: Value = serde_json::from_str(&text).unwrap();
     assert_eq!(other["bit_for_bit"], false);
     assert!(other["ticks_that_differ"].as_u64().unwrap() > 0);
 }

@@ -64,7 +64,7 @@ fn a_table_is_guessed_corrected_imported_and_flown() {
     assert_eq!(files(path), ["log.csv", "mapping.toml"]);
     // A guess is never lost to another one, and is printed where no file is given.
     let again = refusal(path, &["import", "log.csv", "--guess", "-o", "mapping.toml"]);
-    assert!(again.contains("mapping.toml: is there already and would be lost"), "{again}");
+    assert!(again.contains("mapping.toml: already exists and would be overwritten"), "{again}");
     let draft = fs::read_to_string(path.join("mapping.toml")).unwrap();
     assert_eq!(stdout(path, &["import", "log.csv", "--guess"]), draft);
 

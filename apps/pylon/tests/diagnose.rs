@@ -105,7 +105,7 @@ fn a_second_flight_is_held_out_and_never_the_one_learned_from() {
     assert!(text.contains("The model lacks baro.dynamic_pressure."), "{text}");
 
     let refused = refusal(directory, &["diagnose", "a.csv", "--hold-out", "./a.csv"]);
-    assert!(refused.contains("a.csv: is learned from or held out already"), "{refused}");
+    assert!(refused.contains("a.csv: is already used for learning or held out"), "{refused}");
     assert!(refusal(directory, &["diagnose", "a.csv", "a.csv"]).contains("a.csv: given twice"));
 }
 

@@ -49,20 +49,22 @@ fn is_at(found: Option<f64>, expected: &str) -> bool {
 }
 
 fn sensors(overview: &Overview) -> String {
-    let name = |sensor: &'static str| match sensor {
-        "receiver's altitude" => "gps",
-        "receiver's velocity" => "velocity",
-        "barometer" => "baro",
-        "accelerometer" => "accel",
-        "air's temperature" => "oat",
-        "inertial altitude" => "imu",
-        other => other,
-    };
+    fn name(sensor: &str) -> &str {
+        match sensor {
+            "receiver's altitude" => "gps",
+            "receiver's velocity" => "velocity",
+            "barometer" => "baro",
+            "accelerometer" => "accel",
+            "air's temperature" => "oat",
+            "inertial altitude" => "imu",
+            other => other,
+        }
+    }
     let words = overview.sensors.iter().map(|view| match view.state {
-        SensorState::Present => name(view.sensor).to_owned(),
-        SensorState::Stuck => format!("{}:stuck", name(view.sensor)),
-        SensorState::Copied => format!("{}:copied", name(view.sensor)),
-        SensorState::Absent => format!("{}:absent", name(view.sensor)),
+        SensorState::Present => name(&view.sensor).to_owned(),
+        SensorState::Stuck => format!("{}:stuck", name(&view.sensor)),
+        SensorState::Copied => format!("{}:copied", name(&view.sensor)),
+        SensorState::Absent => format!("{}:absent", name(&view.sensor)),
     });
     words.collect::<Vec<_>>().join(" ")
 }

@@ -8,9 +8,11 @@ use std::ops::ControlFlow;
 use executor::contained::contained;
 use executor::{Executor, Inline};
 use flight_data::Header;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use statistics::{Estimate, pooled};
 
+pub use crate::batch_result::DiagnoseResult;
 use crate::diagnose::{Diagnosis, NamedReplay, Verdict, diagnose};
 use crate::name::Name;
 
@@ -18,7 +20,7 @@ use crate::name::Name;
 const IDS: [&str; 4] = ["glider_id", "registration", "vehicle_id", "serial"];
 
 /// One effect's coefficient by one flight.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Coefficient {
     /// The estimate: beside what that flight shows to be missing.
@@ -30,7 +32,7 @@ pub struct Coefficient {
 }
 
 /// What one flight alone says.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct FlightResult {
     /// The file.
@@ -46,7 +48,7 @@ pub struct FlightResult {
 }
 
 /// One effect by all flights of a vehicle.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct EffectResult {
     /// Its id.
@@ -66,7 +68,7 @@ pub struct EffectResult {
 }
 
 /// A flight that does not belong with the others.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct OddFlight {
     /// The file.
@@ -80,7 +82,7 @@ pub struct OddFlight {
 }
 
 /// A vehicle's flights.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct VehicleResult {
     /// The vehicle; empty where the header does not say one.
@@ -92,7 +94,7 @@ pub struct VehicleResult {
 }
 
 /// Several flights, one by one.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Batch {
     /// The flights, in the user's order.
@@ -120,20 +122,6 @@ impl Batch {
         let effects = self.by_vehicle.iter().flat_map(|vehicle| &vehicle.effects);
         effects.flat_map(|effect| &effect.outliers).map(|odd| odd.file.as_str())
     }
-}
-
-/// The keys of `pylon diagnose --json`.
-#[derive(Clone, Debug, Serialize)]
-pub struct Results {
-    /// All flights together; `None` where that failed.
-    #[serde(flatten)]
-    pub together: Option<Diagnosis>,
-    /// Why it failed: a defect of this program.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub failed: Option<String>,
-    /// Of several flights, what each says.
-    #[serde(flatten)]
-    pub one_by_one: Option<Batch>,
 }
 
 /// The vehicle that a header names, with what tells it from another of its type.

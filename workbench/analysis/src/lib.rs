@@ -2,10 +2,12 @@
 //! coefficient is.
 
 pub mod batch;
+mod batch_result;
 pub mod compare;
 pub mod diagnose;
 pub mod discover;
 pub mod effect_guide;
+pub mod json;
 pub mod learn;
 pub mod name;
 pub mod overview;

@@ -9,6 +9,7 @@ use std::time::SystemTime;
 use model::{Model, codegen};
 
 use super::error::FlyError;
+use super::made_of;
 use super::old_images::prune;
 
 /// The flight computer's target.
@@ -126,8 +127,8 @@ impl PlantedError {
     }
 }
 
-/// Builds an image and returns where it is. Images are kept apart by program, board, model and planted
-/// error, so that several can be built and run at a time.
+/// Builds an image and returns where it is; one that was built from the same sources is used again. Images are kept apart by
+/// program, board, model and planted error, so that several can be built and run at a time.
 ///
 /// # Errors
 /// [`FlyError::NoSource`], [`FlyError::NoCargo`], [`FlyError::NoTarget`], [`FlyError::Build`] with the
@@ -137,23 +138,37 @@ pub fn build(program: Program, model: &Model, planted: Option<PlantedError>) -> 
     if !root.join("firmware/Cargo.toml").is_file() {
         return Err(FlyError::NoSource { path: root.join("firmware").display().to_string() });
     }
-    check_target(&root)?;
+    let compiler = check_target(&root)?;
     model.check_signals(match program {
         Program::Flight(Board::F405) => model::Board::F405,
         _ => model::Board::Recorded,
     })?;
     let fingerprint = model.fingerprint()?;
+    let generated = codegen(model)?;
     let target_directory = root.join("target/flight-computer");
     let images = target_directory.join("images");
     fs::create_dir_all(&images).map_err(FlyError::io(images.display().to_string()))?;
+
+    let board = program.features();
+    let planted_name = planted.map_or("", PlantedError::name);
+    let image = images.join(format!("{}-{board}-{fingerprint:016x}-{planted_name}.elf", program.binary()));
+    let settings = [&[&*compiler, &generated, program.package()], program.settings()].concat();
+    let key = made_of::key(&root, &settings).map_err(FlyError::io(root.display().to_string()))?;
+    if made_of::is_current(&image, &key) {
+        return Ok(image);
+    }
 
     // From the build to the copy of its result, builds of other models must wait.
     let lock_file = target_directory.join("image.lock");
     let lock = File::create(&lock_file).map_err(FlyError::io(lock_file.display().to_string()))?;
     lock.lock().map_err(FlyError::io(lock_file.display().to_string()))?;
 
+    // Whoever had the lock may have built it.
+    if made_of::is_current(&image, &key) {
+        return Ok(image);
+    }
     let source = images.join(format!("model-{fingerprint:016x}.rs"));
-    write_if_changed(&source, &codegen(model)?)?;
+    write_if_changed(&source, &generated)?;
     let mut cargo = Command::new("cargo");
     cargo
         .current_dir(&root)
@@ -185,30 +200,36 @@ pub fn build(program: Program, model: &Model, planted: Option<PlantedError>) -> 
     }
 
     let built = target_directory.join(TARGET).join("firmware").join(program.binary());
-    let board = program.features();
-    let planted = planted.map_or("", PlantedError::name);
-    let image = images.join(format!("{}-{board}-{fingerprint:016x}-{planted}.elf", program.binary()));
+    made_of::forget(&image).map_err(FlyError::io(image.display().to_string()))?;
     // Renamed into place: another process may be running the image that was there.
     let copy = image.with_extension("new");
     fs::copy(&built, &copy).map_err(FlyError::io(built.display().to_string()))?;
     fs::rename(&copy, &image).map_err(FlyError::io(image.display().to_string()))?;
+    made_of::keep(&image, &key).map_err(FlyError::io(image.display().to_string()))?;
     prune(&images, SystemTime::now()).map_err(FlyError::io(images.display().to_string()))?;
     Ok(image)
 }
 
-/// Whether the compiler that will be used has the target's library.
-fn check_target(root: &Path) -> Result<(), FlyError> {
-    let output = Command::new("rustc")
-        .current_dir(root)
-        .args(["--print", "target-libdir", "--target", TARGET])
-        .output()
-        .map_err(|error| match error.kind() {
-            io::ErrorKind::NotFound => FlyError::NoCargo,
-            _ => FlyError::Io { what: "rustc".to_owned(), source: error },
+/// Which compiler will be used; it must have the target's library.
+fn check_target(root: &Path) -> Result<String, FlyError> {
+    let directory = rustc(root, &["--print", "target-libdir", "--target", TARGET])?;
+    if !Path::new(directory.trim()).is_dir() {
+        return Err(FlyError::NoTarget { target: TARGET });
+    }
+    rustc(root, &["--version", "--verbose"])
+}
+
+/// What the compiler answers; nothing where it refuses.
+fn rustc(root: &Path, arguments: &[&str]) -> Result<String, FlyError> {
+    let output =
+        Command::new("rustc").current_dir(root).args(arguments).output().map_err(|error| {
+            match error.kind() {
+                io::ErrorKind::NotFound => FlyError::NoCargo,
+                _ => FlyError::Io { what: "rustc".to_owned(), source: error },
+            }
         })?;
-    let directory = String::from_utf8_lossy(&output.stdout);
-    let has_target = output.status.success() && Path::new(directory.trim()).is_dir();
-    if has_target { Ok(()) } else { Err(FlyError::NoTarget { target: TARGET }) }
+    let said = if output.status.success() { output.stdout } else { Vec::new() };
+    Ok(String::from_utf8_lossy(&said).into_owned())
 }
 
 /// Leaves the file's time alone where nothing changes, so that cargo need not build anew.

@@ -14,6 +14,7 @@ mod grid;
 mod host;
 mod image;
 mod log;
+mod made_of;
 mod old_images;
 mod record;
 mod starts;

@@ -5,8 +5,8 @@ use std::io;
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
-/// So many of the newest files are kept: an image and its model's source each.
-const KEPT: usize = 48;
+/// So many of the newest files are kept: an image, its key and its model's source each.
+const KEPT: usize = 72;
 /// A file younger than this is kept however many there are: its image may be about to fly.
 const YOUNG: Duration = Duration::from_secs(3_600);
 
@@ -48,18 +48,18 @@ mod tests {
             file.set_modified(now - Duration::from_secs(age_s)).unwrap();
         };
         let names = || fs::read_dir(folder.path()).unwrap().count();
-        for index in 0..60 {
+        for index in 0..90 {
             make(&format!("old-{index:02}"), 100_000 + index);
         }
         prune(folder.path(), now).unwrap();
         assert_eq!(names(), KEPT);
-        assert!(folder.path().join("old-00").exists() && !folder.path().join("old-59").exists());
+        assert!(folder.path().join("old-00").exists() && !folder.path().join("old-89").exists());
 
-        for index in 0..60 {
+        for index in 0..90 {
             make(&format!("young-{index:02}"), index);
         }
         prune(folder.path(), now).unwrap();
-        assert_eq!(names(), 60);
-        assert!(folder.path().join("young-59").exists() && !folder.path().join("old-00").exists());
+        assert_eq!(names(), 90);
+        assert!(folder.path().join("young-89").exists() && !folder.path().join("old-00").exists());
     }
 }

@@ -1,5 +1,6 @@
 //! Which part of a log is analysed: one flight of it, from the ground before its take-off to its landing.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::window::{CalibrationWindow, WindowError};
@@ -23,7 +24,7 @@ pub struct Extent {
 }
 
 /// A part of a log that is not analysed.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Unused {
     /// From when, seconds.

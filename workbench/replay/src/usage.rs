@@ -1,12 +1,13 @@
 //! What of a log is analysed, in words and for other programs.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::extent::Unused;
 use super::{CalibrationSource, Replay, WildCells};
 
 /// What of a log is analysed.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Usage {
     /// Whether the flight says itself when it was launched.

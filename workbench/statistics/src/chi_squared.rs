@@ -20,7 +20,7 @@ pub struct NisSummary {
 }
 
 /// What [`NisSummary`] found.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Consistency {
     /// Mean NIS; 1 for a consistent filter.

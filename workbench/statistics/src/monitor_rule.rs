@@ -6,7 +6,8 @@
 //! is the moving average's first passage alone.
 
 use super::distributions::{normal_above, normal_quantile};
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use super::ResidualModel;
 use super::draw_set::DrawSet;
@@ -27,7 +28,7 @@ const WINDOW_PER_LONGEST_LAG: f64 = 1.0;
 const HORIZON_S: f64 = 600.0;
 
 /// A monitor's rule: `|moving average over window_s| > threshold_m`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct MonitorRule {
     /// Threshold, metres: the multiplier times sigma.
@@ -37,7 +38,7 @@ pub struct MonitorRule {
 }
 
 /// A fault of a sensor that had been healthy.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Fault {
@@ -77,7 +78,7 @@ impl Fault {
 }
 
 /// How long after a fault the sensor is called untrustworthy.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Delay {
     /// The fault.
@@ -89,7 +90,7 @@ pub struct Delay {
 }
 
 /// What a rule costs on a healthy sensor and how soon it detects faults.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct RuleQuality {
     /// The rule.

@@ -17,7 +17,7 @@ const VARIANCE_WEIGHT: f64 = 100.0;
 const SMALLEST_SHARE: f64 = 1e-4;
 
 /// A first-order Gauss-Markov process.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Component {
     /// Correlation time, seconds.
@@ -30,7 +30,7 @@ pub struct Component {
 ///
 /// Non-negative variances make it a valid process whatever the data; an oscillating autocovariance
 /// is outside it and is replaced by its nearest monotone one. Values are Gaussian.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct ResidualModel {
     /// Time between samples, seconds.

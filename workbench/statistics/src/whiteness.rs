@@ -1,6 +1,7 @@
 //! Is a sequence white?
 
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use super::Autocovariance;
 use super::distributions::chi_squared_above;
@@ -21,7 +22,7 @@ pub fn ljung_box(autocorrelations: &[f64], count: u64) -> f64 {
 }
 
 /// How white a sequence is.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Whiteness {
     /// Autocorrelation at a lag of one sample; its standard error is 1 / sqrt(n) for a white sequence.

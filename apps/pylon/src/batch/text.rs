@@ -6,6 +6,7 @@ use comfy_table::{Cell, CellAlignment, ContentArrangement, LineStyle, Table, Tab
 
 use super::{Batch, FlightResult, VehicleResult};
 use crate::diagnose::text::{probability, say, with_sigma};
+use crate::printable::printable;
 
 /// A line below the column names and nothing else.
 const STYLE: TableStyle = TableStyle::new().header_separator(LineStyle::new('─', '─', '─', '─'));
@@ -16,7 +17,7 @@ pub fn text(batch: &Batch) -> String {
     let mut out = String::new();
     let _ = writeln!(
         out,
-        "\nFlight by flight (each diagnosed by itself; * it alone shows that the effect is missing):"
+        "\nFlight by flight (each diagnosed by itself; * this flight alone shows the effect to be missing):"
     );
     let effects: Vec<&str> = batch.effects().collect();
     let heads = ["  flight", "verdict"].into_iter().map(str::to_owned);
@@ -28,7 +29,7 @@ pub fn text(batch: &Batch) -> String {
     let _ = writeln!(out, "{}", table(heads.collect(), rows.collect(), &[0, 1]));
     for flight in &batch.by_flight {
         if let Some(why) = &flight.failed {
-            let _ = writeln!(out, "  {}: a defect of pylon, please report it: {why}", flight.file);
+            let _ = writeln!(out, "  {}: a bug in pylon, please report it: {why}", flight.file);
         }
     }
     for vehicle in batch.by_vehicle.iter().filter(|vehicle| !vehicle.effects.is_empty()) {
@@ -49,7 +50,8 @@ fn row(flight: &FlightResult, effects: &[&str]) -> Vec<String> {
 }
 
 fn write_vehicle(out: &mut String, vehicle: &VehicleResult) {
-    let name = if vehicle.vehicle.is_empty() { "of unnamed vehicles" } else { &vehicle.vehicle };
+    let name =
+        if vehicle.vehicle.is_empty() { "of unnamed vehicles".into() } else { printable(&vehicle.vehicle) };
     let flights =
         if vehicle.flights == 1 { "1 flight".to_owned() } else { format!("{} flights", vehicle.flights) };
     let _ = writeln!(out, "\n{name}: {flights}");

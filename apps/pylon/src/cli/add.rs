@@ -24,11 +24,11 @@ const EXAMPLES: &str = "\
 Examples:
   touch ours.toml
   pylon add baro.dynamic_pressure --model ours.toml --from monday.csv --hold-out friday.csv
-      learn the coefficient from one flight, judge it on another, write it into the model
+      learn the coefficient from one flight, evaluate it on another, write it into the model
   pylon add baro.lag --model ours.toml --from monday.csv tuesday.csv --estimate
-      the coefficient becomes a state of the filter, with what was learned as its prior
+      the coefficient becomes a state of the filter, with the learned value as its prior
   pylon add baro.lag --model ours.toml --from logs/
-      from every log of a folder; one that cannot be used is skipped and named
+      from every log of a folder; those that cannot be used are skipped and named
   pylon add baro.warm_up --model default --from monday.csv --time-constant 120 --since start -o ours.toml
       start from a preset and write another file
   pylon add baro.lag --model ours.toml --from monday.csv --json | jq '[.rms_before_m, .rms_after_m]'
@@ -44,31 +44,31 @@ pub struct Arguments {
     /// The model file to change (an empty file is a model); with -o also `default` or `paper`
     #[arg(long, value_name = "MODEL")]
     model: String,
-    /// Flights to learn from: flights' CSV, logs that `pylon import` reads, or folders of them
+    /// Flights to learn from: flight CSVs, logs that `pylon import` reads, or folders of them
     #[arg(long, value_name = "FLIGHT", required = true, num_args = 1..)]
     from: Vec<PathBuf>,
-    /// Judge the errors on these flights instead of on held-out manoeuvres
+    /// Evaluate on these flights instead of on held-out manoeuvres
     #[arg(long, value_name = "FLIGHT", num_args = 1..)]
     hold_out: Vec<PathBuf>,
     /// Make the coefficient a state of the filter rather than a constant
     #[arg(long)]
     estimate: bool,
-    /// Time constant of the effect, seconds (without: the best of a grid)
+    /// Time constant of the effect, seconds [default: the best of a grid]
     #[arg(long, value_name = "SECONDS", value_parser = time_constant)]
     time_constant: Option<f32>,
-    /// When the clock of an effect with a time constant starts (without: whichever fits best)
+    /// When the clock of an effect with a time constant starts [default: whichever fits best]
     #[arg(long, value_name = "WHEN")]
     since: Option<Since>,
-    /// Write even if something speaks against it
+    /// Write the effect despite the reasons against it
     #[arg(long)]
     force: bool,
     /// Write this file instead of the model's own
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Calibrate on this part of the flights (seconds of the flight's own clock, as `pylon open` shows it: an imported log's begins with its first record) and say launch at its end
+    /// Calibrate on this part of the flights, and take its end as launch; seconds of the flight's clock, as `pylon open` shows it
     #[arg(long, value_name = "START..END")]
     calibrate: Option<CalibrationWindow>,
-    /// Refuse all flights if one to learn from cannot be used, instead of skipping and naming it
+    /// Fail if one flight to learn from cannot be used, instead of skipping and naming it
     #[arg(long)]
     strict: bool,
     /// Print JSON
@@ -154,9 +154,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     // The result is printed before the model gets its name: where it can not be printed, nothing was changed.
     let written = prepare(&output, |out| out.write_all(addition.text.as_bytes()))?;
     if arguments.json {
-        let mut json = serde_json::to_string_pretty(&addition)?;
-        json.push('\n');
-        terminal::put(&json)?;
+        terminal::put_json(&addition)?;
     } else {
         terminal::put(&addition_text(&addition, &output.display().to_string()))?;
     }
@@ -197,11 +195,12 @@ fn model(arguments: &Arguments) -> Result<(String, PathBuf, Model), Failure> {
     if let Some(preset) = Model::preset(name) {
         let output = arguments.output.clone().ok_or_else(|| {
             Failure::input(format!(
-                "{name} is a preset and can't be changed: write to a file of your own with -o ours.toml"
+                "{name} is a preset and can't be changed; write to another file with -o ours.toml"
             ))
         })?;
         if output.exists() {
-            let message = "is there already and would be lost; give it as --model, or another name to -o";
+            let message =
+                "already exists and would be overwritten; pass it as --model, or choose another name for -o";
             return Err(Failure::input(format!("{}: {message}", output.display())));
         }
         let text = if name == "paper" { include_str!("../../../../flights/models/paper.toml") } else { "" };
@@ -235,7 +234,7 @@ fn today() -> Result<Date, Failure> {
 
 fn refused(addition: &Addition) -> Failure {
     Failure::input(format!(
-        "{} was not added: {}; nothing was written (--force writes it all the same)",
+        "{} was not added: {}; nothing was written (--force writes it anyway)",
         addition.effect,
         addition.concerns.join("; ")
     ))

@@ -18,13 +18,13 @@ Examples:
   pylon compare flight.csv
       how well the default model agrees with the flight, sensor by sensor
   pylon compare flight.csv --model paper --plots pictures
-      the paper's model, and its Figures 2 to 4 drawn for this flight
+      the paper's model, with its Figures 2 to 4 drawn for this flight
   pylon compare logger.csv --calibrate 60..180
-      a flight that does not say when it was launched: calibrate on 60 s to 180 s
+      a flight without a launch column: calibrate on 60 s to 180 s
   pylon compare flight.csv --json | jq .sensors.baro
       for other programs";
 
-/// Fly a model over a flight: where it holds and where it fails
+/// Fly a model over a flight and show where it holds and where it fails
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
@@ -33,13 +33,13 @@ pub struct Arguments {
     /// Draw the paper's Figures 2, 3 and 4 for this flight into DIR (SVG)
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
-    /// False alarms an hour that a recommended monitor's rule may cost
+    /// False-alarm rate of the recommended monitor rule, per hour
     #[arg(long, value_name = "PER_HOUR", default_value_t = RuleWishes::default().false_alarms_per_hour, value_parser = positive)]
     false_alarms: f64,
-    /// The step that a rule is to detect, metres (without: 5 sigmas of the captive residual)
+    /// Step that a rule should detect, metres [default: 5 sigmas of the captive residual]
     #[arg(long, value_name = "METRES", value_parser = positive)]
     step: Option<f64>,
-    /// The ramp that a rule is to detect, m/s (without: 1 sigma of the captive residual in 10 s)
+    /// Ramp that a rule should detect, m/s [default: 1 sigma of the captive residual in 10 s]
     #[arg(long, value_name = "M_PER_S", value_parser = positive)]
     ramp: Option<f64>,
 }
@@ -96,10 +96,8 @@ fn draw(
 
 fn print(arguments: &Arguments, comparison: &Comparison) -> Result<(), Failure> {
     if arguments.what.json {
-        let mut json = serde_json::to_string_pretty(comparison)?;
-        json.push('\n');
-        terminal::put(&json)
+        terminal::put_json(comparison)
     } else {
-        terminal::put(&text(comparison, terminal::has_colour()))
+        terminal::put_coloured(&text(comparison, terminal::has_colour()))
     }
 }

@@ -4,11 +4,12 @@ use std::path::PathBuf;
 use std::sync::Mutex;
 
 use clap::Args;
-use pylon::batch::{self, Results};
+use pylon::batch;
 use pylon::contained::contained;
 use pylon::diagnose::{diagnose, text};
 use pylon::flight::Flight;
 use pylon::replay::{CalibrationWindow, Replay};
+use pylon::results::DiagnoseResult;
 
 use super::failure::Failure;
 use super::places::Places;
@@ -20,32 +21,32 @@ Examples:
   pylon diagnose flight.csv
       which physical effect the default model lacks on this flight
   pylon diagnose monday.csv tuesday.csv --hold-out friday.csv --model ours.toml
-      learn from two flights, judge on a third
+      learn from two flights, evaluate on a third
   pylon diagnose logs/
-      every log of a folder, together and one by one, by vehicle, with the flights that do not belong with the others; one that
-      cannot be used is skipped and named
+      every log of a folder, together and one by one, by vehicle, naming outliers; logs that cannot be used are skipped
+      and named
   pylon diagnose logger.igc --calibrate 60..180
-      a flight that does not say when it was launched: calibrate on 60 s to 180 s
+      a flight without a launch column: calibrate on 60 s to 180 s
   pylon diagnose flight.csv --json | jq .sensors.baro.missing
       for other programs";
 
-/// Find the physical effect that a model lacks, or say that a flight can't tell
+/// Find the physical effect that a model lacks, or report that the flights can't show it
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// Flights to learn from: flights' CSV, logs that `pylon import` reads, or folders of them
+    /// Flights to learn from: flight CSVs, logs that `pylon import` reads, or folders of them
     #[arg(value_name = "FLIGHT", required = true)]
     flights: Vec<PathBuf>,
     /// The model: a TOML file, `default` or `paper`
     #[arg(long, value_name = "MODEL", default_value = "default")]
     model: String,
-    /// Judge the errors on this flight instead of on held-out manoeuvres (may be repeated)
+    /// Evaluate on this flight instead of on held-out manoeuvres (may be repeated)
     #[arg(long, value_name = "FLIGHT")]
     hold_out: Vec<PathBuf>,
-    /// Calibrate on this part of the flights (seconds of the flight's own clock, as `pylon open` shows it: an imported log's begins with its first record) and say launch at its end
+    /// Calibrate on this part of the flights, and take its end as launch; seconds of the flight's clock, as `pylon open` shows it
     #[arg(long, value_name = "START..END")]
     calibrate: Option<CalibrationWindow>,
-    /// Refuse all flights if one of them cannot be used, instead of skipping and naming it
+    /// Fail if one flight cannot be used, instead of skipping and naming it
     #[arg(long)]
     strict: bool,
     /// Print JSON
@@ -102,16 +103,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     held_out.write_skipped();
     if arguments.json {
         let (together, failed) = together.map_or_else(|why| (None, Some(why)), |found| (Some(found), None));
-        let mut json = serde_json::to_string_pretty(&Results { together, failed, one_by_one })?;
-        json.push('\n');
-        terminal::put(&json)
+        terminal::put_json(&DiagnoseResult { together, failed, one_by_one })
     } else {
         let together = together
             .map_or_else(|why| format!("{why}\n"), |diagnosis| text(&diagnosis, terminal::has_colour()));
-        terminal::put(&(together + &one_by_one.as_ref().map_or_else(String::new, batch::text)))
+        terminal::put_coloured(&(together + &one_by_one.as_ref().map_or_else(String::new, batch::text)))
     }
 }
 
 fn defect(why: &str) -> String {
-    format!("the flights together were not diagnosed, by a defect of pylon; please report it: {why}")
+    format!("the flights could not be diagnosed together because of a bug in pylon; please report it: {why}")
 }

@@ -7,6 +7,7 @@ use kf_core::effect::EffectId;
 use pylon::effect_guide::{Picture, explained, list, named, nearest};
 use pylon::output_file::write_atomically;
 use pylon::plots::draw_effect;
+use pylon::results::EffectsResult;
 
 use super::failure::Failure;
 use super::{load, terminal};
@@ -24,32 +25,46 @@ Examples:
   pylon effects --model ours.toml
       the catalogue, and the effects that the model defines by formula
   pylon effects baro.flap_wash --model ours.toml
-      one of them: its formula, the columns that it reads and their units";
+      one of them: its formula, the columns it reads and their units
+  pylon effects --json | jq '.effects[].effect'
+      for other programs";
 
 /// Explain the physical effects that a model can account for
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// An effect, or a sensor whose effects are all to be explained
+    /// An effect, or a sensor to explain all of its effects
     #[arg(value_name = "NAME")]
     name: Option<String>,
-    /// A model whose own effects by formula are to be listed too
+    /// A model whose own effects, defined by formula, are listed too
     #[arg(long, value_name = "MODEL")]
     model: Option<String>,
-    /// Draw what the effect looks like on a simulated flight into this file (SVG)
+    /// Draw the effect on a simulated flight into this file (SVG)
     #[arg(long, value_name = "FILE", requires = "name")]
     svg: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long, conflicts_with = "svg")]
+    json: bool,
 }
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let model = arguments.model.as_deref().map(load::model).transpose()?.unwrap_or_default();
-    let Some(name) = &arguments.name else { return terminal::put(&list(&model)) };
+    let Some(name) = &arguments.name else {
+        return if arguments.json {
+            terminal::put_json(&EffectsResult::new(&EffectId::ALL))
+        } else {
+            terminal::put(&list(&model))
+        };
+    };
     let effects = named(&model, name);
     if effects.is_empty() {
         let hint = nearest(&model, name)
             .map_or_else(|| "'pylon effects' lists them".to_owned(), |nearest| format!("is it '{nearest}'?"));
         return Err(Failure::input(format!("no effect '{name}' ({hint})")));
+    }
+    if arguments.json {
+        return terminal::put_json(&EffectsResult::new(&effects));
     }
     if let Some(file) = &arguments.svg {
         let [effect] = effects.as_slice() else {
@@ -59,7 +74,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             )));
         };
         let Some(picture) = Picture::of(*effect) else {
-            return Err(Failure::input(format!("{}: the simulator does not have it", effect.name())));
+            return Err(Failure::input(format!(
+                "{}: not in the simulator, so it can not be drawn",
+                effect.name()
+            )));
         };
         let svg = draw_effect(&picture)?;
         write_atomically(file, |out| out.write_all(svg.as_bytes()))?;

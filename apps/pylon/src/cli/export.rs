@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 use pylon::export::{mcap, parquet, plain_csv};
 use pylon::flight;
 use pylon::output_file::write_atomically;
+use pylon::results::{ExportResult, VERSION};
 
 use super::failure::Failure;
 use super::load;
@@ -16,15 +17,15 @@ use super::terminal;
 const EXAMPLES: &str = "\
 Examples:
   pylon export flight.csv --format mcap -o flight.mcap
-      for Foxglove Studio: one topic a device, JSON messages
+      for Foxglove Studio: one topic per device, JSON messages
   pylon export flight.csv --format parquet -o flight.parquet
-      for pandas, polars and DuckDB: one row group, with the columns' units in the file's metadata
+      for pandas, polars and DuckDB: one row group, with column units in the file's metadata
   pylon export flight.csv --format plain-csv -o plain.csv
-      for PlotJuggler and spreadsheets: the names in the first line, time_s first, nothing else
+      for PlotJuggler and spreadsheets: names in the first line, time_s first, nothing else
   pylon export logger.igc --format csv -o flight.csv
-      any log that `import` reads, as a flight's CSV";
+      any log that `import` reads, as a flight CSV";
 
-/// Turn a flight into another program's format
+/// Convert a flight to another program's format
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
@@ -37,6 +38,9 @@ pub struct Arguments {
     /// The file to write
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -51,6 +55,18 @@ enum Format {
     PlainCsv,
 }
 
+impl Format {
+    /// As `--format` takes it.
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Csv => "csv",
+            Self::Mcap => "mcap",
+            Self::Parquet => "parquet",
+            Self::PlainCsv => "plain-csv",
+        }
+    }
+}
+
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     refuse_overwriting(
@@ -59,6 +75,16 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     )?;
     let (flight, notes) = load::flight(&arguments.flight)?;
     let file = arguments.output.display();
+    let mut result = ExportResult {
+        version: VERSION,
+        file: file.to_string(),
+        format: arguments.format.name().into(),
+        rows: flight.rows() as u64,
+        columns: None,
+        messages: None,
+        topics: None,
+        notes: notes.iter().map(ToString::to_string).collect(),
+    };
     let line = match arguments.format {
         Format::Csv => {
             while_busy("writing", || flight::write(&arguments.output, &flight))?;
@@ -78,6 +104,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
                     Ok(())
                 })
             })?;
+            result.columns = Some(columns);
             format!("{file}: {} rows of {columns} columns\n", flight.rows())
         }
         Format::Mcap => {
@@ -88,9 +115,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
                     Ok(())
                 })
             })?;
+            (result.messages, result.topics) = (Some(summary.messages), Some(summary.topics));
             format!("{file}: {} messages on {} topics\n", summary.messages, summary.topics)
         }
     };
     load::write_notes(&notes);
-    terminal::put(&line)
+    if arguments.json { terminal::put_json(&result) } else { terminal::put(&line) }
 }

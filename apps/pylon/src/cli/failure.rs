@@ -4,6 +4,8 @@ use std::fmt::Display;
 use std::io::Write as _;
 use std::process::ExitCode;
 
+use pylon::printable::printable;
+
 /// Host and target computed different bits.
 const DIFFERS: u8 = 1;
 /// Bad usage or bad input.
@@ -49,7 +51,7 @@ impl Failure {
 }
 
 fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
+    printable(&text.split_whitespace().collect::<Vec<_>>().join(" ")).into_owned()
 }
 
 impl<E: std::error::Error> From<E> for Failure {

@@ -6,12 +6,12 @@ use std::sync::Arc;
 use clap::Args;
 use pylon::export::tlog;
 use pylon::fly::{
-    ChipsReport, CostUnit, DebugLink, Difference, FlownOn, FlyError, FlyOptions, FlyReport, PlannedFault,
-    SensorSource, fly,
+    ChipsReport, CostUnit, DebugLink, FlownOn, FlyError, FlyOptions, FlyReport, PlannedFault, SensorSource,
+    fly,
 };
 use pylon::output_file::write_atomically;
 use pylon::replay::Replay;
-use serde_json::{Value, json};
+use pylon::results::{FlyAgreement, FlyDifference, FlyResult};
 
 use super::failure::Failure;
 use super::one_flight::OneFlight;
@@ -26,14 +26,14 @@ Examples:
       every tick with the host's bits
   pylon fly flight.csv --model improved.toml --json
   pylon fly flight.csv --telemetry flight.tlog
-      and record its telemetry, which `compare` and the others read as a flight
+      and record its telemetry, which the other commands read as a flight
   pylon fly flight.csv --record flight.record
-      and keep its results, of which `import` makes a flight: what the flight computer saw
+      and keep its results; `import` turns them into a flight: what the flight computer saw
   pylon fly flight.csv --ideal-sensors
-      without chips and drivers: the estimator gets the flight's rows as they are
+      without chips and drivers: the estimator gets the flight's rows unchanged
   pylon fly flight.csv --fault \"baro stuck-low 60..65\" --fault \"imu reset 70\"
-      the same bits, with a barometer whose data line hangs for 5 s and an inertial unit whose power dips; and what that
-      does to calibration, launch, flags and altitude, beside the same flight without the faults
+      with a barometer whose data line hangs for 5 s and an inertial unit whose power dips; reports what that does to
+      calibration, launch, flags and altitude, compared with the same flight without the faults
   pylon fly flight.csv --hil
       through an STM32F405 on an ST-LINK instead of QEMU (docs/bring-up.md); it needs openocd
   pylon fly flight.csv --hil --probe-config interface/cmsis-dap.cfg
@@ -41,7 +41,7 @@ Examples:
 
 Faults (CHIP FAULT START..END, in seconds of the flight's time; those marked * happen once, at START):
   baro, imu       stuck-low, stuck-high, bus-error (the wires), stalled (no new samples)
-  baro, imu, gps  frozen (old results, said to be new), offset=BY[,QUANTITY] (far beyond the range it saturates),
+  baro, imu, gps  frozen (old results, marked as new), offset=BY[,QUANTITY] (far beyond the range it saturates),
                   spike=BY[,RESULTS[,QUANTITY]] *, flip-data=MASK[,RESULTS[,QUANTITY]] * (in the chip), reset *
   all but wire    garbage=SEED (noise on its line), flip-bits=MASK[,AFTER] * (of one byte on the way)
   baro            slow=MICROSECONDS (conversions take so much longer), lose-conversions=COUNT *,
@@ -52,7 +52,7 @@ Faults (CHIP FAULT START..END, in seconds of the flight's time; those marked * h
                   cold-start=METRES,SECONDS[,dishonest] (an error of altitude that decays), generation-8=BAUD *,
                   flip-register=SETTING,1 * (until it is configured: 0 no solutions, 1 NMEA, 2 once a second)
   umbilical       silent (nobody sends), stranger=METRES (another system sends an altitude too), lies=METRES (too
-                  high), not-a-number, holds (one altitude for ever), torn (the whole cable, wire included)
+                  high), not-a-number, holds (one altitude forever), torn (the whole cable, wire included)
   wire            open (broken), shorted, unreadable, bounces=MICROSECONDS (mean time open, and closed)
   BY and AMPLITUDE are in Pa, degrees, m/s^2, rad/s, m or m/s; QUANTITY is pressure, temperature; accel-x to -z,
   gyro-x to -z; altitude, velocity-north, -east, -down; without it pressure, accel-z or altitude.
@@ -69,20 +69,20 @@ pub struct Arguments {
     /// Give the estimator the flight's rows as they are, without chips and drivers
     #[arg(long)]
     ideal_sensors: bool,
-    /// Let a chip fail, such as "baro stuck-low 60..65"; may be given more than once
+    /// Make a chip fail, such as "baro stuck-low 60..65" (may be repeated)
     #[arg(long = "fault", value_name = "FAULT", conflicts_with = "ideal_sensors")]
     faults: Vec<PlannedFault>,
-    /// Write what the emulated flight computer sent over its telemetry's line, as a ground station records it
+    /// Write the emulated flight computer's telemetry, as a ground station records it
     #[arg(long, value_name = "TLOG", conflicts_with = "hil")]
     telemetry: Option<PathBuf>,
-    /// Write the flight computer's results as it sent them (a flight record), as a recorder on a board's results' line has them:
-    /// `pylon import` makes a flight of it
+    /// Write the flight computer's results (a flight record), as a recorder on a board's results port would: `pylon import`
+    /// turns it into a flight
     #[arg(long, value_name = "RECORD")]
     record: Option<PathBuf>,
     /// Fly through an STM32F405 on a debug probe (hardware in the loop); its flash is written
     #[arg(long)]
     hil: bool,
-    /// OpenOCD's configuration file of the probe, its own or yours; may be given more than once [default:
+    /// OpenOCD configuration file of the probe, one of OpenOCD's or yours (may be repeated) [default:
     /// interface/stlink.cfg]
     #[arg(long = "probe-config", value_name = "FILE", requires = "hil")]
     probe_configs: Vec<PathBuf>,
@@ -94,11 +94,13 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    if let Some(telemetry) = &arguments.telemetry {
-        let model = Role::new(Path::new(&arguments.what.model), "the model");
-        let flight = Role::new(&arguments.what.flight, "the flight");
-        refuse_overwriting(&[flight, model], &[Role::new(telemetry, "the telemetry")])?;
-    }
+    let inputs = [
+        Role::new(&arguments.what.flight, "the flight"),
+        Role::new(Path::new(&arguments.what.model), "the model"),
+    ];
+    let telemetry = arguments.telemetry.iter().map(|file| Role::new(file, "the telemetry"));
+    let record = arguments.record.iter().map(|file| Role::new(file, "the record"));
+    refuse_overwriting(&inputs, &telemetry.chain(record).collect::<Vec<_>>())?;
     let model = load::model(&arguments.what.model)?;
     let (flight, notes) = load::flight(&arguments.what.flight)?;
     load::write_notes(&notes);
@@ -127,7 +129,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let line = format!("{file}: {error}");
         let FlyError::Differs(difference) = error else { return Failure::input(line) };
         if arguments.what.json
-            && let Err(failure) = put_json(&difference_json(&difference))
+            && let Err(failure) = terminal::put_json(&FlyResult::Differs(FlyDifference::from(&*difference)))
         {
             return failure;
         }
@@ -141,7 +143,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         while_busy("writing", || write_atomically(file, |out| out.write_all(record)))?;
     }
     if arguments.what.json {
-        return put_json(&report_json(&report));
+        return terminal::put_json(&FlyResult::Agrees(Box::new(FlyAgreement::from(&report))));
     }
     terminal::put(&text(&file.to_string(), &report))
 }
@@ -262,85 +264,4 @@ fn chips_text(chips: &ChipsReport, sensor_faults: u32) -> String {
         text.push_str(&consequence.to_string());
     }
     text
-}
-
-fn chips_json(chips: &ChipsReport) -> Value {
-    let ChipsReport { grid, truth, untold_fixes, agreement, consequence } = chips;
-    json!({
-        "rows": grid.rows,
-        "ticks": grid.ticks,
-        "rows_that_share_a_tick": grid.shared,
-        "samples_superseded": grid.superseded_samples,
-        "late_rows": grid.late_rows,
-        "not_finite": truth.not_finite,
-        "baro_beyond_range": truth.baro_beyond_range,
-        "imu_beyond_range": truth.imu_beyond_range,
-        "gps_beyond_range": truth.gps_beyond_range,
-        "assumed_temperatures": truth.assumed_temperatures,
-        "assumed_satellites": truth.assumed_satellites,
-        "partial_velocities": truth.partial_velocities,
-        "held_fixes": truth.held_fixes,
-        "after_launch": truth.after_launch,
-        "impossible_times": truth.impossible_times,
-        "untold_fixes": untold_fixes,
-        "fault": consequence,
-        "agreement": agreement.as_ref().map(|agreement| {
-            agreement.sensors.iter().map(|sensor| (sensor.sensor.name().to_owned(), json!({
-                "ideal_bias_m": sensor.ideal_bias_m,
-                "chips_bias_m": sensor.chips_bias_m,
-                "difference_m": sensor.difference_m(),
-                "bound_m": sensor.bound_m,
-                "within_bound": sensor.is_within_bound(),
-            }))).collect::<serde_json::Map<_, _>>()
-        }),
-    })
-}
-
-fn put_json(value: &Value) -> Result<(), Failure> {
-    let mut text = serde_json::to_string_pretty(value)?;
-    text.push('\n');
-    terminal::put(&text)
-}
-
-fn difference_json(difference: &Difference) -> Value {
-    json!({
-        "bit_for_bit": false,
-        "ticks": difference.ticks,
-        "ticks_that_differ": difference.ticks_that_differ,
-        "first": {
-            "tick": difference.tick,
-            "time_s": difference.time_us as f64 * 1e-6,
-            "field": difference.field,
-            "host": difference.host,
-            "target": difference.target,
-        },
-    })
-}
-
-fn report_json(report: &FlyReport) -> Value {
-    let unit = unit(report);
-    let (mean, worst) = (format!("{unit}_mean"), format!("{unit}_worst"));
-    json!({
-        "bit_for_bit": true,
-        "ticks": report.ticks,
-        mean.clone(): report.instructions_mean,
-        worst.clone(): report.instructions_worst,
-        "parts": report.parts.iter().map(|part| (part.part.name().to_owned(), json!({
-            mean.clone(): part.instructions_mean,
-            worst.clone(): part.instructions_worst,
-        }))).collect::<serde_json::Map<_, _>>(),
-        "worst_time_s": report.worst_time_us as f64 * 1e-6,
-        format!("tick_period_{unit}"): report.tick_period,
-        format!("start_jitter_{unit}"): report.start_jitter,
-        "stack_used_bytes": report.stack_used_bytes,
-        "stack_size_bytes": report.stack_size_bytes,
-        "flash_bytes": report.flash_bytes,
-        "static_ram_bytes": report.static_ram_bytes,
-        "sensor_faults": report.sensor_faults,
-        "chips": report.chips.as_ref().map(chips_json),
-        "underruns": report.underruns,
-        "stalls": report.stalls,
-        "latched_s": report.latch.as_ref().map(|latch| latch.time_us as f64 * 1e-6),
-        "log": report.log,
-    })
 }

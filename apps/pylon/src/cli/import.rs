@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use pylon::import::{guess, mapping};
 use pylon::output_file::prepare;
+use pylon::results::{ImportResult, VERSION};
 use pylon::{flight, import};
 
 use super::failure::Failure;
@@ -16,26 +17,26 @@ use super::terminal;
 const EXAMPLES: &str = "\
 Examples:
   pylon import log_12_2024-05-01.ulg -o flight.csv
-      a PX4 log (ULog); what was found, used, and could not be used is said
+      a PX4 log (ULog); reports what was found, used and left out
   pylon import 00000042.BIN -o flight.csv
       an ArduPilot log (DataFlash), binary or as text (.log), of a copter, plane or rover
   pylon import 2023-04-28.igc -o flight.csv
-      an IGC log (gliders, paragliders) as a flight's CSV; what was inferred or left out is said
+      an IGC log (gliders, paragliders); reports what was inferred or left out
   pylon import flight.tlog -o flight.csv
       a recorded MAVLink stream, of Pylon's own telemetry or of another autopilot
   pylon import flight.tlog --turn gps_vd_mps -o flight.csv
-      the same of an autopilot that wrote its velocity down with the sign turned; import says when a log looks like that
+      the same for an autopilot that logged its velocity with the wrong sign; import reports a log that looks like that
   pylon import logger.csv --guess -o mapping.toml
       any table of numbers, CSV or Parquet: a draft of what its columns are, each guess with its reason, doubtful ones commented out
   pylon import logger.csv --mapping mapping.toml -o flight.csv
-      the table by that mapping, once you have read and corrected it (docs/workbench.md has the format)
+      import the table by that mapping, once you have checked it (format: docs/workbench.md)
   pylon import FLIGHT.record -o flight.csv
-      a flight computer's results' line as it was recorded (docs/bring-up.md), or the inputs of `pylon fly`; the calibration
-      and the flags as flown are in the header
+      a recording of a flight computer's results port (docs/bring-up.md), or the inputs of `pylon fly`; the header has the
+      calibration and the flags as flown
 
-A log is recognised by its content. `compare` and `fly` read logs directly as well.";
+Formats are detected from content. All commands that take a flight also read logs directly.";
 
-/// Turn a log of another program into a flight's CSV
+/// Convert another program's log to a flight CSV
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
@@ -43,18 +44,21 @@ pub struct Arguments {
     /// record, Pylon's own MCAP or Parquet, or with a mapping any table of numbers (CSV, Parquet)
     #[arg(value_name = "LOG")]
     log: PathBuf,
-    /// The flight to write (CSV), or with --guess the mapping (without: it is printed)
+    /// The flight to write (CSV), or with --guess the mapping [default with --guess: standard output]
     #[arg(short, long, value_name = "FILE", required_unless_present = "guess")]
     output: Option<PathBuf>,
-    /// Read a table of numbers by this file, which says which column is what
+    /// Read a table of numbers by this mapping file, which assigns the columns
     #[arg(long, value_name = "MAPPING", conflicts_with = "guess")]
     mapping: Option<PathBuf>,
-    /// Draft such a file from the names, the values and physics; nothing is imported
+    /// Draft a mapping file from names, values and physics; nothing is imported
     #[arg(long, conflicts_with = "turn")]
     guess: bool,
-    /// Turn the sign of a velocity that the log has the wrong way round; may be given several times
+    /// Invert the sign of a velocity that the log has the wrong way round (may be repeated)
     #[arg(long, value_name = "COLUMN", value_parser = clap::builder::PossibleValuesParser::new(import::signs::names()))]
     turn: Vec<String>,
+    /// Print JSON: what was written
+    #[arg(long, conflicts_with = "guess")]
+    json: bool,
 }
 
 /// Runs the command.
@@ -80,7 +84,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     while_busy("writing", || flight::write(output, &flight))?;
     write_notes(&notes);
     let clocks = while_busy("comparing clocks", || import::clock_offset::text(&flight));
-    write_notes(&clocks.map(flight::Note::new).into_iter().collect::<Vec<_>>());
+    let clocks: Vec<_> = clocks.map(flight::Note::new).into_iter().collect();
+    write_notes(&clocks);
+    if arguments.json {
+        return terminal::put_json(&ImportResult {
+            version: VERSION,
+            file: output.display().to_string(),
+            rows: flight.rows() as u64,
+            columns: flight.channels.iter().map(|(channel, _)| channel.name().into()).collect(),
+            notes: notes.iter().chain(&clocks).map(ToString::to_string).collect(),
+        });
+    }
     let channels: Vec<&str> = flight.channels.iter().map(|(channel, _)| channel.name()).collect();
     terminal::put(&format!(
         "{}: {} rows of time_s, {}\n",
@@ -99,7 +113,7 @@ fn guess(arguments: &Arguments) -> Result<(), Failure> {
     // A mapping that somebody has corrected must not be lost to a second guess.
     if output.is_file() {
         return Err(Failure::input(format!(
-            "{file}: is there already and would be lost; give another name to -o"
+            "{file}: already exists and would be overwritten; choose another name for -o"
         )));
     }
     prepare(output, |out| out.write_all(draft.text(&log, &file).as_bytes()))?.publish_new()?;

@@ -22,16 +22,16 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// Flights: flights' CSV, logs that `pylon import` reads, or folders of them
+    /// Flights: flight CSVs, logs that `pylon import` reads, or folders of them
     #[arg(value_name = "FLIGHT", required = true)]
     flights: Vec<PathBuf>,
     /// The model: a TOML file, `default` or `paper`
     #[arg(long, value_name = "MODEL")]
     model: String,
-    /// Calibrate on this part of the flights (seconds of the flight's own clock, as `pylon open` shows it: an imported log's begins with its first record) and say launch at its end
+    /// Calibrate on this part of the flights, and take its end as launch; seconds of the flight's clock, as `pylon open` shows it
     #[arg(long, value_name = "START..END")]
     calibrate: Option<CalibrationWindow>,
-    /// Refuse all flights if one of them cannot be used, instead of skipping and naming it
+    /// Fail if one flight cannot be used, instead of skipping and naming it
     #[arg(long)]
     strict: bool,
     /// Print JSON
@@ -56,11 +56,5 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     given.write_notes();
     batch.write_skipped();
     load::write_unused(&load::replays(&batch.files, &batch.flights, &model, arguments.calibrate)?);
-    if arguments.json {
-        let mut json = serde_json::to_string_pretty(&ladder)?;
-        json.push('\n');
-        terminal::put(&json)
-    } else {
-        terminal::put(&ladder_text(&ladder))
-    }
+    if arguments.json { terminal::put_json(&ladder) } else { terminal::put(&ladder_text(&ladder)) }
 }

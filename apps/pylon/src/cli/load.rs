@@ -10,6 +10,7 @@ use pylon::contained::contained;
 use pylon::diagnose::NamedReplay;
 use pylon::flight::{Flight, Note};
 use pylon::import;
+use pylon::printable::printable;
 use pylon::replay::{CalibrationWindow, Replay, ReplayError, Usage};
 
 use super::failure::Failure;
@@ -28,14 +29,14 @@ pub fn refuse_repeats(learned: &[PathBuf], held: &[PathBuf]) -> Result<(), Failu
     for file in learned {
         if !seen.insert(same(file)) {
             return Err(Failure::input(format!(
-                "{}: given twice, expected different flights",
+                "{}: given twice; expected different flights",
                 file.display()
             )));
         }
     }
     for file in held {
         if !seen.insert(same(file)) {
-            let message = "is learned from or held out already, expected a flight of its own to hold out";
+            let message = "is already used for learning or held out; hold out a different flight";
             return Err(Failure::input(format!("{}: {message}", file.display())));
         }
     }
@@ -74,7 +75,7 @@ impl Batch {
             });
             let usable = usable.unwrap_or_else(|why| {
                 Err(Failure::input(format!(
-                    "{}: not read, by a defect of pylon; please report it: {why}",
+                    "{}: not read because of a bug in pylon; please report it: {why}",
                     file.display()
                 )))
             });
@@ -102,8 +103,7 @@ impl Batch {
             return;
         }
         let all = self.files.len() + self.skipped.len();
-        let mut text =
-            format!("skipped {} of {all} flights (--strict refuses instead):\n", self.skipped.len());
+        let mut text = format!("skipped {} of {all} flights (--strict fails instead):\n", self.skipped.len());
         for why in &self.skipped {
             text += &format!("  {why}\n");
         }
@@ -179,6 +179,6 @@ pub fn model(name: &str) -> Result<Model, Failure> {
 pub fn write_notes(notes: &[Note]) {
     for note in notes {
         // Nothing is left to be told to when standard error is closed.
-        let _ = writeln!(std::io::stderr(), "note: {note}");
+        let _ = writeln!(std::io::stderr(), "note: {}", printable(&note.to_string()));
     }
 }

@@ -1,11 +1,11 @@
-//! What a command that flies one flight is told.
+//! Arguments of the commands that fly one flight.
 
 use std::path::PathBuf;
 
 use clap::Args;
 use pylon::replay::CalibrationWindow;
 
-/// A flight, the model to fly over it, and how to print what came out.
+/// A flight, the model to fly over it, and the form of the output.
 #[derive(Debug, Args)]
 pub struct OneFlight {
     /// The flight: a flight's CSV, or a log that `pylon import` reads
@@ -14,7 +14,7 @@ pub struct OneFlight {
     /// The model: a TOML file, `default` or `paper`
     #[arg(long, value_name = "MODEL", default_value = "default")]
     pub model: String,
-    /// Calibrate on this part of the flight (seconds of the flight's own clock, as `pylon open` shows it: an imported log's begins with its first record) and say launch at its end
+    /// Calibrate on this part of the flight, and take its end as launch; seconds of the flight's clock, as `pylon open` shows it
     #[arg(long, value_name = "START..END")]
     pub calibrate: Option<CalibrationWindow>,
     /// Print JSON

@@ -13,15 +13,15 @@ use super::{load, terminal};
 const EXAMPLES: &str = "\
 Examples:
   pylon open log_12_2024-05-01.ulg
-      what is in a log: take-off, landing, sensors, what of it is analysed, and what to do next
+      what is in a log: take-off, landing, sensors, which part is analysed, and what to do next
   pylon open 00000042.BIN --json | jq '[.take_off_s, .landing_s]'
       for other programs";
 
-/// Say what is in a log: take-off, landing, sensors, and what of it is used
+/// Show what is in a log: take-off, landing, sensors, and which part is used
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// The log: any that `pylon import` reads, or a flight's CSV
+    /// The log: any that `pylon import` reads, or a flight CSV
     #[arg(value_name = "LOG")]
     log: PathBuf,
     /// Choose the flight of a log with several, by the calibration's window (seconds of the flight's own clock)
@@ -38,11 +38,5 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let format = import::format_name(&arguments.log)?;
     let file = arguments.log.display().to_string();
     let overview = Overview::new(&file, format, &flight, &notes, arguments.calibrate);
-    if arguments.json {
-        let mut json = serde_json::to_string_pretty(&overview)?;
-        json.push('\n');
-        terminal::put(&json)
-    } else {
-        terminal::put(&text(&overview))
-    }
+    if arguments.json { terminal::put_json(&overview) } else { terminal::put(&text(&overview)) }
 }

@@ -13,6 +13,7 @@ use pylon::learn::{NamedFlight, ladder};
 use pylon::output_file::write_atomically;
 use pylon::replay::{CalibrationWindow, Replay};
 use pylon::report::{FlightReport, Report, keep_most_telling};
+use pylon::results::{ReportResult, VERSION};
 
 use super::failure::Failure;
 use super::overwriting::{Role, refuse_overwriting};
@@ -23,36 +24,39 @@ use super::{load, terminal};
 const EXAMPLES: &str = "\
 Examples:
   pylon report flight.csv -o report.html
-      how well the default model agrees with the flight, as a page to look at
+      how well the default model agrees with the flight, as a page
   pylon report first.csv second.csv --model my-uav.toml -o report.html
       several flights, and how the model got where it is
   pylon report first.csv --hold-out second.csv -o report.html
-      what the model lacks, judged on a flight that it was not learned from
+      what the model lacks, evaluated on a flight it was not learned from
   pylon report logger.igc --calibrate 60..180 -o report.html
-      a log that does not say when the UAV was launched";
+      a log without a launch column";
 
-/// Write a page about flights: figures to zoom into, where the model fails and what may be missing
+/// Write a page about flights: zoomable charts, where the model fails and what may be missing
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// The flights: flights' CSV, logs that `pylon import` reads, or folders of them
+    /// The flights: flight CSVs, logs that `pylon import` reads, or folders of them
     #[arg(value_name = "FLIGHT", required = true)]
     flights: Vec<PathBuf>,
     /// The model: a TOML file, `default` or `paper`
     #[arg(long, value_name = "MODEL", default_value = "default")]
     model: String,
-    /// Calibrate on this part of every flight (seconds of the flight's own clock, as `pylon open` shows it: an imported log's begins with its first record) and say launch at its end
+    /// Calibrate on this part of every flight, and take its end as launch; seconds of the flight's clock, as `pylon open` shows it
     #[arg(long, value_name = "START..END")]
     calibrate: Option<CalibrationWindow>,
-    /// Judge what may be missing on this flight instead of on held-out manoeuvres (may be repeated)
+    /// Evaluate what may be missing on this flight instead of on held-out manoeuvres (may be repeated)
     #[arg(long, value_name = "FLIGHT")]
     hold_out: Vec<PathBuf>,
-    /// Refuse all flights if one of them cannot be used, instead of skipping and naming it
+    /// Fail if one flight cannot be used, instead of skipping and naming it
     #[arg(long)]
     strict: bool,
     /// The page to write: one HTML file, with everything in it
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
+    /// Print JSON: where the page is
+    #[arg(long)]
+    json: bool,
 }
 
 /// Runs the command.
@@ -123,13 +127,21 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     held_files.write_notes();
     batch.write_skipped();
     held.write_skipped();
+    if arguments.json {
+        return terminal::put_json(&ReportResult {
+            version: VERSION,
+            file: arguments.output.display().to_string(),
+            flights: flights.len(),
+            size_bytes: html.len(),
+        });
+    }
     let (count, size) = (flights.len(), html.len() as f64 / 1e6);
     let flights = if count == 1 { "1 flight".to_owned() } else { format!("{count} flights") };
     terminal::put(&format!("{}: {flights}, {size:.1} MB\n", arguments.output.display()))
 }
 
 fn defect(file: &str, why: &str) -> String {
-    format!("{file}: not drawn, by a defect of pylon; please report it: {why}")
+    format!("{file}: not drawn because of a bug in pylon; please report it: {why}")
 }
 
 fn flight(

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use pylon::results::{SimulateResult, VERSION};
 use pylon::simulate::run_with_seed;
 
 use super::failure::Failure;
@@ -17,7 +18,7 @@ Examples:
   pylon simulate flights/paper-reconstruction.toml --seed 7 -o flight-7.csv --truth truth-7.toml
       another draw of the same scenario";
 
-/// Simulate a flight from a scenario: a flight's CSV, and apart from it the truth
+/// Simulate a flight from a scenario: a flight CSV and, separately, the truth
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
@@ -27,12 +28,15 @@ pub struct Arguments {
     /// The flight to write (CSV)
     #[arg(short, long, value_name = "FLIGHT")]
     output: PathBuf,
-    /// Where the truth goes (TOML; without: beside the flight, ending in .truth.toml)
+    /// Where to write the truth (TOML) [default: beside the flight, ending in .truth.toml]
     #[arg(long, value_name = "TRUTH")]
     truth: Option<PathBuf>,
-    /// Another seed than the scenario's
+    /// Seed to use instead of the scenario's
     #[arg(long, value_name = "SEED")]
     seed: Option<u64>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
 }
 
 /// Runs the command.
@@ -45,6 +49,18 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let summary = while_busy("simulating", || {
         run_with_seed(&arguments.scenario, arguments.seed, &arguments.output, &truth)
     })?;
+    if arguments.json {
+        return terminal::put_json(&SimulateResult {
+            version: VERSION,
+            file: arguments.output.display().to_string(),
+            truth: truth.display().to_string(),
+            scenario: summary.name,
+            seed: summary.seed,
+            rows: summary.rows,
+            duration_s: summary.duration_s,
+            launch_s: summary.launch_s,
+        });
+    }
     let launch =
         summary.launch_s.map_or_else(|| "no launch".to_owned(), |launch_s| format!("launch at {launch_s} s"));
     terminal::put(&format!(

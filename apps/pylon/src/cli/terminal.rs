@@ -2,6 +2,8 @@
 
 use std::io::{self, IsTerminal as _, Write as _};
 
+use pylon::printable::printable;
+
 use super::failure::Failure;
 
 /// Whether standard output takes colours: it is a terminal and `NO_COLOR` is not set
@@ -13,11 +15,25 @@ pub fn has_colour() -> bool {
 
 /// Writes `coloured` to a terminal that takes colours, `plain` to anything else.
 pub fn write(coloured: &str, plain: &str) -> Result<(), Failure> {
-    put(if has_colour() { coloured } else { plain })
+    put_raw(if has_colour() { coloured } else { plain })
 }
 
-/// Writes to standard output. A reader that has seen enough (`| head`) is no error.
+/// Writes a result as JSON.
+pub fn put_json(result: &impl serde::Serialize) -> Result<(), Failure> {
+    put(&(serde_json::to_string_pretty(result)? + "\n"))
+}
+
+/// Writes to standard output, control characters spelled out. A reader that has seen enough (`| head`) is no error.
 pub fn put(text: &str) -> Result<(), Failure> {
+    put_raw(&printable(text))
+}
+
+/// The same of a text that has colours if [`has_colour`] says so, and whose other parts are printable then.
+pub fn put_coloured(text: &str) -> Result<(), Failure> {
+    if has_colour() { put_raw(text) } else { put(text) }
+}
+
+fn put_raw(text: &str) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {

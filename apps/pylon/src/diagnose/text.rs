@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use comfy_table::{Attribute, Cell, CellAlignment, Color, ContentArrangement, LineStyle, Table, TableStyle};
 
+use crate::printable::printable;
 use analysis::diagnose::{CandidateFacts, Diagnosis, SensorDiagnosis, Verdict};
 
 /// A line below the column names and nothing else.
@@ -35,7 +36,7 @@ pub fn text(diagnosis: &Diagnosis, colour: bool) -> String {
             put!(out, "  {line}");
         }
         for (from_s, to_s) in &flight.glitches_s {
-            put!(out, "  the reference jumped away from {from_s:.1} s to {to_s:.1} s; left out");
+            put!(out, "  the reference jumped away and back between {from_s:.1} s and {to_s:.1} s; left out");
         }
         if let Some(fault) = &flight.fault {
             put!(out, "  {fault}; it is left out");
@@ -43,16 +44,12 @@ pub fn text(diagnosis: &Diagnosis, colour: bool) -> String {
         if flight.refused_readings > 0 {
             put!(
                 out,
-                "  {} readings not finite, implausible or of a sensor that is stuck; left out",
+                "  {} readings not finite, implausible or from a stuck sensor; left out",
                 flight.refused_readings
             );
         }
         if flight.unreferenced_readings > 0 {
-            put!(
-                out,
-                "  {} readings without a reference around them; left out",
-                flight.unreferenced_readings
-            );
+            put!(out, "  {} readings without a reference; left out", flight.unreferenced_readings);
         }
     }
     if !diagnosis.hold_outs.is_empty() {
@@ -70,7 +67,7 @@ pub fn text(diagnosis: &Diagnosis, colour: bool) -> String {
     let noise = &diagnosis.noise;
     put!(
         out,
-        "\nNoise beside the effects: the reference wanders by {:.2} m over {:.0} s and each fix adds {:.2} m;",
+        "\nNoise: the reference wanders by {:.2} m over {:.0} s and each fix adds {:.2} m;",
         noise.reference_wander_m,
         noise.reference_time_s,
         noise.fix_sigma_m
@@ -88,7 +85,7 @@ pub fn text(diagnosis: &Diagnosis, colour: bool) -> String {
         put!(out, "not tested: {}: {reason}", effects.join(", "));
     }
     for warning in &diagnosis.warnings {
-        put!(out, "warning: {warning}");
+        put!(out, "warning: {}", printable(warning));
     }
     out
 }
@@ -111,18 +108,21 @@ pub(crate) fn headline(diagnosis: &Diagnosis) -> String {
         && diagnosis.sensors.keys().all(|name| *name == "gps")
     {
         return match diagnosis.flights.iter().find_map(|flight| flight.fault.as_ref()) {
-            Some(fault) => format!("Nothing can be said of the model: {fault}."),
-            None => "Nothing can be said of the model: no sensor has a reading with the reference around it."
-                .to_owned(),
+            Some(fault) => format!("The model could not be tested: {fault}."),
+            None => {
+                "The model could not be tested: no sensor has a reading while the reference is available."
+                    .to_owned()
+            }
         };
     }
     let missing: Vec<&str> = diagnosis.missing().collect();
     match diagnosis.verdict {
         Verdict::NoSignificantMisfit => {
-            "The model fits these flights as well as their noise allows: nothing is missing that they could show.".to_owned()
+            "The model fits these flights as well as their noise allows: they show nothing missing."
+                .to_owned()
         }
         Verdict::InsufficientExcitation => {
-            "The model fits, but these flights could not have shown much of what it may lack.".to_owned()
+            "The model fits, but these flights could not have revealed most of what it may lack.".to_owned()
         }
         Verdict::Identified => format!("The model lacks {}.", missing.join(" and ")),
         Verdict::Indistinguishable => {
@@ -137,9 +137,9 @@ pub(crate) fn headline(diagnosis: &Diagnosis) -> String {
 pub(crate) fn say(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::NoSignificantMisfit => "no significant misfit",
-        Verdict::InsufficientExcitation => "not excited enough to tell",
+        Verdict::InsufficientExcitation => "insufficient excitation",
         Verdict::Identified => "identified",
-        Verdict::Indistinguishable => "can't be told apart",
+        Verdict::Indistinguishable => "indistinguishable",
         Verdict::UnknownEffect => "unknown effect",
     }
 }
@@ -149,7 +149,7 @@ fn write_sensor(out: &mut String, name: &str, sensor: &SensorDiagnosis, has_laun
     if !sensor.missing.is_empty() {
         let said: Vec<String> =
             sensor.missing.iter().map(|effect| with_probability(sensor, effect)).collect();
-        put!(out, "  missing, the strongest first: {}", said.join(", "));
+        put!(out, "  missing, strongest first: {}", said.join(", "));
     }
     for (set, probabilities) in sensor.indistinguishable.iter().zip(&sensor.probabilities) {
         let said: Vec<String> = set

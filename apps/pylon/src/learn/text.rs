@@ -59,17 +59,17 @@ pub fn addition_text(addition: &Addition, file: &str) -> String {
         addition.sigma
     );
     if let Some(time_constant_s) = addition.time_constant_s {
-        let since = if addition.since == Some("start") { "the first tick" } else { "launch" };
+        let since = if addition.since.as_deref() == Some("start") { "the first tick" } else { "launch" };
         put!(out, "  time constant {time_constant_s} s, since {since}");
     }
     if let Some([least, largest]) = addition.envelope_m {
         put!(
             out,
-            "  learned where its regressor is {least:.4} to {largest:.4} m per unit; beyond, the core says so"
+            "  learned while its regressor was {least:.4} to {largest:.4} m per unit; use outside is reported as extrapolated"
         );
     }
     if let Some(replaced) = addition.replaced_coefficient {
-        put!(out, "  the model had it already, with {replaced}{unit}: learned anew");
+        put!(out, "  replaces the model's earlier value, {replaced}{unit}");
     }
     put!(out, "written to {file} as revision {}", addition.revision);
     put!(out, "\nError in free flight (rms, eq. 16) and flags (s after launch), before -> after:\n");
@@ -82,7 +82,7 @@ pub fn addition_text(addition: &Addition, file: &str) -> String {
     put!(out, "{}", rendered(rows, 3));
     put!(out, "\n{}", held_out(addition));
     for concern in &addition.concerns {
-        put!(out, "\nwritten all the same (--force): {concern}");
+        put!(out, "\nwritten despite this (--force): {concern}");
     }
     for warning in &addition.warnings {
         put!(out, "\nwarning: {warning}");
@@ -113,7 +113,7 @@ fn held_out(addition: &Addition) -> String {
     };
     put!(
         out,
-        "What decides is their likelihood, which knows the reference's wander: twice its logarithm changes by\n\
+        "The decision rests on their likelihood, which allows for the reference's wander: twice its logarithm changes by\n\
          {:+.1} +- {:.1} (1 sigma), and by {:+.1} if the effect acts as learned: {outcome}.",
         verdict.gain,
         verdict.gain_sigma,
@@ -123,7 +123,7 @@ fn held_out(addition: &Addition) -> String {
         ([addition.rms_before_m, addition.rms_after_m], verdict.is_worse)
         && after > before
     {
-        put!(out, "The raw rms is mostly that wander, and larger by chance.");
+        put!(out, "The raw rms is mostly that wander and is larger by chance.");
     }
     if addition.judged_on == JudgedOn::HeldOutManoeuvres {
         put!(out, "Check it on another flight (--hold-out).");
@@ -141,7 +141,7 @@ fn add_rows(rows: &mut Table, kind: &str, flight: &FlightChange) {
         rows.add_row([
             flight.file.clone(),
             kind.to_owned(),
-            (*name).to_owned(),
+            name.to_string(),
             both(&|score| number(score.free_flight_rms_m, 2)),
             both(&|score| flag(score.doubtful_after_s)),
             both(&|score| flag(score.untrustworthy_after_s)),
@@ -165,9 +165,9 @@ pub fn ladder_text(ladder: &Ladder) -> String {
                 let flag_of = |after_s: Option<f64>| if is_free { flag(after_s) } else { "-".to_owned() };
                 rows.add_row([
                     rung.number.to_string(),
-                    rung.effect.unwrap_or("-").to_owned(),
+                    rung.effect.as_deref().unwrap_or("-").to_owned(),
                     flight.file.clone(),
-                    (*name).to_owned(),
+                    name.to_string(),
                     number(score.captive_rms_m, 2),
                     number(score.free_flight_rms_m, 2),
                     flag_of(score.doubtful_after_s),
@@ -178,7 +178,7 @@ pub fn ladder_text(ladder: &Ladder) -> String {
     }
     put!(out, "{}", rendered(rows, 4));
     if ladder.revisions.len() == 1 {
-        put!(out, "\nThe model has no revisions: `pylon add` writes one for each effect that it learns.");
+        put!(out, "\nThe model has no revisions; `pylon add` writes one for each effect it learns.");
     }
     out
 }

@@ -72,11 +72,11 @@ pub fn text(overview: &Overview) -> String {
 
 fn flights(out: &mut String, overview: &Overview) {
     if let Some(launch_s) = overview.launch_s {
-        put!(out, "  launch     at {}, as the log itself says", clock(launch_s));
+        put!(out, "  launch     at {}, by the log's launch column", clock(launch_s));
         return;
     }
     if overview.usage.has_launch {
-        put!(out, "  launch     none: its launch column never says 1");
+        put!(out, "  launch     none: the launch column is never 1");
         return;
     }
     let several = overview.outings.len() > 1;
@@ -87,13 +87,13 @@ fn flights(out: &mut String, overview: &Overview) {
         put!(out, "  flight {number:<4}{}{used}", ends(outing));
     }
     if overview.outings.is_empty() {
-        put!(out, "  flight     no take-off and no landing in this log: all of it is taken as one");
+        put!(out, "  flight     no take-off or landing in this log: treated as one flight");
     }
     if let Some(seconds) = overview.ground_before_s {
-        put!(out, "  ground     {} before the take-off", duration(seconds));
+        put!(out, "  ground     {} before take-off", duration(seconds));
     }
     if let Some(seconds) = overview.after_landing_s {
-        put!(out, "             {} after the landing, which are not analysed", duration(seconds));
+        put!(out, "             {} after landing, not analysed", duration(seconds));
     }
 }
 

@@ -47,7 +47,7 @@ fn layers(
     if let Some(bound) = sensor.bound_m {
         let level = |value: f64| vec![(x_range.start, value), (x_range.end, value)];
         layers.push(Layer::Band { from: level(-bound), to: level(bound), colour: PALE_GREY, name: "" });
-        layers.push(Layer::Level { value: bound, colour: GREY, name: "bound of the monitor" });
+        layers.push(Layer::Level { value: bound, colour: GREY, name: "alarm limit of the monitor" });
         layers.push(Layer::Level { value: -bound, colour: GREY, name: "" });
     }
     layers.extend(errors);

@@ -83,7 +83,7 @@ pub(super) fn free_flight(flight: &str, recording: &Recording, comparison: &Comp
             )
             .band("error", Role::Residual, table.least(VALUE), table.greatest(VALUE))
             .line("moving average", Role::Average, table.mean(AVERAGE))
-            .bound("bound of the monitor", found.bound_m.map(rounded));
+            .bound("alarm limit of the monitor", found.bound_m.map(rounded));
             chart.moments = flags(found);
             chart
         })
@@ -132,7 +132,10 @@ pub(super) fn measured(
             }
             let mut difference = chart("difference", sensor, "measured - modelled, m".to_owned(), table)
                 .band("measured - modelled", Role::Residual, table.least(ERROR), table.greatest(ERROR))
-                .bound("bound of the monitor", found.bound_m.filter(|_| sensor.flies_free()).map(rounded));
+                .bound(
+                    "alarm limit of the monitor",
+                    found.bound_m.filter(|_| sensor.flies_free()).map(rounded),
+                );
             difference.moments.extend(flags(found));
             charts.push(difference);
             (name, charts)
@@ -168,7 +171,7 @@ fn failing(comparison: &Comparison, sensor: Sensor) -> Vec<Shade> {
     let worst = comparison.failures.worst.iter().filter(|stretch| stretch.sensor == sensor.name());
     worst
         .map(|stretch| Shade {
-            name: format!("{}: {:+.1} m", stretch.doing.name(), stretch.errors.mean_m),
+            name: format!("{}: {:+.1} m", stretch.doing.name(), stretch.mean_m),
             from: stretch.from_s,
             to: stretch.to_s,
         })

@@ -12,7 +12,7 @@ const MOST_NAMES: usize = 6;
 const MARGIN: f64 = 0.3;
 
 /// A revision, and the scores of those sensors that flew free.
-pub(super) type Step<'a> = (&'a Rung, Vec<(&'static str, &'a SensorScore)>);
+pub(super) type Step<'a> = (&'a Rung, Vec<(&'a str, &'a SensorScore)>);
 
 /// One flight of the ladder.
 #[derive(Clone, Debug)]
@@ -39,7 +39,7 @@ pub(super) fn flights(ladder: &Ladder) -> Vec<LadderFlight<'_>> {
                 .filter_map(|rung| {
                     let scores = rung.flights.get(at)?.sensors.iter();
                     let free = scores.filter(|(_, score)| score.free_flight_rms_m.is_some());
-                    Some((rung, free.map(|(name, score)| (*name, score)).collect()))
+                    Some((rung, free.map(|(name, score)| (&**name, score)).collect()))
                 })
                 .collect();
             LadderFlight { file: &flight.file, chart: chart(at, &steps), steps }
@@ -49,7 +49,7 @@ pub(super) fn flights(ladder: &Ladder) -> Vec<LadderFlight<'_>> {
 
 /// What a revision is called.
 pub(super) fn name(rung: &Rung) -> String {
-    match (rung.number, rung.effect) {
+    match (rung.number, &rung.effect) {
         (0, _) => "at first".to_owned(),
         (number, Some(effect)) => format!("{number}: {effect}"),
         (number, None) => number.to_string(),
@@ -105,11 +105,11 @@ mod tests {
     fn rung(number: u32, effect: Option<&'static str>, rms_m: [Option<f64>; 2]) -> Rung {
         let flight = |file: &str, rms_m: Option<f64>| {
             let score = SensorScore { free_flight_rms_m: rms_m, ..SensorScore::default() };
-            RungFlight { file: file.to_owned(), sensors: [("baro", score)].into() }
+            RungFlight { file: file.to_owned(), sensors: [("baro".into(), score)].into() }
         };
         Rung {
             number,
-            effect,
+            effect: effect.map(Into::into),
             date: None,
             effects: Vec::new(),
             flights: vec![flight("a.csv", rms_m[0]), flight("b.csv", rms_m[1])],
@@ -119,6 +119,7 @@ mod tests {
     #[test]
     fn every_flight_has_its_steps_in_order() {
         let ladder = Ladder {
+            version: Ladder::VERSION,
             model: "ours.toml".to_owned(),
             revisions: vec![
                 rung(0, None, [Some(4.0), None]),

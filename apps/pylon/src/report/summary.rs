@@ -31,7 +31,7 @@ pub(super) fn calibration(comparison: &Comparison) -> String {
     let facts = &comparison.calibration;
     let length = seconds(facts.duration_s);
     let Words { beforehand, .. } = comparison.words();
-    match facts.quality {
+    match facts.quality.as_deref() {
         None => format!("Nothing was calibrated: {}.", facts.source),
         Some("good") => format!(
             "{beforehand} the sensors were compared with gps for {length}; every check of that calibration passed."
@@ -64,7 +64,7 @@ pub(super) fn sensor(name: &str, found: &SensorComparison, comparison: &Comparis
     };
     let bound = found
         .bound_m
-        .map_or_else(String::new, |bound| format!("; the monitor's bound is {}", metres(Some(bound))));
+        .map_or_else(String::new, |bound| format!("; the monitor's alarm limit is {}", metres(Some(bound))));
     said.push(format!("With that taken off, its error in {after} was {} rms{bound}.", metres(Some(rms_m))));
     said.push(match (found.doubtful_after_s, found.untrustworthy_after_s) {
         (Some(doubtful), Some(untrustworthy)) => format!(
@@ -89,7 +89,7 @@ fn worst_stretch(stretch: &Stretch, Words { event, .. }: Words) -> String {
         stretch.doing.phrase(),
         stretch.from_s,
         stretch.to_s,
-        signed_m(Some(stretch.errors.mean_m))
+        signed_m(Some(stretch.mean_m))
     )
 }
 
@@ -119,7 +119,7 @@ mod tests {
             sensor("baro", &found, &comparison),
             [
                 "Under the pylon baro read 121.5 m too low (± 1.25 m).",
-                "With that taken off, its error in free flight was 70.00 m rms; the monitor's bound is 40.00 m.",
+                "With that taken off, its error in free flight was 70.00 m rms; the monitor's alarm limit is 40.00 m.",
                 "It became doubtful 7.00 s after launch and untrustworthy 2.50 s later.",
             ]
         );

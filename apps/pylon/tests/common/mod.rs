@@ -1,6 +1,7 @@
 //! A made flight whose every error is known: not a measured one, and said so in its header.
 #![allow(dead_code, clippy::unwrap_used)]
 
+pub mod json;
 pub mod openocd;
 pub mod program;
 pub mod python;

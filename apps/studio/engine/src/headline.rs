@@ -194,7 +194,7 @@ pub fn of_comparison(comparison: &Comparison) -> Headline {
     const WORST_FIRST: [&str; 5] = ["untrustworthy", "doubtful", "unmonitored", "trusted", "calibrating"];
     let rank = |trust: &str| WORST_FIRST.iter().position(|word| *word == trust).unwrap_or(WORST_FIRST.len());
     let flying = comparison.sensors.iter().filter(|(_, sensor)| sensor.flies_free);
-    let worst = flying.min_by_key(|(_, sensor)| rank(sensor.trust));
+    let worst = flying.min_by_key(|(_, sensor)| rank(&sensor.trust));
     let Some((name, sensor)) = worst else {
         let sentence = "There is no sensor in this flight to compare.".to_owned();
         return Headline { sentence, tone: Tone::Caution, effect: None };
@@ -209,7 +209,7 @@ pub fn of_comparison(comparison: &Comparison) -> Headline {
     let when = |after_s: Option<f64>| {
         after_s.map_or_else(String::new, |after_s| format!(" {after_s:.0} s after {after}"))
     };
-    let (sentence, tone) = match sensor.trust {
+    let (sentence, tone) = match &*sensor.trust {
         "untrustworthy" => (
             format!("{subject} became untrustworthy{}{rms}{limit}.", when(sensor.untrustworthy_after_s)),
             Tone::Bad,
@@ -233,8 +233,8 @@ pub fn of_addition(addition: &Addition) -> Headline {
         JudgedOn::HeldOutFlights => "on the next flight",
         JudgedOn::HeldOutManoeuvres => "on held-out stretches",
     };
-    let coefficient = with_sigma(addition.coefficient.into(), addition.sigma.into(), addition.unit);
-    let mut name = title(addition.effect).to_owned();
+    let coefficient = with_sigma(addition.coefficient.into(), addition.sigma.into(), &addition.unit);
+    let mut name = title(&addition.effect).to_owned();
     if let Some(first) = name.get(..1).map(str::to_uppercase) {
         name.replace_range(..1, &first);
     }
@@ -246,6 +246,6 @@ pub fn of_addition(addition: &Addition) -> Headline {
     Headline {
         sentence: format!("{name} added: {coefficient}{falls}{doubt}."),
         tone,
-        effect: Some(addition.effect.to_owned()),
+        effect: Some(addition.effect.to_string()),
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Mutex;
 
-use analysis::batch::{Results, batch};
+use analysis::batch::{DiagnoseResult, batch};
 use analysis::compare::{Comparison, Options, compare};
 use analysis::diagnose::{NamedReplay, Wish, diagnose};
 use analysis::learn::{Ladder, NamedFlight, Request, add, nearest_effects};
@@ -51,7 +51,7 @@ pub fn diagnosed(
     request: &DiagnoseRequest,
     progress: &mut Progress<'_>,
 ) -> Result<Diagnosed, Refused> {
-    let Results { together, one_by_one, .. } = results(engine, request, progress)?;
+    let DiagnoseResult { together, one_by_one, .. } = results(engine, request, progress)?;
     let diagnosis = together.unwrap_or_default();
     Ok(Diagnosed { headline: headline::of_diagnosis(&diagnosis), diagnosis, batch: one_by_one })
 }
@@ -60,7 +60,7 @@ fn results(
     engine: &Engine,
     request: &DiagnoseRequest,
     progress: &mut Progress<'_>,
-) -> Result<Results, Refused> {
+) -> Result<DiagnoseResult, Refused> {
     if request.flights.is_empty() {
         return Err(refused("no flight to diagnose"));
     }
@@ -86,7 +86,7 @@ fn results(
         notes.extend(open.notes.iter().map(|note| format!("{}: {note}", open.file)));
     }
     together.warnings.splice(0..0, notes);
-    Ok(Results { together: Some(together), failed: None, one_by_one })
+    Ok(DiagnoseResult { together: Some(together), failed: None, one_by_one })
 }
 
 fn to_diagnose<'a>(

@@ -48,7 +48,7 @@ pub fn ribbons(
         trust: there().map(|(sensor, track)| (sensor.name().to_owned(), spans(&track.trust))).collect(),
         manoeuvres: manoeuvres(&motion.manoeuvres, start_s, end_s),
         motion: numbers,
-        sources: motion.sources,
+        sources: motion.sources.clone(),
         bounds_m: there()
             .filter_map(|(sensor, track)| Some((sensor.name().to_owned(), track.bound_m?)))
             .collect(),

@@ -23,6 +23,7 @@ use super::rules::{RuleWishes, SensorRules, judge};
 use super::timeline::Timeline;
 use super::traces::Traces;
 use super::warnings::warnings;
+use crate::name::Name;
 
 /// Worst stretches listed for each sensor.
 const WORST_STRETCHES: usize = 3;
@@ -139,10 +140,11 @@ impl Comparator {
         let sensors = Sensor::ALL
             .into_iter()
             .filter(|sensor| self.has_read[sensor.index()])
-            .map(|sensor| (sensor.name(), self.sensor(sensor, end)))
+            .map(|sensor| (sensor.name().into(), self.sensor(sensor, end)))
             .collect();
         let failures = self.timeline.failures(WORST_STRETCHES);
         let mut comparison = Comparison {
+            version: Comparison::VERSION,
             launch_s: self.launch_us.map(|launch_us| launch_us as f64 * 1e-6),
             sensors,
             cross_check: self.cross_checks.facts(|time_us| self.after_s(time_us)),
@@ -189,7 +191,7 @@ impl Comparator {
             moving_average_end_m: self.moving_average_m[index].map(f64::from),
             doubtful_after_s: self.after_s(flags.doubtful_us),
             untrustworthy_after_s: self.after_s(flags.untrustworthy_us),
-            trust: flags.last.unwrap_or(Trust::Calibrating).name(),
+            trust: flags.last.unwrap_or(Trust::Calibrating).name().into(),
             unmonitored_s: flags.unmonitored_us as f64 * 1e-6,
             bound_m: latched.map(|latch| f64::from(latch.bound_m())).filter(|bound| *bound > 0.0),
             captive: captive_summary,
@@ -209,10 +211,10 @@ impl Comparator {
                 None => (f64::from(effect.term.coefficient), f64::from(effect.term.sigma)),
             };
             EffectFacts {
-                effect: effect.term.id().name(),
+                effect: effect.term.id().name().into(),
                 coefficient,
                 sigma,
-                unit: effect.term.id().unit(),
+                unit: effect.term.id().unit().into(),
                 estimated: effect.estimate,
                 envelope_m: effect.term.envelope_m.map(|ends_m| ends_m.map(f64::from)),
                 extrapolated_ticks: bit.and_then(|bit| self.extrapolated.get(bit)).copied().unwrap_or(0),
@@ -228,7 +230,7 @@ impl Comparator {
         end: &MissionEnd<'_>,
         wishes: &RuleWishes,
         executor: &dyn Executor,
-    ) -> BTreeMap<&'static str, SensorRules> {
+    ) -> BTreeMap<Name, SensorRules> {
         let (multiplier, window_s) =
             (f64::from(end.model.monitor.multiplier), f64::from(end.model.monitor.window_s));
         let persistence_s = f64::from(end.model.monitor.persistence_s);
@@ -239,7 +241,10 @@ impl Comparator {
                     .latch
                     .map(|latch| f64::from(latch.sensors[sensor.index()].bound_m()))
                     .filter(|bound| *bound > 0.0);
-                Some((sensor.name(), judge(residual, bound_m, multiplier, window_s, persistence_s, wishes)))
+                Some((
+                    sensor.name().into(),
+                    judge(residual, bound_m, multiplier, window_s, persistence_s, wishes),
+                ))
             }
         });
         executor::map(executor, jobs).into_iter().flatten().collect()
@@ -262,8 +267,8 @@ fn calibration(latch: Option<&LatchRecord>) -> CalibrationFacts {
     let Some(latch) = latch else { return CalibrationFacts::default() };
     let failed = FailedChecks::from_bits(latch.failed_checks);
     CalibrationFacts {
-        quality: Some(if failed.is_empty() { "good" } else { "degraded" }),
-        failed_checks: failed.iter().map(|check| check.name()).collect(),
+        quality: Some(if failed.is_empty() { "good" } else { "degraded" }.into()),
+        failed_checks: failed.iter().map(|check| check.name().into()).collect(),
         duration_s: Some(f64::from(latch.duration_s)),
         ..CalibrationFacts::default()
     }
@@ -272,9 +277,9 @@ fn calibration(latch: Option<&LatchRecord>) -> CalibrationFacts {
 fn monitor(config: &MonitorConfig) -> MonitorFacts {
     MonitorFacts {
         sigma: match config.sigma {
-            SigmaSource::Residual => "residual",
-            SigmaSource::Covariance => "covariance",
-            SigmaSource::Datasheet => "datasheet",
+            SigmaSource::Residual => "residual".into(),
+            SigmaSource::Covariance => "covariance".into(),
+            SigmaSource::Datasheet => "datasheet".into(),
         },
         multiplier: f64::from(config.multiplier),
         window_s: f64::from(config.window_s),

@@ -2,19 +2,23 @@
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use super::phase_statistics::PhaseSummary;
 use super::remedies::Remedy;
 use super::rules::SensorRules;
 use super::timeline::Failures;
+use crate::name::Name;
 use replay::Usage;
 
 /// How well a model agrees with a flight. Serialised, a value that does not exist is null, and so is
 /// one that is not finite.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Comparison {
+    /// Version of what these keys mean: a new one where a key changes its meaning or goes.
+    pub version: u32,
     /// The flight.
     pub flight: FlightFacts,
     /// The model's name: a preset or a file.
@@ -22,7 +26,7 @@ pub struct Comparison {
     /// When the UAV was launched, by the flight's own clock, seconds.
     pub launch_s: Option<f64>,
     /// The sensors by name; those without a single reading are left out.
-    pub sensors: BTreeMap<&'static str, SensorComparison>,
+    pub sensors: BTreeMap<Name, SensorComparison>,
     /// What barometer and inertial altitude said of each other while the reference was lost in free
     /// flight; null where it never was, or no pair of readings came.
     pub cross_check: Option<CrossCheckFacts>,
@@ -35,7 +39,7 @@ pub struct Comparison {
     /// The monitor as configured.
     pub monitor: MonitorFacts,
     /// What the monitor's rule costs and catches, and a better one, by sensor.
-    pub rules: BTreeMap<&'static str, SensorRules>,
+    pub rules: BTreeMap<Name, SensorRules>,
     /// Section 4's second correction, side by side.
     pub remedies: Vec<Remedy>,
     /// Where the model fails.
@@ -44,8 +48,13 @@ pub struct Comparison {
     pub warnings: Vec<String>,
 }
 
+impl Comparison {
+    /// The version that is written.
+    pub const VERSION: u32 = 1;
+}
+
 /// Which flight it was.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct FlightFacts {
     /// The file.
@@ -59,12 +68,12 @@ pub struct FlightFacts {
     /// From the first row to the last, seconds.
     pub duration_s: f64,
     /// Which part of it is analysed.
-    #[serde(flatten)]
+    #[serde(flatten, deserialize_with = "crate::json::whole")]
     pub usage: Usage,
 }
 
 /// One sensor.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct SensorComparison {
     /// Whether the sensor leaves with the UAV.
@@ -86,10 +95,10 @@ pub struct SensorComparison {
     /// When it became untrustworthy, seconds after launch.
     pub untrustworthy_after_s: Option<f64>,
     /// Trust at the flight's end.
-    pub trust: &'static str,
+    pub trust: Name,
     /// For how long there was no reference to watch it by, seconds.
     pub unmonitored_s: f64,
-    /// The monitor's bound (multiplier times sigma), metres.
+    /// The monitor's alarm limit (multiplier times sigma), metres.
     pub bound_m: Option<f64>,
     /// Captive flight after settling.
     pub captive: PhaseSummary,
@@ -100,7 +109,7 @@ pub struct SensorComparison {
 }
 
 /// Barometer less inertial altitude while the reference was lost, each by its latched bias.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct CrossCheckFacts {
     /// Pairs of readings.
@@ -108,7 +117,7 @@ pub struct CrossCheckFacts {
     /// The difference farthest from zero, metres.
     pub largest_difference_m: f64,
     /// What the two had come to after the last pair: `agree`, `doubtful` or `disagree`.
-    pub agreement: &'static str,
+    pub agreement: Name,
     /// When they were first doubtful or worse, seconds after launch.
     pub doubtful_after_s: Option<f64>,
     /// When they disagreed, seconds after launch.
@@ -116,12 +125,12 @@ pub struct CrossCheckFacts {
 }
 
 /// How often a source's readings were used or not.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct ReadingCounts {
     /// Used.
     pub accepted: u32,
-    /// NaN or infinite, or a pressure that is none.
+    /// NaN or infinite, or an invalid pressure.
     pub not_finite: u32,
     /// A fix held since the last.
     pub held: u32,
@@ -136,7 +145,7 @@ pub struct ReadingCounts {
 }
 
 /// The reference in captive flight.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct ReferenceComparison {
     /// Innovations of its fixes: bias, spread, whiteness, NIS.
@@ -146,31 +155,31 @@ pub struct ReferenceComparison {
 }
 
 /// The calibration.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct CalibrationFacts {
     /// `good`, `degraded`, or null when nothing was latched.
-    pub quality: Option<&'static str>,
+    pub quality: Option<Name>,
     /// Names of the checks that failed.
-    pub failed_checks: Vec<&'static str>,
-    /// For how long was calibrated, seconds.
+    pub failed_checks: Vec<Name>,
+    /// Length of the calibration, seconds.
     pub duration_s: Option<f64>,
     /// What decided when the captive flight ends.
     pub source: String,
 }
 
 /// An effect that the model accounts for.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct EffectFacts {
     /// Its id in the catalogue.
-    pub effect: &'static str,
+    pub effect: Name,
     /// Its coefficient: as estimated by the end of captive flight, or the model's constant.
     pub coefficient: f64,
     /// Standard deviation of the coefficient.
     pub sigma: f64,
     /// Unit of both.
-    pub unit: &'static str,
+    pub unit: Name,
     /// Whether it was estimated.
     pub estimated: bool,
     /// The range of its regressor that the coefficient was learned in, metres per unit of coefficient.
@@ -180,11 +189,11 @@ pub struct EffectFacts {
 }
 
 /// The monitor as configured.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct MonitorFacts {
     /// Where sigma comes from.
-    pub sigma: &'static str,
+    pub sigma: Name,
     /// Threshold in sigmas.
     pub multiplier: f64,
     /// Length of the moving average, seconds.

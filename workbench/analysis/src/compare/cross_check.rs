@@ -34,7 +34,7 @@ impl CrossChecks {
         self.last.map(|last| CrossCheckFacts {
             pairs: self.pairs,
             largest_difference_m: self.largest_m.into(),
-            agreement: last.name(),
+            agreement: last.name().into(),
             doubtful_after_s: after_s(self.doubtful_us),
             disagree_after_s: after_s(self.disagree_us),
         })
@@ -61,7 +61,7 @@ mod tests {
         let expected = CrossCheckFacts {
             pairs: 4,
             largest_difference_m: -9.0,
-            agreement: "disagree",
+            agreement: "disagree".into(),
             doubtful_after_s: Some(20.0),
             disagree_after_s: Some(30.0),
         };

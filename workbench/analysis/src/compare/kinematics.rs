@@ -2,9 +2,11 @@
 
 use kf_core::atmosphere::STANDARD_GRAVITY_MPS2;
 use kf_core::input::{GpsFix, TickInput};
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use super::manoeuvre::Motion;
+use crate::name::Name;
 
 /// Slower than this, the direction of the ground track says nothing, m/s.
 const TRACK_SPEED_MPS: f64 = 5.0;
@@ -107,17 +109,17 @@ impl SignalReader {
 }
 
 /// Which signal a quantity was read from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct MotionSources {
     /// Of the climb rate.
-    pub climb_rate: Option<&'static str>,
+    pub climb_rate: Option<Name>,
     /// Of the speed.
-    pub speed: Option<&'static str>,
+    pub speed: Option<Name>,
     /// Of the load factor.
-    pub load_factor: Option<&'static str>,
+    pub load_factor: Option<Name>,
     /// Of the turn rate.
-    pub turn_rate: Option<&'static str>,
+    pub turn_rate: Option<Name>,
 }
 
 impl MotionSources {
@@ -153,34 +155,34 @@ pub(super) fn motions(seconds: &[SignalMeans]) -> (Vec<Motion>, MotionSources) {
     let mut sources = MotionSources::default();
 
     let climb = if any(|means| means.doppler_climb) {
-        sources.climb_rate = Some("gps_vd_mps");
+        sources.climb_rate = Some("gps_vd_mps".into());
         series(|means| means.doppler_climb)
     } else if any(|means| means.gps_altitude) {
-        sources.climb_rate = Some("gps_alt_m, differenced over 4 s");
+        sources.climb_rate = Some("gps_alt_m, differenced over 4 s".into());
         differences(&series(|means| means.gps_altitude), ALTITUDE_BASE)
     } else {
         none()
     };
     let speed = if any(|means| means.true_airspeed) {
-        sources.speed = Some("tas_mps");
+        sources.speed = Some("tas_mps".into());
         series(|means| means.true_airspeed)
     } else if any(|means| means.ground_speed) {
-        sources.speed = Some("gps velocity: speed over ground, wind included");
+        sources.speed = Some("gps velocity: speed over ground, wind included".into());
         series(|means| means.ground_speed)
     } else {
         none()
     };
     let load = if any(|means| means.load_factor) {
-        sources.load_factor = Some("accel_z_mps2");
+        sources.load_factor = Some("accel_z_mps2".into());
         series(|means| means.load_factor)
     } else {
         none()
     };
     let turn = if any(|means| means.track_rate) {
-        sources.turn_rate = Some("gps_vn_mps and gps_ve_mps");
+        sources.turn_rate = Some("gps_vn_mps and gps_ve_mps".into());
         series(|means| means.track_rate)
     } else if any(|means| means.yaw_rate) {
-        sources.turn_rate = Some("yaw_rad");
+        sources.turn_rate = Some("yaw_rad".into());
         series(|means| means.yaw_rate)
     } else {
         none()
@@ -268,7 +270,7 @@ mod tests {
             assert!((motion.speed_mps.unwrap() - 50.0_f64.hypot(12.0)).abs() < 1e-3);
             assert_eq!(motion.load_factor, None);
         }
-        assert_eq!(sources.climb_rate, Some("gps_vd_mps"));
+        assert_eq!(sources.climb_rate.as_deref(), Some("gps_vd_mps"));
         assert_eq!(sources.missing().len(), 1, "{:?}", sources.missing());
     }
 
@@ -289,7 +291,7 @@ mod tests {
         assert!(motions.iter().all(|motion| (motion.climb_rate_mps.unwrap() - 3.0).abs() < 1e-3));
         assert!(motions.iter().all(|motion| (motion.acceleration_mps2.unwrap() - 2.0).abs() < 1e-9));
         assert!(motions.iter().all(|motion| (motion.load_factor.unwrap() - 2.0).abs() < 1e-6));
-        assert_eq!(sources.climb_rate, Some("gps_alt_m, differenced over 4 s"));
+        assert_eq!(sources.climb_rate.as_deref(), Some("gps_alt_m, differenced over 4 s"));
         assert_eq!(sources.turn_rate, None);
     }
 

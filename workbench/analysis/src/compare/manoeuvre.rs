@@ -1,6 +1,7 @@
 //! What an aircraft is doing, by how it moves.
 
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 /// Climb or descent below this is level flight, m/s.
 const LEVEL_MPS: f64 = 2.0;
@@ -19,7 +20,7 @@ const REST_MPS: f64 = 1.0;
 const STEADY_MPS2: f64 = 1.0;
 
 /// How the aircraft moved during one stretch of flight; `None` where the flight does not say.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Motion {
     /// Climb rate, m/s, up positive.
@@ -35,7 +36,7 @@ pub struct Motion {
 }
 
 /// What the aircraft was doing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Manoeuvre {

@@ -1,7 +1,8 @@
 //! One sensor's errors and innovations in one phase of the flight.
 
 use kf_core::output::SensorOutput;
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use statistics::{
     Autocovariance, Consistency, Correlator, Moments, NisSummary, ResidualModel, RobustSpread, Whiteness,
@@ -19,7 +20,7 @@ pub(super) struct PhaseStatistics {
 }
 
 /// What a sensor's errors were like in one phase. A value that the readings cannot give is `None`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct PhaseSummary {
     /// Readings that had a reference to be compared with.
@@ -38,7 +39,7 @@ pub struct PhaseSummary {
     pub rms_m: Option<f64>,
     /// How many independent readings they are worth.
     pub effective_readings: Option<f64>,
-    /// For how long an error keeps its sign (integrated autocorrelation time), seconds.
+    /// Correlation time of the error (integrated autocorrelation time), seconds.
     pub correlation_time_s: Option<f64>,
     /// Whiteness of the errors.
     pub error_whiteness: Option<Whiteness>,

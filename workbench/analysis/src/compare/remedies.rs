@@ -2,9 +2,11 @@
 
 use kf_core::output::{Phase, TickOutput};
 use kf_core::sensor::{SENSORS, Sensor};
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use super::flags::Flags;
+use crate::name::Name;
 use statistics::Moments;
 
 /// Errors of free flight under one second correction.
@@ -16,11 +18,11 @@ pub(super) struct RemedyTally {
 }
 
 /// What a second correction did for one sensor.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct RemedyFigures {
     /// The sensor.
-    pub sensor: &'static str,
+    pub sensor: Name,
     /// Mean error in free flight, metres.
     pub mean_m: f64,
     /// Root mean square error in free flight, metres.
@@ -32,11 +34,11 @@ pub struct RemedyFigures {
 }
 
 /// One second correction, for every sensor that flies free.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Remedy {
     /// `none`, `moving_average` or `kalman`.
-    pub second_correction: &'static str,
+    pub second_correction: Name,
     /// The sensors.
     pub sensors: Vec<RemedyFigures>,
 }
@@ -66,13 +68,13 @@ impl RemedyTally {
         let sensors = Sensor::ALL.into_iter().filter(|sensor| sensor.flies_free()).filter_map(|sensor| {
             let (errors, flags) = (&self.errors[sensor.index()], &self.flags[sensor.index()]);
             Some(RemedyFigures {
-                sensor: sensor.name(),
+                sensor: sensor.name().into(),
                 mean_m: errors.mean()?,
                 rms_m: errors.rms_about(0.0)?,
                 doubtful_after_s: after_s(flags.doubtful_us),
                 untrustworthy_after_s: after_s(flags.untrustworthy_us),
             })
         });
-        Remedy { second_correction, sensors: sensors.collect() }
+        Remedy { second_correction: second_correction.into(), sensors: sensors.collect() }
     }
 }

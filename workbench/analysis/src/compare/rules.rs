@@ -1,6 +1,7 @@
 //! The monitor's rule for each sensor's own residual, and a better one.
 
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use statistics::{
     Fault, HealthyLaunches, MonitorRule, ResidualModel, RuleQuality, RuleSearch, assess_rule, recommend_rule,
@@ -31,7 +32,7 @@ impl Default for RuleWishes {
 }
 
 /// The rule that is set and the one that is recommended, for one sensor.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct SensorRules {
     /// The residual's stochastic model, fitted to its autocovariance in captive flight.
@@ -63,7 +64,7 @@ impl SensorRules {
 }
 
 /// A recommended rule.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Recommendation {
     /// Value for `[monitor] multiplier`.

@@ -5,10 +5,12 @@ use std::ops::Range;
 use kf_core::input::TickInput;
 use kf_core::output::TickOutput;
 use kf_core::sensor::{SENSORS, Sensor};
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use super::kinematics::{MotionSources, SignalMeans, SignalReader, motions};
 use super::manoeuvre::{Manoeuvre, Motion};
+use crate::name::Name;
 
 /// Shorter runs of one manoeuvre are counted to the one before them, seconds.
 const SHORTEST_RUN: usize = 2;
@@ -41,7 +43,7 @@ impl ErrorSums {
 }
 
 /// Errors of one sensor in one stretch.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct ErrorFigures {
     /// Mean, metres.
@@ -65,7 +67,7 @@ pub(super) struct Timeline {
 }
 
 /// A stretch of flight in which the aircraft did one thing.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Stretch {
     /// Start and end, seconds after launch.
@@ -77,16 +79,17 @@ pub struct Stretch {
     /// How it moved, on average.
     pub motion: Motion,
     /// The sensor.
-    pub sensor: &'static str,
-    /// Its errors.
-    #[serde(flatten)]
-    pub errors: ErrorFigures,
+    pub sensor: Name,
+    /// Mean error, metres.
+    pub mean_m: f64,
+    /// Root mean square error, metres.
+    pub rms_m: f64,
     /// Share of the sensor's squared error over the whole of free flight.
     pub share_of_squared_error: f64,
 }
 
 /// Errors in all that was flown of one manoeuvre.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct ManoeuvreErrors {
     /// What the aircraft was doing.
@@ -96,11 +99,11 @@ pub struct ManoeuvreErrors {
     /// How it moved, on average.
     pub motion: Motion,
     /// Errors of the sensors that flew, by name.
-    pub sensors: Vec<(&'static str, Option<ErrorFigures>)>,
+    pub sensors: Vec<(Name, Option<ErrorFigures>)>,
 }
 
 /// Where the model fails.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Failures {
     /// For each sensor the stretches of largest rms error, worst first.
@@ -153,13 +156,15 @@ impl Timeline {
             worst.extend(worst_stretches(&pieces, &names, &rms, worst_of).into_iter().filter_map(
                 |stretch| {
                     let sums = self.sum(stretch.clone(), sensor);
+                    let ErrorFigures { mean_m, rms_m } = sums.figures()?;
                     Some(Stretch {
                         from_s: stretch.start as f64,
                         to_s: stretch.end as f64,
                         doing: names[stretch.start],
                         motion: mean_motion(stretch.clone().map(|second| &motions[second])),
-                        sensor: sensor.name(),
-                        errors: sums.figures()?,
+                        sensor: sensor.name().into(),
+                        mean_m,
+                        rms_m,
                         share_of_squared_error: if total > 0.0 { sums.squares / total } else { 0.0 },
                     })
                 },
@@ -176,7 +181,7 @@ impl Timeline {
                 let errors = |sensor: Sensor| {
                     let mut sums = ErrorSums::default();
                     of_kind().for_each(|second| sums.add(&self.seconds[second].errors[sensor.index()]));
-                    (sensor.name(), sums.figures())
+                    (sensor.name().into(), sums.figures())
                 };
                 ManoeuvreErrors {
                     doing,
@@ -186,7 +191,7 @@ impl Timeline {
                 }
             })
             .collect();
-        Failures { worst, by_manoeuvre, sources, missing: sources.missing() }
+        Failures { worst, by_manoeuvre, missing: sources.missing(), sources }
     }
 
     fn sum(&self, run: Range<usize>, sensor: Sensor) -> ErrorSums {

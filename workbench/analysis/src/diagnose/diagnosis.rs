@@ -2,13 +2,16 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::name::Name;
 use replay::{Unused, Usage};
 
 /// What is known about a misfit. Ordered by how much it asks of the user.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
+)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
@@ -40,7 +43,7 @@ impl Verdict {
 }
 
 /// A diagnosis of one or more flights with one model.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Diagnosis {
     /// Version of what these keys mean: a new one where a key changes its meaning or goes.
@@ -82,7 +85,7 @@ impl Diagnosis {
 }
 
 /// One sensor, or the reference.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct SensorDiagnosis {
     /// The verdict.
@@ -114,7 +117,7 @@ impl SensorDiagnosis {
 }
 
 /// One candidate.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct CandidateFacts {
     /// Its id.
@@ -150,7 +153,7 @@ pub struct CandidateFacts {
 }
 
 /// A signal that the unexplained residual follows.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Follows {
     /// The signal, and what of it.
@@ -164,7 +167,7 @@ pub struct Follows {
 }
 
 /// One flight.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(from = "FlatFlight")]
 pub struct DiagnosedFlight {
@@ -191,7 +194,7 @@ pub struct DiagnosedFlight {
 }
 
 /// The noise that was found.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct NoiseFacts {
     /// The reference's wander: sigma, m.
@@ -205,7 +208,7 @@ pub struct NoiseFacts {
 }
 
 /// An effect that could not be tested.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Untested {
     /// Its id.
@@ -224,7 +227,7 @@ const fn is_none(count: &u64) -> bool {
 
 /// A flight as it is read: serde's `flatten` does not read numbers where a dependency has `serde_json` keep their digits
 /// (serde_json's issue 505).
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 struct FlatFlight {
     file: String,
     calibration: String,

@@ -14,7 +14,8 @@
 //! called so in at most 5 %, and in `P(z < -1.645 - |c| i / (2 sqrt(V)))`; one that does not act in
 //! `P(z < -1.645 + |c| i / (2 sqrt(V)))`. Where that is less than 95 % the test can not tell, and says so.
 
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use super::evidence::{Evidence, Folds};
 
@@ -22,7 +23,7 @@ use super::evidence::{Evidence, Folds};
 const LEVEL: f64 = 1.645;
 
 /// What was held out, with an effect and without.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct HeldOutVerdict {
     /// What twice the log likelihood gains by the effect; negative: it is worse with it.

@@ -4,12 +4,15 @@ use std::collections::BTreeMap;
 
 use kf_core::effect::{EffectId, EffectTerm, Regressor};
 use model::{Effect, Model, ModelError};
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 use time::Date;
 
 use super::document::{DocumentError, RevisionErrors, with_effect, with_revision};
 use super::filter::{LearnError, learn};
+use crate::name::Name;
+
 use super::score::{Scores, SensorScore, pooled_rms_m, score};
 use crate::diagnose::{Diagnosis, HeldOutVerdict, NamedReplay, Verdict, Wish, envelope_m, study};
 use crate::progress::{Cancelled, Progress, step};
@@ -17,7 +20,7 @@ use executor::Executor;
 use flight_data::Flight;
 use replay::{CalibrationWindow, Replay, ReplayError, missing_columns};
 
-/// A coefficient nearer to zero than so many of its sigmas may be none.
+/// A coefficient within this many sigmas of zero is treated as absent.
 const SIGNIFICANT_SIGMAS: f64 = 3.0;
 
 /// A flight and what the user calls it.
@@ -43,7 +46,7 @@ pub struct Request<'a> {
 }
 
 /// What the errors before and after are of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum JudgedOn {
@@ -55,7 +58,7 @@ pub enum JudgedOn {
 }
 
 /// A sensor on a flight without and with the effect.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct SensorChange {
     /// With the model as it was.
@@ -65,27 +68,29 @@ pub struct SensorChange {
 }
 
 /// A flight without and with the effect.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct FlightChange {
     /// The file.
     pub file: String,
     /// Every sensor by name.
-    pub sensors: BTreeMap<&'static str, SensorChange>,
+    pub sensors: BTreeMap<Name, SensorChange>,
 }
 
 /// An effect added: the keys of `pylon add --json`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Addition {
+    /// Version of what these keys mean: a new one where a key changes its meaning or goes.
+    pub version: u32,
     /// Its id.
-    pub effect: &'static str,
+    pub effect: Name,
     /// The learned coefficient, as it was written.
     pub coefficient: f32,
     /// Its sigma.
     pub sigma: f32,
     /// Unit of both.
-    pub unit: &'static str,
+    pub unit: Name,
     /// Root mean square error of the sensors concerned before, on what `judged_on` says, metres.
     pub rms_before_m: Option<f64>,
     /// And after, metres.
@@ -101,7 +106,7 @@ pub struct Addition {
     /// Time constant of its regressor, seconds, where it has one.
     pub time_constant_s: Option<f64>,
     /// When that regressor's clock starts.
-    pub since: Option<&'static str>,
+    pub since: Option<Name>,
     /// The range of its regressor in the learning flights, metres per unit of coefficient.
     pub envelope_m: Option<[f32; 2]>,
     /// Whether it is a state of the filter.
@@ -121,6 +126,11 @@ pub struct Addition {
     /// The model's new text.
     #[serde(skip)]
     pub text: String,
+}
+
+impl Addition {
+    /// The version that is written.
+    pub const VERSION: u32 = 1;
 }
 
 /// Why an effect can not be added at all.
@@ -251,10 +261,11 @@ pub fn add(
     let remarks = doubts(&diagnosis, id).into_iter().chain(untold(judged_on, &verdict)).chain(not_flown);
     let has_time = id.has_time_constant();
     Ok(Addition {
-        effect: id.name(),
+        version: Addition::VERSION,
+        effect: id.name().into(),
         coefficient: term.coefficient,
         sigma: term.sigma,
-        unit: id.unit(),
+        unit: id.unit().into(),
         rms_before_m: judged_m[0],
         rms_after_m: judged_m[1],
         judged_on,
@@ -262,7 +273,7 @@ pub fn add(
         learning_rms_m,
         diagnosed: [lesson.facts.coefficient, lesson.facts.sigma],
         time_constant_s: has_time.then(|| f64::from(regressor.time_constant_s)),
-        since: has_time.then(|| regressor.since.name()),
+        since: has_time.then(|| regressor.since.name().into()),
         envelope_m: term.envelope_m,
         estimate: effect.estimate,
         replaced_coefficient,
@@ -334,7 +345,7 @@ fn changes(
         let is = score(&after.replay).map_err(failed)?;
         step(progress)?;
         let sensors = was.iter().filter_map(|(name, before)| {
-            Some((*name, SensorChange { before: *before, after: *is.get(name)? }))
+            Some((name.clone(), SensorChange { before: *before, after: *is.get(name)? }))
         });
         changes.push(FlightChange { file: before.file.clone(), sensors: sensors.collect() });
     }
@@ -343,7 +354,7 @@ fn changes(
 
 fn scores(flights: &[FlightChange], side: impl Fn(&SensorChange) -> SensorScore) -> Vec<Scores> {
     let of = |flight: &FlightChange| {
-        flight.sensors.iter().map(|(name, change)| (*name, side(change))).collect::<Scores>()
+        flight.sensors.iter().map(|(name, change)| (name.clone(), side(change))).collect::<Scores>()
     };
     flights.iter().map(of).collect()
 }

@@ -1,41 +1,49 @@
 //! Every revision of a model on every flight.
 
-use kf_core::effect::EffectId;
 use model::Model;
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use super::addition::NamedFlight;
 use super::score::{Scores, score};
+use crate::name::Name;
 use replay::{CalibrationWindow, Replay, ReplayError};
 
 /// The keys of `pylon ladder --json`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Ladder {
+    /// Version of what these keys mean: a new one where a key changes its meaning or goes.
+    pub version: u32,
     /// The model's name.
     pub model: String,
     /// Its revisions, oldest first; the first is before all of them.
     pub revisions: Vec<Rung>,
 }
 
+impl Ladder {
+    /// The version that is written.
+    pub const VERSION: u32 = 1;
+}
+
 /// One revision.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Rung {
     /// Its number; 0 is before all revisions.
     pub number: u32,
     /// The effect that it added or learned anew.
-    pub effect: Option<&'static str>,
+    pub effect: Option<Name>,
     /// The day.
     pub date: Option<String>,
     /// The effects of the model as it left it.
-    pub effects: Vec<&'static str>,
+    pub effects: Vec<Name>,
     /// Every flight.
     pub flights: Vec<RungFlight>,
 }
 
 /// One flight with one revision.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct RungFlight {
     /// The file.
@@ -70,11 +78,11 @@ pub fn ladder(
         let revision = model.revisions.iter().find(|revision| revision.number == number && number > 0);
         revisions.push(Rung {
             number,
-            effect: revision.and_then(|revision| revision.effect).map(EffectId::name),
+            effect: revision.and_then(|revision| revision.effect).map(|effect| effect.name().into()),
             date: revision.and_then(|revision| revision.date.clone()),
-            effects: left.effects.iter().map(|effect| effect.term.id().name()).collect(),
+            effects: left.effects.iter().map(|effect| effect.term.id().name().into()).collect(),
             flights: rung,
         });
     }
-    Ok(Ladder { model: String::new(), revisions })
+    Ok(Ladder { version: Ladder::VERSION, model: String::new(), revisions })
 }

@@ -5,12 +5,14 @@ use std::collections::BTreeMap;
 use kf_core::effect::EffectSubject;
 use kf_core::output::{Phase, Trust};
 use kf_core::sensor::{SENSORS, Sensor};
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
+use crate::name::Name;
 use replay::{Replay, ReplayError};
 
 /// One sensor's errors on one flight (eq. 16), and its flags.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct SensorScore {
     /// Root mean square error in captive flight, by the latched bias, metres; `None` without a reading.
@@ -29,7 +31,7 @@ pub struct SensorScore {
 }
 
 /// The scores of a flight's sensors by name; those without a single reading are left out.
-pub type Scores = BTreeMap<&'static str, SensorScore>;
+pub type Scores = BTreeMap<Name, SensorScore>;
 
 /// Sums over one sensor's ticks.
 #[derive(Clone, Copy, Default)]
@@ -103,7 +105,7 @@ pub fn score(replay: &Replay<'_>) -> Result<Scores, ReplayError> {
             free_flight_s: after_s(last_us),
             ticks: free as u64,
         };
-        Some((sensor.name(), score))
+        Some((sensor.name().into(), score))
     });
     Ok(scores.collect())
 }

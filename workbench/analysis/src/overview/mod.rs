@@ -3,7 +3,8 @@
 mod next;
 mod sensors;
 
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use flight_data::{Channel, Column, Flight, Note};
 use model::Model;
@@ -14,9 +15,11 @@ use replay::{CalibrationWindow, Replay, Usage, has_launch};
 pub use sensors::{SensorState, SensorView};
 
 /// What is in a log: the keys of `pylon open --json`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Overview {
+    /// Version of what these keys mean: a new one where a key changes its meaning or goes.
+    pub version: u32,
     /// The file.
     pub file: String,
     /// What kind of log it is.
@@ -32,7 +35,7 @@ pub struct Overview {
     /// When it was launched or dropped, by its own `launch` column, seconds.
     pub launch_s: Option<f64>,
     /// Which part of it is analysed.
-    #[serde(flatten)]
+    #[serde(flatten, deserialize_with = "crate::json::whole")]
     pub usage: Usage,
     /// Every time in the air.
     pub outings: Vec<Aloft>,
@@ -57,7 +60,7 @@ pub struct Overview {
 }
 
 /// One time in the air, seconds of the flight's own clock; null where the log does not show it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Aloft {
     /// When it took off.
@@ -75,6 +78,9 @@ impl From<&Outing> for Aloft {
 }
 
 impl Overview {
+    /// The version that is written.
+    pub const VERSION: u32 = 1;
+
     /// Of a flight as it was read; `format` is what the file was.
     #[must_use]
     pub fn new(
@@ -99,6 +105,7 @@ impl Overview {
             Err(error) => (Usage::default(), None, None, Some(error.to_string()), None),
         };
         Self {
+            version: Self::VERSION,
             file: file.to_owned(),
             format: format.to_owned(),
             vehicle: flight.header.vehicle.clone(),

@@ -2,10 +2,13 @@
 
 use flight_data::{Channel, Column, Flight};
 use replay::barometer::{self, Fault};
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::name::Name;
 
 /// Whether a sensor measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum SensorState {
@@ -20,11 +23,11 @@ pub enum SensorState {
 }
 
 /// A sensor of a log.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct SensorView {
     /// Its name.
-    pub sensor: &'static str,
+    pub sensor: Name,
     /// Whether it measured.
     pub state: SensorState,
     /// Samples.
@@ -32,7 +35,7 @@ pub struct SensorView {
     /// Median rate, samples a second.
     pub rate_hz: Option<f64>,
     /// Its columns.
-    pub columns: Vec<&'static str>,
+    pub columns: Vec<Name>,
 }
 
 /// A sensor and its columns, the telling one first.
@@ -62,11 +65,11 @@ pub(super) fn views(flight: &Flight) -> Vec<SensorView> {
         let state = telling.map_or(SensorState::Absent, |column| state(flight, sensor, column));
         // The receiver and the barometer are asked for, the others are not.
         (place < 3 || state != SensorState::Absent).then(|| SensorView {
-            sensor,
+            sensor: (*sensor).into(),
             state,
             samples: telling.map_or(0, |column| column.samples().count() as u64),
             rate_hz: telling.and_then(|column| rate_hz(flight, column)),
-            columns: columns.iter().map(|(channel, _)| channel.name()).collect(),
+            columns: columns.iter().map(|(channel, _)| channel.name().into()).collect(),
         })
     };
     SENSORS.iter().enumerate().filter_map(view).collect()
@@ -119,7 +122,7 @@ mod tests {
         flight.set_channel(Channel::GyroXRadps, empty.clone());
         flight.set_channel(Channel::BaroPa, empty);
         let views = views(&flight);
-        let named: Vec<_> = views.iter().map(|view| (view.sensor, view.state)).collect();
+        let named: Vec<_> = views.iter().map(|view| (&*view.sensor, view.state)).collect();
         assert_eq!(
             named,
             [

@@ -7,6 +7,7 @@
 mod silence;
 mod text;
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use chip_models::flown::ChipFault;
@@ -17,18 +18,22 @@ use kf_core::atmosphere::pressure_altitude_m;
 use kf_core::input::{BaroReading, TickInput};
 use kf_core::latch::LatchRecord;
 use kf_core::output::{Phase, Trust};
-use kf_core::quality::{Check, FailedChecks};
+use kf_core::quality::FailedChecks;
 use kf_core::sensor::{SENSORS, Sensor};
 use model::Model;
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use super::error::FlyError;
 use super::fault_script::{Item, Scripted};
 use super::grid::{OnGrid, TICK_US};
 use super::host;
 
+/// The name of a sensor, a check or a verdict: one of ours, or one that was read.
+pub type Name = Cow<'static, str>;
+
 /// A value without the fault, and with it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Beside<T> {
     /// Of the flight without the fault.
     pub clean: T,
@@ -37,22 +42,22 @@ pub struct Beside<T> {
 }
 
 /// What a fault did.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Consequence {
     /// The calibration.
     pub calibration: CalibrationBeside,
     /// When the launch was decided, seconds of the flight's time; null without one.
     pub launch_decided_s: Beside<Option<f64>>,
     /// The flags, by sensor that flies free.
-    pub flags: BTreeMap<&'static str, FlagsBeside>,
+    pub flags: BTreeMap<Name, FlagsBeside>,
     /// The reference altitude as estimated in captive flight; null where both flights have none.
     pub captive_altitude: Option<AltitudeDifference>,
     /// Each sensor's altitude in free flight, as calibrated: reading less latched bias.
-    pub free_flight_altitude: BTreeMap<&'static str, AltitudeDifference>,
+    pub free_flight_altitude: BTreeMap<Name, AltitudeDifference>,
     /// For how long each source delivered nothing while it did without the fault, seconds.
-    pub not_delivering_s: BTreeMap<&'static str, f64>,
+    pub not_delivering_s: BTreeMap<Name, f64>,
     /// Readings that the estimator refused, by sensor, `gps` among them.
-    pub readings_refused: BTreeMap<&'static str, Beside<u32>>,
+    pub readings_refused: BTreeMap<Name, Beside<u32>>,
     /// Polls of sensors that failed.
     pub polls_failed: Beside<u32>,
     /// Ticks at which what the flight computer saw or said has other bits.
@@ -60,20 +65,20 @@ pub struct Consequence {
 }
 
 /// Two calibrations.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CalibrationBeside {
     /// When they were latched: the launch's first edge, seconds of the flight's time; null without a launch.
     pub latched_s: Beside<Option<f64>>,
     /// `good`, `degraded`, or null when nothing was latched.
-    pub quality: Beside<Option<&'static str>>,
+    pub quality: Beside<Option<Name>>,
     /// Names of the checks that failed.
-    pub failed_checks: Beside<Vec<&'static str>>,
+    pub failed_checks: Beside<Vec<Name>>,
     /// The biases of the sensors that were calibrated in both.
-    pub sensors: BTreeMap<&'static str, BiasBeside>,
+    pub sensors: BTreeMap<Name, BiasBeside>,
 }
 
 /// A sensor's calibration, twice.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct BiasBeside {
     /// Latched bias, metres.
     pub bias_m: Beside<f64>,
@@ -83,14 +88,14 @@ pub struct BiasBeside {
     pub difference_in_sigmas: f64,
     /// Standard deviation of the bias, metres.
     pub bias_sigma_m: Beside<f64>,
-    /// The monitor's bound, metres.
+    /// The monitor's alarm limit, metres.
     pub bound_m: Beside<f64>,
     /// Readings used.
     pub readings: Beside<u32>,
 }
 
 /// A sensor's flags, twice: seconds after the launch's first edge, or null.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FlagsBeside {
     /// When it became doubtful.
     pub doubtful_after_s: Beside<Option<f64>>,
@@ -101,7 +106,7 @@ pub struct FlagsBeside {
 }
 
 /// How far two altitudes are apart, over the ticks that have both.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AltitudeDifference {
     /// Root mean square, metres.
     pub rms_m: f64,
@@ -244,30 +249,33 @@ impl Flown {
         time_us.map(|time_us| time_us.saturating_sub(launched_us) as f64 / 1e6)
     }
 
-    fn failed_checks(&self) -> Vec<&'static str> {
+    fn failed_checks(&self) -> Vec<Name> {
         let bits = self.latch.as_ref().map_or(0, |latch| latch.failed_checks);
-        FailedChecks::from_bits(bits).iter().map(Check::name).collect()
+        FailedChecks::from_bits(bits).iter().map(|check| check.name().into()).collect()
     }
 
-    fn quality(&self) -> Option<&'static str> {
-        self.latch.as_ref().map(|latch| if latch.failed_checks == 0 { "good" } else { "degraded" })
+    fn quality(&self) -> Option<Name> {
+        self.latch.as_ref().map(|latch| if latch.failed_checks == 0 { "good" } else { "degraded" }.into())
     }
 }
 
 fn beside(clean: &Flown, with_fault: &Flown) -> Consequence {
     let free = || Sensor::ALL.into_iter().filter(|sensor| sensor.flies_free());
-    let flags = free().map(|sensor| (sensor.name(), flags(clean, with_fault, sensor.index())));
+    let flags = free().map(|sensor| (sensor.name().into(), flags(clean, with_fault, sensor.index())));
     let pairs = || clean.ticks.iter().zip(&with_fault.ticks);
     let captive = pairs().map(|(one, other)| (one.time_us, one.estimated_m, other.estimated_m));
     let altitudes = free().filter_map(|sensor| {
         let of = |tick: &Tick| tick.calibrated_m[sensor.index()];
-        Some((sensor.name(), difference(pairs().map(|(one, other)| (one.time_us, of(one), of(other))))?))
+        Some((
+            sensor.name().into(),
+            difference(pairs().map(|(one, other)| (one.time_us, of(one), of(other))))?,
+        ))
     });
     let silent = SOURCES.into_iter().enumerate().filter_map(|(bit, name)| {
         let delivers =
             |flown: &Flown| flown.ticks.iter().map(|tick| tick.delivered >> bit & 1 == 1).collect::<Vec<_>>();
         let ticks = silence::ticks(&delivers(clean), &delivers(with_fault))?;
-        Some((name, (ticks as u64 * TICK_US) as f64 / 1e6))
+        Some((name.into(), (ticks as u64 * TICK_US) as f64 / 1e6))
     });
     let names = ["gps"].into_iter().chain(Sensor::ALL.map(Sensor::name));
     let refused = clean.refused.iter().zip(&with_fault.refused);
@@ -288,6 +296,7 @@ fn beside(clean: &Flown, with_fault: &Flown) -> Consequence {
         free_flight_altitude: altitudes.collect(),
         not_delivering_s: silent.collect(),
         readings_refused: names
+            .map(Name::from)
             .zip(refused.map(|(clean, with_fault)| Beside { clean: *clean, with_fault: *with_fault }))
             .collect(),
         polls_failed: both(clean, with_fault, |flown| flown.polls_failed),
@@ -309,7 +318,7 @@ fn flags(clean: &Flown, with_fault: &Flown, sensor: usize) -> FlagsBeside {
     }
 }
 
-fn biases(clean: &Flown, with_fault: &Flown) -> BTreeMap<&'static str, BiasBeside> {
+fn biases(clean: &Flown, with_fault: &Flown) -> BTreeMap<Name, BiasBeside> {
     let (Some(clean), Some(with_fault)) = (&clean.latch, &with_fault.latch) else { return BTreeMap::new() };
     let pairs = Sensor::ALL.into_iter().zip(clean.sensors.iter().zip(&with_fault.sensors));
     pairs
@@ -329,7 +338,7 @@ fn biases(clean: &Flown, with_fault: &Flown) -> BTreeMap<&'static str, BiasBesid
                 bound_m: Beside { clean: clean.bound_m().into(), with_fault: with_fault.bound_m().into() },
                 readings: Beside { clean: clean.readings, with_fault: with_fault.readings },
             };
-            (sensor.name(), bias)
+            (sensor.name().into(), bias)
         })
         .collect()
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Write as _};
 
-use super::{AltitudeDifference, Beside, BiasBeside, Consequence};
+use super::{AltitudeDifference, Beside, BiasBeside, Consequence, Name};
 
 /// Width of the names on the left.
 const NAME: usize = 19;
@@ -12,11 +12,14 @@ const SILENCE_S: f64 = 0.0075;
 impl fmt::Display for Consequence {
     /// Lines that each begin with four spaces or more, the first with two.
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(formatter, "  the fault            beside the same flight without it, flown on the host:")?;
+        writeln!(
+            formatter,
+            "  the fault            compared with the same flight without it, flown on the host:"
+        )?;
         if self.ticks_that_differ == 0 {
             return writeln!(
                 formatter,
-                "    nothing            not one tick saw or said anything else; {}",
+                "    nothing            every tick is the same; {}",
                 polls(&self.polls_failed)
             );
         }
@@ -67,13 +70,13 @@ fn after(time_s: Option<f64>) -> String {
 impl Consequence {
     fn calibration(&self, lines: &mut String) -> fmt::Result {
         let calibration = &self.calibration;
-        let quality = |quality: Option<&str>, failed: &[&str]| match quality {
+        let quality = |quality: &Option<Name>, failed: &[Name]| match quality {
             None => "nothing was latched".to_owned(),
-            Some(quality) if failed.is_empty() => quality.to_owned(),
+            Some(quality) if failed.is_empty() => quality.to_string(),
             Some(quality) => format!("{quality} ({} failed)", failed.join(", ")),
         };
-        let with_fault = quality(calibration.quality.with_fault, &calibration.failed_checks.with_fault);
-        let clean = quality(calibration.quality.clean, &calibration.failed_checks.clean);
+        let with_fault = quality(&calibration.quality.with_fault, &calibration.failed_checks.with_fault);
+        let clean = quality(&calibration.quality.clean, &calibration.failed_checks.clean);
         line(lines, "calibration", &instead(&with_fault, &clean))?;
         for (sensor, bias) in &calibration.sensors {
             line(lines, &format!("  {sensor}"), &bias_words(bias))?;
@@ -146,8 +149,11 @@ impl Consequence {
             .filter(|(_, silent_s)| **silent_s > SILENCE_S)
             .map(|(source, silent_s)| format!("{source} for {silent_s:.3} s"))
             .collect();
-        let silent =
-            if silent.is_empty() { "none, beside the clean run".to_owned() } else { silent.join(", ") };
+        let silent = if silent.is_empty() {
+            "none, compared with the clean run".to_owned()
+        } else {
+            silent.join(", ")
+        };
         line(lines, "not delivering", &silent)?;
         for (source, refused) in
             self.readings_refused.iter().filter(|(_, refused)| refused.clean != refused.with_fault)
@@ -173,7 +179,7 @@ fn bias_words(bias: &BiasBeside) -> String {
     };
     let bound = |bound_m: f64| if bound_m > 0.0 { metres(bound_m) } else { "none".to_owned() };
     format!(
-        "bias {}, {moved}; monitor's bound {}",
+        "bias {}, {moved}; alarm limit {}",
         metres(bias.bias_m.with_fault),
         instead(&bound(bias.bound_m.with_fault), &bound(bias.bound_m.clean))
     )
@@ -217,19 +223,24 @@ mod tests {
         Consequence {
             calibration: CalibrationBeside {
                 latched_s: same(Some(120.0)),
-                quality: Beside { clean: Some("good"), with_fault: Some("degraded") },
+                quality: Beside { clean: Some("good".into()), with_fault: Some("degraded".into()) },
                 failed_checks: Beside {
                     clean: vec![],
-                    with_fault: vec!["sensors_alive", "biases_stationary"],
+                    with_fault: vec!["sensors_alive".into(), "biases_stationary".into()],
                 },
-                sensors: [("baro", bias), ("imu_slave", still)].into(),
+                sensors: [("baro".into(), bias), ("imu_slave".into(), still)].into(),
             },
             launch_decided_s: Beside { clean: Some(120.25), with_fault: Some(120.5) },
-            flags: [("baro", flags), ("imu_slave", lost)].into(),
+            flags: [("baro".into(), flags), ("imu_slave".into(), lost)].into(),
             captive_altitude: Some(AltitudeDifference { rms_m: 0.000_02, ..moved }),
-            free_flight_altitude: [("baro", moved), ("imu_slave", AltitudeDifference::default())].into(),
-            not_delivering_s: [("baro", 5.0), ("imu", 0.0)].into(),
-            readings_refused: [("baro", Beside { clean: 0, with_fault: 3 }), ("gps", same(1))].into(),
+            free_flight_altitude: [
+                ("baro".into(), moved),
+                ("imu_slave".into(), AltitudeDifference::default()),
+            ]
+            .into(),
+            not_delivering_s: [("baro".into(), 5.0), ("imu".into(), 0.0)].into(),
+            readings_refused: [("baro".into(), Beside { clean: 0, with_fault: 3 }), ("gps".into(), same(1))]
+                .into(),
             polls_failed: Beside { clean: 0, with_fault: 84 },
             ticks_that_differ: 9_000,
         }
@@ -237,10 +248,10 @@ mod tests {
 
     #[test]
     fn says_what_changed_and_what_did_not() {
-        let expected = "  the fault            beside the same flight without it, flown on the host:
+        let expected = "  the fault            compared with the same flight without it, flown on the host:
     calibration        degraded (sensors_alive, biases_stationary failed); good without the fault
-      baro             bias 13.750 m, moved by +0.250 m, 0.50 of its own sigma (0.500 m); monitor's bound 4.125 m; 4.000 m without the fault
-      imu_slave        bias -7.500 m, not moved; monitor's bound 6.000 m, as without the fault
+      baro             bias 13.750 m, moved by +0.250 m, 0.50 of its own sigma (0.500 m); alarm limit 4.125 m; 4.000 m without the fault
+      imu_slave        bias -7.500 m, not moved; alarm limit 6.000 m, as without the fault
     latched            at 120.000 s, as without the fault
     launch decided     at 120.500 s; at 120.250 s without the fault
     flags
@@ -265,8 +276,8 @@ mod tests {
         let nothing = Consequence { ticks_that_differ: 0, polls_failed: same(0), ..consequence() };
         assert_eq!(
             nothing.to_string(),
-            "  the fault            beside the same flight without it, flown on the host:
-    nothing            not one tick saw or said anything else; 0 polls failed, 0 without the fault
+            "  the fault            compared with the same flight without it, flown on the host:
+    nothing            every tick is the same; 0 polls failed, 0 without the fault
 "
         );
     }
@@ -279,5 +290,6 @@ mod tests {
         assert_eq!(json["not_delivering_s"]["baro"], 5.0);
         assert_eq!(json["free_flight_altitude"]["baro"]["rms_m"], 0.125);
         assert_eq!(json["calibration"]["quality"]["clean"], "good");
+        assert_eq!(serde_json::from_value::<Consequence>(json).unwrap(), consequence());
     }
 }

@@ -1,6 +1,6 @@
 //! Logs of other programs as flights.
 //!
-//! What a log is, is told by its content, never by its name. An importer turns what it finds into
+//! Formats are detected from content, never from the name. An importer turns what it finds into
 //! [`flight_data`]'s units and axes and says in [`Note`]s what it inferred, left out or could not read.
 
 mod airspeed;

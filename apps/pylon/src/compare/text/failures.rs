@@ -21,13 +21,13 @@ pub(super) fn write(out: &mut String, comparison: &Comparison, colour: bool) {
     );
     let mut last = "";
     for stretch in &failures.worst {
-        let name = if stretch.sensor == last { "" } else { stretch.sensor };
-        last = stretch.sensor;
+        let name = if stretch.sensor == last { "" } else { &*stretch.sensor };
+        last = &stretch.sensor;
         put!(out, "  {name:<10} {}", stretch_line(stretch));
     }
     let Some(first) = failures.by_manoeuvre.first() else { return };
     let mut heads = vec!["for", "climb", "speed", "load", "turn"];
-    heads.extend(first.sensors.iter().map(|(name, _)| *name));
+    heads.extend(first.sensors.iter().map(|(name, _)| &**name));
     let mut sheet = Sheet::new("mean, rms error", &heads);
     for kind in &failures.by_manoeuvre {
         let mut cells = vec![format!("{:.0} s", kind.seconds)];
@@ -65,8 +65,8 @@ fn stretch_line(stretch: &Stretch) -> String {
         stretch.from_s,
         stretch.to_s,
         stretch.doing.phrase(),
-        signed_m(Some(stretch.errors.mean_m)),
-        metres(Some(stretch.errors.rms_m)),
+        signed_m(Some(stretch.mean_m)),
+        metres(Some(stretch.rms_m)),
         percent(Some(stretch.share_of_squared_error))
     )
 }

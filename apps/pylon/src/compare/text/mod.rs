@@ -9,12 +9,14 @@ mod table;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use analysis::name::Name;
 use kf_core::sensor::Sensor;
 
 use self::number::{grouped, metres, plain, seconds, signed_m};
 use self::table::{Mood, Sheet};
 use super::words::Words;
 use super::{Comparison, CrossCheckFacts, SensorComparison};
+use crate::printable::printable;
 
 /// Writing a line to a string, which can not fail.
 macro_rules! put {
@@ -33,13 +35,13 @@ pub fn text(comparison: &Comparison, colour: bool) -> String {
     failures::write(&mut out, comparison, colour);
     rules::write(&mut out, comparison, colour);
     remedies(&mut out, comparison, colour);
-    lines(&mut out, "Not used as it stood", &comparison.warnings);
-    lines(&mut out, "Not in this flight", &comparison.failures.missing);
+    lines(&mut out, "Data that was refused or changed", &comparison.warnings);
+    lines(&mut out, "Missing from this flight", &comparison.failures.missing);
     out
 }
 
 /// Entries in the order of the sensors, not of their names.
-fn in_order<'a, T>(by_name: &'a BTreeMap<&'static str, T>) -> Vec<(&'static str, &'a T)> {
+fn in_order<T>(by_name: &BTreeMap<Name, T>) -> Vec<(&'static str, &T)> {
     Sensor::ALL.iter().filter_map(|sensor| Some((sensor.name(), by_name.get(sensor.name())?))).collect()
 }
 
@@ -61,7 +63,7 @@ fn heading(out: &mut String, comparison: &Comparison) {
         [("vehicle", &flight.vehicle), ("source", &flight.source), ("model", &comparison.model)]
     {
         if !value.is_empty() {
-            put!(out, "  {key:<9}{value}");
+            put!(out, "  {key:<9}{}", printable(value));
         }
     }
     if let Some(in_the_air) = flight.usage.in_the_air() {
@@ -73,8 +75,8 @@ fn heading(out: &mut String, comparison: &Comparison) {
     put!(out, "");
     let words = comparison.words();
     let calibration = &comparison.calibration;
-    match calibration.quality {
-        None => put!(out, "Calibration: none was latched ({}).", calibration.source),
+    match &calibration.quality {
+        None => put!(out, "Calibration: nothing was latched ({}).", calibration.source),
         Some(quality) => {
             let duration = seconds(calibration.duration_s);
             put!(out, "Calibration: {quality}, {duration} long ({}).", calibration.source);
@@ -88,7 +90,7 @@ fn heading(out: &mut String, comparison: &Comparison) {
         let how = if effect.estimated {
             format!("estimated in {}", words.before)
         } else {
-            "as the model says".to_owned()
+            "constant in the model".to_owned()
         };
         put!(
             out,
@@ -100,7 +102,7 @@ fn heading(out: &mut String, comparison: &Comparison) {
         if let (Some([least, largest]), 1..) = (effect.envelope_m, effect.extrapolated_ticks) {
             put!(
                 out,
-                "  extrapolated at {} ticks: learned while its regressor was {} to {} m",
+                "  extrapolated at {} ticks: its regressor was {} to {} m when it was learned",
                 grouped(effect.extrapolated_ticks.into()),
                 plain(Some(least)),
                 plain(Some(largest))
@@ -122,21 +124,21 @@ fn heading(out: &mut String, comparison: &Comparison) {
 /// What a failed check means.
 pub(crate) fn meaning(check: &str) -> &'static str {
     match check {
-        "settled" => "launched before the settling time was over",
+        "settled" => "launched before the settling time had passed",
         "long_enough" => "the calibration was too short",
         "trimmed_altitude" => "the altitude was not quiet",
         "trimmed_airspeed" => "the airspeed was not quiet",
         "reference_converged" => {
-            "the receiver's own altitude still drifted, or it said itself that it was poor"
+            "the receiver's altitude was still drifting, or the receiver reported poor accuracy"
         }
         "reference_fresh" => "the reference was lost during the calibration or at launch",
         "biases_stationary" => "a bias drifted",
-        "innovations_plausible" => "innovations were larger than the model says",
-        "inputs_valid" => "numbers were not finite, or time ran backward",
+        "innovations_plausible" => "innovations were larger than the model predicts",
+        "inputs_valid" => "values were not finite, or time ran backward",
         "sensors_alive" => "a sensor was stuck or silent",
-        "launch_confirmed" => "nothing but the umbilical's wire showed the launch",
+        "launch_confirmed" => "only the umbilical's wire indicated the launch",
         "readings_consistent" => {
-            "a source had many outliers, stepped in mid-calibration, is spread ten times as far as the model says, or has a bias that its prior \
+            "a source had many outliers, stepped during the calibration, has ten times the spread in the model, or a bias that its prior \
              rules out"
         }
         _ => "see the documentation of kf_core::quality",
@@ -148,10 +150,10 @@ fn without_reference(check: &CrossCheckFacts, Words { event, .. }: Words) -> Str
     let most = signed_m(Some(check.largest_difference_m));
     let said = match (check.disagree_after_s, check.doubtful_after_s) {
         (Some(after_s), _) => format!(
-            "disagree from {} after {event} on: one of them is wrong, and nothing says which",
+            "disagree from {} after {event}: one of them is wrong, and nothing shows which",
             seconds(Some(after_s))
         ),
-        (None, Some(after_s)) => format!("are doubtful from {} after {event} on", seconds(Some(after_s))),
+        (None, Some(after_s)) => format!("are doubtful from {} after {event}", seconds(Some(after_s))),
         (None, None) => "agree".to_owned(),
     };
     format!("Without the reference baro and imu_slave {said} (at most {most} apart).")
@@ -184,13 +186,13 @@ fn remedies(out: &mut String, comparison: &Comparison, colour: bool) {
     let Some(first) = comparison.remedies.first() else { return };
     put!(
         out,
-        "\nA second correction in {} (section 4 of the paper), each flown over this flight",
+        "\nSecond corrections in {} (section 4 of the paper), each run on this flight",
         comparison.words().after
     );
-    let names: Vec<&str> = first.sensors.iter().map(|figures| figures.sensor).collect();
+    let names: Vec<&str> = first.sensors.iter().map(|figures| &*figures.sensor).collect();
     let mut sheet = Sheet::new("mean and rms error; untrustworthy after", &names);
     for remedy in &comparison.remedies {
-        let label = match remedy.second_correction {
+        let label = match &*remedy.second_correction {
             "moving_average" => "moving average",
             "kalman" => "Kalman filter",
             other => other,
@@ -209,7 +211,7 @@ fn remedies(out: &mut String, comparison: &Comparison, colour: bool) {
     put!(out, "{}", sheet.render(colour));
     put!(
         out,
-        "Both learn from the reference itself: they show how slow the errors are, not that the sensor is right."
+        "Both learn from the reference: they show how slow the errors are, not that the sensor is right."
     );
 }
 
@@ -219,6 +221,6 @@ fn lines(out: &mut String, title: &str, lines: &[String]) {
     }
     put!(out, "\n{title}");
     for line in lines {
-        put!(out, "  {line}");
+        put!(out, "  {}", printable(line));
     }
 }

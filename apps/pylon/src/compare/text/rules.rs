@@ -21,20 +21,20 @@ pub(super) fn write(out: &mut String, comparison: &Comparison, colour: bool) {
     let columns: Vec<&SensorRules> = by_name.iter().map(|(_, rules)| *rules).collect();
     let monitor = &comparison.monitor;
     let Words { before, residual, .. } = comparison.words();
-    put!(out, "\nThe monitor's rule, judged by each sensor's own {residual}");
-    let mut sheet = Sheet::new("to detect", &names);
+    put!(out, "\nThe monitor's rule, assessed on each sensor's own {residual}");
+    let mut sheet = Sheet::new("fault to detect", &names);
     let row = |sheet: &mut Sheet, label: &str, cell: &dyn Fn(&SensorRules) -> String| {
         sheet.row(label, columns.iter().map(|rules| (cell(rules), Mood::Neutral)));
     };
-    row(&mut sheet, "a step of", &|rules| rules.step().map_or_else(|| NONE.to_owned(), fault));
-    row(&mut sheet, "a ramp of", &|rules| rules.ramp().map_or_else(|| NONE.to_owned(), fault));
+    row(&mut sheet, "step", &|rules| rules.step().map_or_else(|| NONE.to_owned(), fault));
+    row(&mut sheet, "ramp", &|rules| rules.ramp().map_or_else(|| NONE.to_owned(), fault));
 
-    sheet.section("as set");
+    sheet.section("current rule");
     row(&mut sheet, "rule", &|_| rule(monitor.multiplier, monitor.window_s));
     quality_rows(&mut sheet, &columns, |rules| rules.set.as_ref());
 
     let wished = columns.first().map(|rules| rules.wished_false_alarms_per_hour);
-    sheet.section(&format!("recommended for {}", per_hour(wished)));
+    sheet.section(&format!("recommended for {} false alarms", per_hour(wished)));
     row(&mut sheet, "rule", &|rules| {
         rules
             .recommended
@@ -61,12 +61,12 @@ fn quality_rows(
         let of = |rules: &&SensorRules| quality(rules).map_or_else(|| NONE.to_owned(), cell);
         sheet.row(label, columns.iter().map(|rules| (of(rules), Mood::Neutral)));
     };
-    row("bound", &|quality| metres(Some(quality.rule.threshold_m)));
+    row("alarm limit", &|quality| metres(Some(quality.rule.threshold_m)));
     row("healthy readings beyond it", &|quality| percent(Some(quality.healthy_share_beyond)));
-    row("a healthy sensor is doubtful after", &|quality| {
+    row("first doubt on a healthy sensor after", &|quality| {
         quality.healthy_first_doubt_s.map_or_else(|| "> 10 min".to_owned(), |s| seconds(Some(s)))
     });
-    row("and called untrustworthy", &|quality| per_hour(Some(quality.false_alarms_per_hour)));
+    row("false alarms (untrustworthy)", &|quality| per_hour(Some(quality.false_alarms_per_hour)));
     row("step detected after (90 %)", &|quality| delay(quality.delays.first()));
     row("ramp detected after (90 %)", &|quality| delay(quality.delays.get(1)));
 }
@@ -89,13 +89,13 @@ fn delay(delay: Option<&Delay>) -> String {
 fn notes(out: &mut String, name: &str, rules: &SensorRules, before: &str) {
     put!(
         out,
-        "{name}: the {before} shows correlations up to {}; slower wander is not in these figures.",
+        "{name}: the {before} shows correlation up to {}; these figures do not include slower wander.",
         seconds(Some(rules.residual.longest_lag_s))
     );
     if let Some(advice) = rules.recommended.as_ref().filter(|advice| !advice.detects_step) {
         put!(
             out,
-            "{name}: no rule detects that step nine times in ten at that rate; the smallest it could be is {}.",
+            "{name}: no rule detects that step nine times in ten at that false-alarm rate; the smallest detectable step is {}.",
             metres(Some(advice.smallest_step_m))
         );
     }
@@ -103,13 +103,13 @@ fn notes(out: &mut String, name: &str, rules: &SensorRules, before: &str) {
         quality.map(|quality| quality.healthy_alarm_in_first_window).filter(|share| *share > NOTEWORTHY_SHARE)
     };
     for (kind, share) in [
-        ("as set", first_window(rules.set.as_ref())),
-        ("recommended", first_window(rules.recommended.as_ref().map(|advice| &advice.quality))),
+        ("current rule", first_window(rules.set.as_ref())),
+        ("recommended rule", first_window(rules.recommended.as_ref().map(|advice| &advice.quality))),
     ] {
         if let Some(share) = share {
             put!(
                 out,
-                "{name}, {kind}: {} of healthy launches end untrustworthy before the average has its full window.",
+                "{name}, {kind}: {} of healthy launches are called untrustworthy before the averaging window is full.",
                 percent(Some(share))
             );
         }

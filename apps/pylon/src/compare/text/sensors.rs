@@ -41,15 +41,15 @@ fn captive(sheet: &mut Sheet, columns: &[&SensorComparison]) {
     let mut row = |label: &str, cell: &dyn Fn(&SensorComparison) -> String| {
         sheet.row(label, columns.iter().map(|sensor| (cell(sensor), Mood::Neutral)));
     };
-    row("bias, by the filter", &|sensor| with_sigma_m(sensor.bias_m, sensor.bias_sigma_m));
+    row("bias (filter estimate)", &|sensor| with_sigma_m(sensor.bias_m, sensor.bias_sigma_m));
     row("standard error of the mean residual", &|sensor| metres(sensor.captive.bias_standard_error_m));
     row("spread of the residual (1 sigma)", &|sensor| metres(sensor.residual_sigma_m));
-    row("the same, robust", &|sensor| metres(sensor.captive.robust_spread_m));
+    row("robust spread (1 sigma)", &|sensor| metres(sensor.captive.robust_spread_m));
     row("rms error", &|sensor| metres(sensor.captive_rms_m));
-    row("error keeps its sign for", &|sensor| seconds(sensor.captive.correlation_time_s));
-    row("readings (worth independent ones)", &|sensor| readings(&sensor.captive));
+    row("error correlation time", &|sensor| seconds(sensor.captive.correlation_time_s));
+    row("readings (effective)", &|sensor| readings(&sensor.captive));
     row("innovations white", &|sensor| white(sensor.captive.innovation_whiteness.as_ref()));
-    row("mean NIS (consistent: 95 % within)", &|sensor| nis(&sensor.captive));
+    row("mean NIS (95 % limits if consistent)", &|sensor| nis(&sensor.captive));
 }
 
 fn free_flight(sheet: &mut Sheet, columns: &[&SensorComparison]) {
@@ -63,13 +63,13 @@ fn free_flight(sheet: &mut Sheet, columns: &[&SensorComparison]) {
     row("mean error", &|sensor| neutral(signed_m(sensor.free_flight.bias_m)));
     row("spread of the error", &|sensor| neutral(metres(sensor.free_flight.spread_m)));
     row("rms error", &|sensor| neutral(metres(sensor.free_flight_rms_m)));
-    row("error keeps its sign for", &|sensor| neutral(seconds(sensor.free_flight.correlation_time_s)));
+    row("error correlation time", &|sensor| neutral(seconds(sensor.free_flight.correlation_time_s)));
     row("errors white", &|sensor| neutral(white(sensor.free_flight.error_whiteness.as_ref())));
-    row("bound of the monitor", &|sensor| neutral(metres(sensor.bound_m)));
+    row("alarm limit of the monitor", &|sensor| neutral(metres(sensor.bound_m)));
     row("moving average at the end", &|sensor| neutral(signed_m(sensor.moving_average_end_m)));
     row("doubtful after", &|sensor| flag(sensor, sensor.doubtful_after_s, Mood::Doubt));
     row("untrustworthy after", &|sensor| flag(sensor, sensor.untrustworthy_after_s, Mood::Bad));
-    row("trust at the end", &|sensor| (sensor.trust.to_owned(), trust_mood(sensor.trust)));
+    row("trust at the end", &|sensor| (sensor.trust.to_string(), trust_mood(&sensor.trust)));
 }
 
 fn flag(sensor: &SensorComparison, after_s: Option<f64>, raised: Mood) -> (String, Mood) {

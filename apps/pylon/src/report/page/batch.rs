@@ -79,7 +79,7 @@ fn row(batch: &Batch, flight: &FlightResult, flights: &[FlightReport]) -> Markup
         }
         td.number { @if let Some(report) = report { (seconds(Some(report.comparison.flight.duration_s))) } }
         td { @match (&flight.failed, flight.verdict) {
-            (Some(why), _) => { "not diagnosed, by a defect of pylon: " (why) }
+            (Some(why), _) => { "not diagnosed because of a bug in pylon: " (why) }
             (None, Some(verdict)) => (say(verdict)),
             (None, None) => "",
         } }
@@ -92,7 +92,7 @@ fn row(batch: &Batch, flight: &FlightResult, flights: &[FlightReport]) -> Markup
         }
         td { @if let Some(report) = report {
             @for (sensor, found) in free_sensors(&report.comparison) {
-                @let outcome = words::outcome(found.trust);
+                @let outcome = words::outcome(&found.trust);
                 span title=(outcome.meaning) { (outcome.sign) " " (sensor.name()) " " (outcome.word) " " }
             }
         } }

@@ -20,7 +20,7 @@ pub(super) fn section(report: &FlightReport) -> Markup {
         section {
             h3 { "Calibration, and what became of it" }
             p {
-                @match calibration.quality {
+                @match &calibration.quality {
                     Some(quality) => { "Calibration: " b { (quality) } ", " (seconds(calibration.duration_s)) " long. " }
                     None => "Nothing was latched. ",
                 }
@@ -56,21 +56,23 @@ fn table(
         }),
         ("spread of the residual", "one standard deviation of what is left", |s| metres(s.residual_sigma_m)),
         (&rms_before, "by that bias", |s| metres(s.captive_rms_m)),
-        ("an error keeps its sign for", "readings that come faster do not count as many", |s| {
+        ("error correlation time", "readings closer together are not independent", |s| {
             seconds(s.captive.correlation_time_s)
         }),
         ("readings", &readings, |s| grouped(s.captive.readings + s.free_flight.readings)),
     ];
     let free: [(&str, &str, Value); 7] =
         [
-            ("bound of the monitor", "an error beyond it raises a doubt", |s| metres(s.bound_m)),
+            ("alarm limit of the monitor", "an error beyond it makes the sensor doubtful", |s| {
+                metres(s.bound_m)
+            }),
             (&mean_after, "", |s| signed_m(s.free_flight.bias_m)),
             (&rms_after, "", |s| metres(s.free_flight_rms_m)),
             ("moving average at the end", "", |s| signed_m(s.moving_average_end_m)),
             ("doubtful", &seconds_after, |s| flag(s, s.doubtful_after_s)),
             ("untrustworthy", &seconds_after, |s| flag(s, s.untrustworthy_after_s)),
             ("trust at the end", "", |s| {
-                if s.flies_free { s.trust.to_owned() } else { "stays behind".to_owned() }
+                if s.flies_free { s.trust.to_string() } else { "stays behind".to_owned() }
             }),
         ];
     let rows = captive.iter().chain(free.iter().filter(|_| is_launched));

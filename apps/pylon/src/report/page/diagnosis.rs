@@ -28,8 +28,8 @@ pub(super) fn section(diagnosis: &Diagnosis) -> Markup {
             h2 { "What the model lacks" }
             p.lead { (headline(diagnosis)) }
             p {
-                "Every physical effect of Pylon's catalogue was tried on all sensors together, beside a reference that wanders and \
-                 noise that keeps its sign for a while. \"Cannot tell\" is an answer too: it says what to fly next."
+                "Every physical effect in Pylon's catalogue was fitted to all sensors together, allowing for the reference's wander and \
+                 correlated noise. \"Cannot tell\" is an answer too: it says what to fly next."
             }
             @for (name, sensor) in sensors { (of_sensor(name, sensor)) }
             (details(diagnosis))
@@ -44,11 +44,11 @@ fn of_sensor(name: &str, sensor: &SensorDiagnosis) -> Markup {
         article class=(format!("finding {}", sensor.verdict.name())) {
             h3 { (name) ": " span.outcome { (say(sensor.verdict)) } }
             @if !sensor.missing.is_empty() {
-                p { "Missing, the strongest first:" }
+                p { "Missing, strongest first:" }
                 ul { @for id in &sensor.missing { li { (effect(id)) } } }
             }
             @for set in &sensor.indistinguishable {
-                p { "One of these acts, and the flights can't tell which; the best fit comes first:" }
+                p { "One of these is missing, and the flights can't tell which; most probable first:" }
                 ul.group { @for id in set { li { (effect(id)) } } }
             }
             @for follows in &sensor.follows {

@@ -28,7 +28,7 @@ pub(super) fn summary(report: &FlightReport, is_one_of_many: bool) -> Markup {
             p { (words::calibration(comparison)) }
             div.cards {
                 @for (sensor, found) in free_sensors(comparison) {
-                    @let outcome = words::outcome(found.trust);
+                    @let outcome = words::outcome(&found.trust);
                     article class=(format!("card {}", outcome.word)) {
                         h3 { (sensor.name()) }
                         p.outcome title=(outcome.meaning) {
@@ -40,7 +40,7 @@ pub(super) fn summary(report: &FlightReport, is_one_of_many: bool) -> Markup {
             }
             @if !comparison.warnings.is_empty() {
                 details.warnings open {
-                    summary { "Not used as it stood (" (comparison.warnings.len()) ")" }
+                    summary { "Data that was refused or changed (" (comparison.warnings.len()) ")" }
                     ul { @for warning in &comparison.warnings { li { (warning) } } }
                 }
             }
@@ -81,7 +81,7 @@ pub(super) fn section(report: &FlightReport) -> Markup {
             ))
             (signals::section(report))
             @if !report.comparison.failures.missing.is_empty() {
-                h3 { "Not in this flight" }
+                h3 { "Missing from this flight" }
                 ul { @for missing in &report.comparison.failures.missing { li { (missing) } } }
             }
         }
@@ -141,8 +141,8 @@ fn failures(report: &FlightReport) -> Markup {
                                     th scope="row" { (stretch.sensor) }
                                     td { (format!("{:.0} to {:.0} s", stretch.from_s, stretch.to_s)) }
                                     td { (stretch.doing.name()) " (" (stretch.motion.to_string()) ")" }
-                                    td.number { (signed_m(Some(stretch.errors.mean_m))) }
-                                    td.number { (metres(Some(stretch.errors.rms_m))) }
+                                    td.number { (signed_m(Some(stretch.mean_m))) }
+                                    td.number { (metres(Some(stretch.rms_m))) }
                                     td.number { (percent(Some(stretch.share_of_squared_error))) }
                                 }
                             }

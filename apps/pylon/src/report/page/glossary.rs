@@ -19,12 +19,12 @@ const WORDS: &[(&str, &str)] = &[
     ("residual, error", "what a sensor read minus what the model says it should have read, in metres."),
     ("sigma", "one standard deviation: two thirds of all errors are smaller, if they are Gaussian."),
     ("rms", "root mean square: the size of errors whatever their sign."),
-    ("bound", "so many sigmas of the residual; the model says how many."),
+    ("alarm limit", "a number of sigmas of the residual, set in the model."),
     (
         "doubtful, untrustworthy",
-        "the error has been beyond the bound; after that, its moving average has been too.",
+        "the error has exceeded the alarm limit; after that, its moving average has too.",
     ),
-    ("unmonitored", "there is no reference, so nobody knows. Pylon says so instead of guessing."),
+    ("unmonitored", "there is no reference, so the sensor can not be judged."),
     (
         "effect",
         "a physical cause that adds a coefficient times something measured (its regressor) to what a sensor reads.",

@@ -1,0 +1,32 @@
+//! Text from files, made safe to print: a header may hold escape sequences that move a terminal's cursor or set its title.
+
+use std::borrow::Cow;
+
+/// The text with control characters, line breaks and tabs excepted, spelled out.
+#[must_use]
+pub fn printable(text: &str) -> Cow<'_, str> {
+    let is_control = |letter: char| letter.is_control() && !matches!(letter, '\n' | '\t');
+    if !text.contains(is_control) {
+        return Cow::Borrowed(text);
+    }
+    let spelled = text.chars().fold(String::with_capacity(text.len()), |mut spelled, letter| {
+        if is_control(letter) {
+            spelled.extend(letter.escape_default());
+        } else {
+            spelled.push(letter);
+        }
+        spelled
+    });
+    Cow::Owned(spelled)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_control_characters_are_spelled_out() {
+        assert_eq!(printable("Ångström ± 1\n\tok"), "Ångström ± 1\n\tok");
+        assert_eq!(printable("a\x1b]0;title\x07b\u{9b}2J\r"), "a\\u{1b}]0;title\\u{7}b\\u{9b}2J\\r");
+    }
+}
