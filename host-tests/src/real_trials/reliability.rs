@@ -19,6 +19,9 @@ pub fn reliability(outcomes: &[Outcome]) -> String {
         };
         said.extend(outcome.probabilities().into_iter().map(|(effect, p)| (p, Some(effect) == acts)));
     }
+    if said.is_empty() {
+        return "no probability was said of a flight whose truth is known\n".to_owned();
+    }
     let mut text = format!("{:<24} {:>8} {:>10} {:>8}\n", "probability said", "effects", "mean", "act");
     for bounds in BOUNDS.windows(2) {
         let is_last = bounds[1] == 1.0;
@@ -36,11 +39,11 @@ pub fn reliability(outcomes: &[Outcome]) -> String {
     }
     let brier = |of: &dyn Fn(f64) -> f64| {
         let squares = said.iter().map(|(p, acts)| (of(*p) - f64::from(u8::from(*acts))).powi(2));
-        squares.sum::<f64>() / said.len().max(1) as f64
+        squares.sum::<f64>() / said.len() as f64
     };
     let _ = writeln!(
         text,
-        "Brier score {:.4}; of 5 % and 95 % rounded to no and yes {:.4}; of nothing said {:.4}",
+        "Brier score {:.4}; with 95 % and 5 % rounded to yes and no {:.4}; with no to all {:.4}",
         brier(&|p| p),
         brier(&|p| if p >= 0.95 {
             1.0

@@ -129,7 +129,7 @@ pub struct CandidateFacts {
     /// Its unit.
     pub unit: Name,
     /// The probability that it acts, beside what else may: of the sets of effects that explain the flights, those that have it. Where
-    /// the climb rate is measured only what was chosen and what could act in its place has one.
+    /// the climb rate is measured only the members of a set have one, their share of it.
     #[serde(default)]
     pub probability: Option<f64>,
     /// Chance of as strong a fit if the effect did not act, times the number of effects tried.

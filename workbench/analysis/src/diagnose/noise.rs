@@ -163,7 +163,7 @@ impl NoisePrior {
     #[must_use]
     pub fn with_slow_wander(mut self) -> Self {
         let mean = libm::log(0.5 * self.start.reference.sigma_m);
-        self.parameters.push(Parameter { part: Part::SlowSigma, mean, sigma: WANDER_ORDER });
+        self.parameters.push(Parameter { part: Part::SlowSigma, mean, sigma: ORDER });
         self
     }
 

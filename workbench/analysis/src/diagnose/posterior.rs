@@ -35,8 +35,8 @@ const INCLUSION: f64 = 0.1;
 /// Sets are looked at while their weight is not so many times (natural logarithm) below the best one's: 0.2 %.
 const WINDOW: f64 = 6.0;
 /// Sets whose noise is fitted in a round, and rounds.
-const REFITTED: usize = 4;
-const ROUNDS: usize = 4;
+const REFITTED: usize = 3;
+const ROUNDS: usize = 6;
 
 /// A set of effects.
 #[derive(Clone, Debug)]
@@ -298,8 +298,10 @@ impl Weigher<'_> {
                 weight -= libm::log(own * (2.0 * std::f64::consts::PI).sqrt());
             } else {
                 let unsteady = unsteadiness(effect, false);
+                let rough = self.suspects.scale(*column) * solution.coefficients[k];
                 let prior = CoefficientPrior::of(effect, self.suspects.range(*column));
-                weight += prior.log_density(solution.coefficients[k], variance + unsteady * unsteady);
+                weight += prior
+                    .log_density(solution.coefficients[k], variance + unsteady * unsteady + rough * rough);
                 weight += libm::log(INCLUSION / (1.0 - INCLUSION));
             }
         }

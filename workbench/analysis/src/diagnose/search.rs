@@ -109,6 +109,27 @@ impl<'a> Search<'a> {
         Ok(best)
     }
 
+    /// A set near the most probable one, where another search goes on from: the better of none and of the best one under the prior's
+    /// noise.
+    ///
+    /// # Errors
+    /// [`Cancelled`] when `progress` says so.
+    pub fn start(&mut self, progress: &mut Progress<'_>) -> Result<Explanation, Cancelled> {
+        let start = self.problem.prior.means();
+        let none = Explanation { columns: Vec::new(), fit: self.fit(&[], &start) };
+        step(progress)?;
+        let prior_noise = NoiseFit {
+            noise: self.problem.prior.noise(&start),
+            values: start,
+            twice_log_posterior: f64::NEG_INFINITY,
+        };
+        let Some(columns) = self.proposals(&prior_noise, &[]).into_iter().next() else { return Ok(none) };
+        let fit = self.fit(&columns, &none.fit.values);
+        step(progress)?;
+        let is_better = self.score(&columns, &fit) < self.score(&[], &none.fit);
+        Ok(if is_better { Explanation { columns, fit } } else { none })
+    }
+
     /// Sets worth a fit of their own: the best subsets under this noise, and the neighbours of a set.
     fn proposals(&self, fit: &NoiseFit, near: &[usize]) -> Vec<Vec<usize>> {
         let information = self.suspects.information(self.problem, &fit.noise);

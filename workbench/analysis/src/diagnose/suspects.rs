@@ -94,6 +94,12 @@ impl<'a> Suspects<'a> {
         self.bounds[column].range
     }
 
+    /// The share of a column's coefficient that is unsure beside its noise.
+    #[must_use]
+    pub fn scale(&self, column: usize) -> f64 {
+        self.bounds[column].scale
+    }
+
     /// Sigmas of what is believed of columns' coefficients before a flight: half of their range's width.
     #[must_use]
     pub fn prior(&self, columns: &[usize]) -> Vec<f64> {

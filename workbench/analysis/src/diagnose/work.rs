@@ -86,7 +86,7 @@ pub(crate) fn judged<T>(
     let (problem, held) = (problem(&prepared.series), problem(&prepared.held));
     let suspects = prepared.suspects(&problem);
     let mut search = Search::new(&problem, &suspects);
-    let explanation = search.run(progress)?;
+    let explanation = if prepared.has_climb_rate { search.run(progress)? } else { search.start(progress)? };
     let judge = Judge {
         problem: &problem,
         held: (!prepared.held.is_empty()).then_some(&held),

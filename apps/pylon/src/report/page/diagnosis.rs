@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::bars::bars;
 use super::effects::meaning;
 use crate::compare::text::number::{metres, seconds};
-use crate::diagnose::text::{headline, probability, say, untested_for_a_reason, with_sigma};
+use crate::diagnose::text::{headline, per_cent, probability, say, untested_for_a_reason, with_sigma};
 use crate::diagnose::{CandidateFacts, Diagnosis, SensorDiagnosis, Verdict};
 
 /// Candidates that are shown at once beside the chosen ones; the rest opens on demand.
@@ -45,11 +45,11 @@ fn of_sensor(name: &str, sensor: &SensorDiagnosis) -> Markup {
             h3 { (name) ": " span.outcome { (say(sensor.verdict)) } }
             @if !sensor.missing.is_empty() {
                 p { "Missing, strongest first:" }
-                ul { @for id in &sensor.missing { li { (effect(id)) } } }
+                ul { @for id in &sensor.missing { li { (effect(id)) (sure(sensor, id)) } } }
             }
-            @for set in &sensor.indistinguishable {
+            @for (set, probabilities) in sensor.indistinguishable.iter().zip(&sensor.probabilities) {
                 p { "One of these is missing, and the flights can't tell which; most probable first:" }
-                ul.group { @for id in set { li { (effect(id)) } } }
+                ul.group { @for (id, probability) in set.iter().zip(probabilities) { li { (effect(id)) ", " (per_cent(*probability)) } } }
             }
             @for follows in &sensor.follows {
                 p {
@@ -72,6 +72,13 @@ fn of_sensor(name: &str, sensor: &SensorDiagnosis) -> Markup {
             }
         }
     }
+}
+
+/// How probable it is that an effect acts, where that is known.
+fn sure(sensor: &SensorDiagnosis, id: &str) -> Markup {
+    let of_effect = sensor.candidates.iter().find(|candidate| candidate.effect == id);
+    let probability = of_effect.and_then(|candidate| candidate.probability);
+    html! { @if let Some(probability) = probability { ", " (per_cent(probability)) } }
 }
 
 fn effect(id: &str) -> Markup {

@@ -137,13 +137,13 @@ impl Judge<'_> {
         })
     }
 
-    /// The probability that an effect acts: by the sets of effects, or else as one of those in a chosen one's place.
+    /// The probability that an effect acts: by the sets of effects, or else as one of those that can't be told apart.
     fn probability(&self, findings: &Findings, effect: EffectId) -> Option<f64> {
         if let Some(posterior) = &findings.posterior {
             return Some(posterior.inclusion(effect));
         }
-        let places = findings.rivals.iter().flat_map(|rivals| self.set(rivals));
-        let own = places.filter(|(other, _)| *other == effect).map(|(_, probability)| probability);
+        let sets = findings.rivals.iter().map(|rivals| self.set(rivals)).filter(|set| set.len() > 1);
+        let own = sets.flatten().filter(|(other, _)| *other == effect).map(|(_, probability)| probability);
         own.max_by(f64::total_cmp)
     }
 

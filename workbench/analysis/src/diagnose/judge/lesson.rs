@@ -22,7 +22,7 @@ impl Judge<'_> {
         let found = findings.explanation.columns.iter().copied().find(is_wished);
         let (findings, column) = match found {
             Some(column) => (findings, column),
-            None => self.beside_the_others(search, findings, &is_wished)?,
+            None => self.beside_the_others(search, findings, effect)?,
         };
         let columns = &findings.explanation.columns;
         let others: Vec<usize> = columns.iter().copied().filter(|other| *other != column).collect();
@@ -64,13 +64,12 @@ impl Judge<'_> {
         &self,
         search: &mut Search<'_>,
         findings: Findings,
-        is_wished: &dyn Fn(&usize) -> bool,
+        effect: EffectId,
     ) -> Option<(Findings, usize)> {
+        let is_wished = |column: &usize| self.candidates[*column].effect() == effect;
         let replaced = |column: &usize| {
-            findings
-                .rivals
-                .iter()
-                .any(|rivals| rivals.column == *column && rivals.others.iter().any(is_wished))
+            let of_column = findings.rivals.iter().filter(|rivals| rivals.column == *column);
+            of_column.flat_map(|rivals| self.set(rivals)).any(|(other, _)| other == effect)
         };
         let others: Vec<usize> =
             findings.explanation.columns.iter().copied().filter(|column| !replaced(column)).collect();

@@ -161,6 +161,9 @@ impl Judge<'_> {
 
     /// Whether a chosen coefficient is none that nature makes: it is then not the effect that it looks like.
     pub(super) fn is_beyond(&self, findings: &Findings, k: usize) -> bool {
+        if findings.posterior.is_none() {
+            return false;
+        }
         let columns = &findings.explanation.columns;
         let solution = findings.information.solve(&self.suspects.positions(columns));
         let n = columns.len();
@@ -206,6 +209,9 @@ impl Judge<'_> {
         let mut uneven = false;
         let mut strongest: Option<(f64, Verdict)> = None;
         let mut sized: Vec<(f64, usize)> = Vec::new();
+        // Beside a larger misfit that no effect can be, a smaller one may be what is left of it.
+        let beyond = (0..findings.rivals.len()).filter(|k| self.is_beyond(findings, *k));
+        let explained_beyond = beyond.map(|k| findings.rivals[k].explained).fold(0.0, f64::max);
         for (k, rivals) in findings.rivals.iter().enumerate() {
             let set = self.set(rivals);
             let concerns =
@@ -218,7 +224,8 @@ impl Judge<'_> {
             explained += rivals.explained;
             let verdict = match set.as_slice() {
                 _ if !findings.is_even(k)
-                    || (findings.posterior.is_some() && self.is_beyond(findings, k)) =>
+                    || rivals.explained < explained_beyond
+                    || self.is_beyond(findings, k) =>
                 {
                     uneven = true;
                     Verdict::UnknownEffect
