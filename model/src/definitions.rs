@@ -84,7 +84,9 @@ fn check_id(table: &DefinitionTable, tables: &[DefinitionTable], text: &str) -> 
             && word.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
     };
     let words: Vec<&str> = id.split('.').collect();
-    if words.len() != 2 || !words.into_iter().all(is_word) {
+    // With what telemetry says before it, no more than a text of MAVLink's holds.
+    const LONGEST: usize = 40;
+    if id.len() > LONGEST || words.len() != 2 || !words.into_iter().all(is_word) {
         return Err(ModelError::DefinitionId { row, id: id.clone() });
     }
     if EffectId::from_name(id).is_some() {
@@ -306,6 +308,7 @@ mod tests {
     fn what_can_be_no_definition_is_refused_with_its_row() {
         for (text, said) in [
             (with("baro.flap_wash", "flap"), "row 2: effect_definition id 'flap', expected two words"),
+            (with("baro.flap_wash", &format!("baro.{}", "a".repeat(36))), "and no more than 40 of them"),
             (
                 with("baro.flap_wash", "baro.lag"),
                 "row 2: effect_definition 'baro.lag' has the id of an effect of the catalogue",

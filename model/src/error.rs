@@ -45,7 +45,7 @@ pub enum ModelError {
     },
     /// An id that no definition can have.
     #[error(
-        "row {row}: effect_definition id '{id}', expected two words of small letters, digits and _ with a point between, such as baro.flap_wash"
+        "row {row}: effect_definition id '{id}', expected two words of small letters, digits and _ with a point between and no more than 40 of them, such as baro.flap_wash"
     )]
     DefinitionId {
         /// Line, from 1.
