@@ -418,7 +418,7 @@ mod tests {
         };
         let text: String = ["a.a", "a.b", "a.c"].map(delayed).concat();
         assert!(
-            refused(&text).contains("remember 132 numbers, the flight computer has room for 96"),
+            refused(&text).contains("remember 132 numbers; beside 0 estimated effects a restart keeps 82"),
             "{}",
             refused(&text)
         );
