@@ -32,8 +32,8 @@ fn the_catalogue_as_formulas_is_the_catalogue() {
         let regressor = Regressor { time_constant_s: 20.0, ..Regressor::new(id) };
         let formula = Formula::compile(of_catalogue(id).unwrap(), &mut Columns::default()).unwrap();
         let used = formula.program().signals();
-        let parts_of_the_tracker = SignalTracker::for_effects(EffectId::ALL, replay.model().latitude_deg);
-        let mut tracker = parts_of_the_tracker;
+        // As a model with this effect alone has it: beside an inertial effect the compiled pitch is carried on by the body rates.
+        let mut tracker = SignalTracker::for_effects([id], replay.model().latitude_deg);
         let mut evaluation = Evaluation::new(formula.program(), regressor.time_constant_s);
         let mut frame = Frame::default();
         let (mut settled, mut launched) = (false, false);
