@@ -84,7 +84,9 @@ fn check_id(table: &DefinitionTable, tables: &[DefinitionTable], text: &str) -> 
             && word.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
     };
     let words: Vec<&str> = id.split('.').collect();
-    if words.len() != 2 || !words.into_iter().all(is_word) {
+    // With what telemetry says before it, no more than a text of MAVLink's holds.
+    const LONGEST: usize = 40;
+    if id.len() > LONGEST || words.len() != 2 || !words.into_iter().all(is_word) {
         return Err(ModelError::DefinitionId { row, id: id.clone() });
     }
     if EffectId::from_name(id).is_some() {
@@ -271,4 +273,154 @@ fn leaked(text: &str) -> &'static str {
     let new: &'static str = Box::leak(text.to_owned().into_boxed_str());
     known.push(new);
     new
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use crate::{Board, Model, codegen};
+
+    const FLAP: &str = "[[effect_definition]]\nid = \"baro.flap_wash\"\non = \"baro\"\nregressor = \"tas_mps^2 / (2*g) * flap\"\nplausible = [-0.5, 0.5]\n";
+
+    fn refused(text: &str) -> String {
+        Model::parse(text).unwrap_err().to_string()
+    }
+
+    fn with(from: &str, to: &str) -> String {
+        assert!(FLAP.contains(from));
+        FLAP.replace(from, to)
+    }
+
+    #[test]
+    fn a_definition_is_an_effect_of_its_model_alone() {
+        let model = Model::parse(FLAP).unwrap();
+        let id = model.effect_named("baro.flap_wash").unwrap();
+        assert_eq!((id.unit(), id.needs(), id.plausible()), ("1", &["tas_mps", "flap"][..], [-0.5, 0.5]));
+        assert_eq!(id.typical_regressor_m(), 32.0);
+        assert_eq!(Model::default().effect_named("baro.flap_wash"), None);
+        // The same again is the same effect; another formula is another.
+        assert_eq!(Model::parse(FLAP).unwrap().definitions(), [id]);
+        assert_ne!(Model::parse(&with("2*g", "3*g")).unwrap().definitions(), [id]);
+        assert_eq!(model.catalogue().count(), 23);
+    }
+
+    #[test]
+    fn what_can_be_no_definition_is_refused_with_its_row() {
+        for (text, said) in [
+            (with("baro.flap_wash", "flap"), "row 2: effect_definition id 'flap', expected two words"),
+            (with("baro.flap_wash", &format!("baro.{}", "a".repeat(36))), "and no more than 40 of them"),
+            (
+                with("baro.flap_wash", "baro.lag"),
+                "row 2: effect_definition 'baro.lag' has the id of an effect of the catalogue",
+            ),
+            (
+                format!("{FLAP}{FLAP}"),
+                "row 7: effect_definition 'baro.flap_wash' has the id of another definition",
+            ),
+            (with("on = \"baro\"", "on = \"barro\""), "row 3: on = 'barro' is no sensor; nearest: baro"),
+            (with("/ (2*g)", "/ (2*"), "row 4: the regressor of effect_definition baro.flap_wash:"),
+            (with("* flap", ""), "plausible"),
+            (
+                with("plausible = [-0.5, 0.5]", "plausible = [0.5, -0.5]"),
+                "plausible of effect_definition baro.flap_wash is [0.5, -0.5]",
+            ),
+            (
+                with("plausible", "unit = \"1/s\"\nplausible"),
+                "times a coefficient in 1/s that is m/s, expected metres; its unit would be 1",
+            ),
+            (
+                with("plausible", "units = { flap = \"furlong\" }\nplausible"),
+                "units.flap of effect_definition baro.flap_wash",
+            ),
+            (with("* flap", "* baro.flap_wash"), "baro.flap_wash -> baro.flap_wash are made of each other"),
+            (
+                format!("{FLAP}[[effect]]\nid = \"baro.flap_wosh\"\ncoefficient = 1\n"),
+                "nearest: baro.flap_wash",
+            ),
+        ] {
+            if said == "plausible" {
+                assert!(Model::parse(&text).is_ok());
+                continue;
+            }
+            assert!(refused(&text).contains(said), "{text}\n{}", refused(&text));
+        }
+        let two = "[[effect_definition]]\nid = \"a.x\"\non = \"baro\"\nregressor = \"1[m] + b.y\"\nplausible = [-1, 1]\n\
+                   [[effect_definition]]\nid = \"b.y\"\non = \"baro\"\nregressor = \"2 * a.x\"\nplausible = [-1, 1]\n";
+        assert!(refused(two).contains("a.x -> b.y -> a.x"), "{}", refused(two));
+    }
+
+    #[test]
+    fn one_definition_may_name_another_and_the_catalogue() {
+        let named = format!(
+            "{FLAP}[[effect_definition]]\nid = \"baro.two\"\non = \"every sensor\"\nregressor = \"baro.flap_wash + baro.dynamic_pressure * flap\"\nplausible = [-1, 1]\n"
+        );
+        let model = Model::parse(&named).unwrap();
+        let id = model.effect_named("baro.two").unwrap();
+        assert_eq!(id.subject().name(), "gps");
+        // What it is made of is part of it.
+        let changed = Model::parse(&named.replace("2*g", "3*g")).unwrap();
+        assert_ne!(changed.effect_named("baro.two").unwrap(), id);
+    }
+
+    #[test]
+    fn a_learned_coefficient_belongs_to_its_formula() {
+        let model = Model::parse(FLAP).unwrap();
+        let now = crate::fingerprint_text(model.definitions()[0].formula().unwrap().fingerprint);
+        let learned = |text: &str, formula: &str| {
+            format!(
+                "{text}[[effect]]\nid = \"baro.flap_wash\"\ncoefficient = 0.3\nlearned_from = \"a.csv\"\n{formula}"
+            )
+        };
+        let formula = format!("formula = \"{now}\"\n");
+        assert!(Model::parse(&learned(FLAP, &formula)).is_ok());
+        // Layout is no change.
+        assert!(Model::parse(&learned(&with("2*g", " 2 * (g) "), &formula)).is_ok());
+        let said = refused(&learned(&with("2*g", "2.5*g"), &formula));
+        assert!(said.contains("was learned for another formula") && said.contains(&now), "{said}");
+        let said = refused(&learned(FLAP, ""));
+        assert!(said.contains(&format!("add formula = \"{now}\"")), "{said}");
+        assert!(
+            refused("[[effect]]\nid = \"baro.lag\"\ncoefficient = 1\nformula = \"ab\"\n")
+                .contains("the catalogue's")
+        );
+    }
+
+    #[test]
+    fn a_board_flies_what_it_measures() {
+        let flown = |regressor: &str| {
+            let text = with("tas_mps^2 / (2*g) * flap", regressor)
+                + "[[effect]]\nid = \"baro.flap_wash\"\ncoefficient = 0.3\n";
+            Model::parse(&text).unwrap()
+        };
+        let lacks = |regressor: &str, board| {
+            flown(regressor).check_signals(board).err().map(|error| error.to_string())
+        };
+        assert!(
+            lacks("flap * tas_mps^2/g", Board::Recorded)
+                .unwrap()
+                .contains("baro.flap_wash reads flap, which")
+        );
+        assert!(lacks("flap * tas_mps^2/g", Board::F405).unwrap().contains("reads tas_mps, flap, which"));
+        assert_eq!(lacks("throttle * tas_mps^2/g", Board::Recorded), None);
+        assert!(lacks("throttle * airspeed_mps^2/g", Board::F405).unwrap().contains("reads throttle, which"));
+        assert_eq!(lacks("load_factor * airspeed_mps^2/g", Board::F405), None);
+        // Only what the model accounts for flies.
+        assert_eq!(Model::parse(FLAP).unwrap().check_signals(Board::F405), Ok(()));
+        let source = codegen(&flown("throttle * tas_mps^2/g")).unwrap();
+        assert!(source.contains("Defined(&DEFINITION_0)") && source.contains("Op::Power(2)"), "{source}");
+    }
+
+    #[test]
+    fn formulas_that_remember_too_much_are_refused() {
+        let delayed = |name: &str| {
+            with("baro.flap_wash", name).replace("* flap", "* delay(throttle, 1) * delay(throttle, 2)")
+                + &format!("[[effect]]\nid = \"{name}\"\ncoefficient = 0.3\n")
+        };
+        let text: String = ["a.a", "a.b", "a.c"].map(delayed).concat();
+        assert!(
+            refused(&text).contains("remember 132 numbers; beside 0 estimated effects a restart keeps 82"),
+            "{}",
+            refused(&text)
+        );
+    }
 }

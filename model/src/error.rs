@@ -45,7 +45,7 @@ pub enum ModelError {
     },
     /// An id that no definition can have.
     #[error(
-        "row {row}: effect_definition id '{id}', expected two words of small letters, digits and _ with a point between, such as baro.flap_wash"
+        "row {row}: effect_definition id '{id}', expected two words of small letters, digits and _ with a point between and no more than 40 of them, such as baro.flap_wash"
     )]
     DefinitionId {
         /// Line, from 1.
@@ -121,13 +121,15 @@ pub enum ModelError {
     },
     /// Formulas that remember more than there is room for.
     #[error(
-        "the effects by formula remember {found} numbers, the flight computer has room for {most}: use fewer integrals, means and delays"
+        "the effects by formula remember {found} numbers; beside {estimated} estimated effects a restart keeps {most}: use fewer integrals, means and delays, or estimate fewer effects"
     )]
     FormulaWords {
         /// How many.
         found: usize,
         /// How many there can be.
         most: usize,
+        /// Effects that are states.
+        estimated: usize,
     },
     /// A value that its key can not have.
     #[error("{key} is {found}, expected {expected}")]

@@ -1,7 +1,7 @@
 //! What the values of a model can be.
 
 use kf_core::config::{MAX_CONSTANT_EFFECTS, MAX_ESTIMATED_EFFECTS, SecondCorrection};
-use kf_core::effect::MAX_FORMULA_WORDS;
+use kf_core::effect::formula_words;
 use kf_core::sensor::Sensor;
 
 use crate::{Model, ModelError};
@@ -102,8 +102,9 @@ impl Model {
         }
         let formulas = self.effects.iter().filter_map(|effect| effect.term.id().formula());
         let found = formulas.map(|parts| parts.program.state_words()).sum();
-        if found > MAX_FORMULA_WORDS {
-            return Err(ModelError::FormulaWords { found, most: MAX_FORMULA_WORDS });
+        let most = formula_words(estimated);
+        if found > most {
+            return Err(ModelError::FormulaWords { found, most, estimated });
         }
         for (index, effect) in self.effects.iter().enumerate() {
             let id = effect.term.id().name();

@@ -55,9 +55,13 @@ fn defined(model: &Model, effect: EffectId, parts: &Parts) -> String {
     let name = effect.name();
     let columns = model.columns().iter().filter(|column| parts.needs.contains(&column.name()));
     let units: String = columns.map(|column| format!("               {}\n", column.unit_said())).collect();
-    let flies = match model.check_signals_of(effect, Board::Recorded) {
-        Ok(()) => "yes: the estimator has every signal of it".to_owned(),
-        Err(_) => "no: no flight computer has its columns; it serves at the desk".to_owned(),
+    let has = |board| model.check_signals_of(effect, board).is_ok();
+    let flies = match (has(Board::Recorded), has(Board::F405)) {
+        (true, true) => "on every board",
+        (true, false) => {
+            "in QEMU and where a vehicle delivers its signals; the F405 board's own sensors do not"
+        }
+        _ => "on no flight computer, which has not all of its columns; it serves at the desk",
     };
     format!(
         "{name}, on {subject}, by formula of the model\n  {about}\n\n  adds         coefficient x {law}\n  coefficient  {unit}, \

@@ -5,9 +5,22 @@ use super::{EffectId, EffectTerm, SignalTracker};
 use crate::config::{MAX_CONSTANT_EFFECTS, MAX_ESTIMATED_EFFECTS, MissionConfig};
 use crate::formula::{Frame, Silent};
 use crate::input::{GpsFix, TickInput};
+use crate::sensor::SENSORS;
 
-/// How many numbers the formulas of a model can remember, all together.
-pub const MAX_FORMULA_WORDS: usize = 96;
+/// How many numbers the formulas of a model without estimated effects can remember, all together.
+pub const MAX_FORMULA_WORDS: usize = formula_words(0);
+
+/// How many numbers the formulas of a model can remember beside so many estimated effects: with them the snapshot of a mission is no longer
+/// than that of the model with the most estimated effects, which is as long as there is room for.
+///
+/// Each estimated effect fewer saves its coefficient, its row of the covariance, and its regressor at the last fix; the count of silent
+/// formulas and the length take two of these words.
+#[must_use]
+pub const fn formula_words(estimated: usize) -> usize {
+    let saved = MAX_ESTIMATED_EFFECTS.saturating_sub(estimated);
+    let (most, own) = (1 + SENSORS + MAX_ESTIMATED_EFFECTS, 1 + SENSORS + MAX_ESTIMATED_EFFECTS - saved);
+    (most * (most + 1) / 2 - own * (own + 1) / 2 + 2 * saved).saturating_sub(2)
+}
 
 /// What the formulas of a mission remember.
 pub(crate) type FormulaWords = heapless::Vec<f32, MAX_FORMULA_WORDS>;
@@ -32,7 +45,7 @@ impl core::fmt::Debug for Machine {
 }
 
 impl Formulas {
-    /// Of a model's effects; `None` where they remember more than [`MAX_FORMULA_WORDS`].
+    /// Of a model's effects; `None` where they remember more than [`formula_words`].
     pub(crate) fn of<const E: usize>(config: &MissionConfig<E>) -> Option<Self> {
         let mut formulas = Self {
             machine: None,
@@ -49,7 +62,7 @@ impl Formulas {
                 formulas.used |= definition.parts().program.signals();
             }
         }
-        (words(config) <= MAX_FORMULA_WORDS).then_some(formulas)
+        (words(config) <= formula_words(E)).then_some(formulas)
     }
 
     /// See [`SignalTracker::begin_calibration`].

@@ -80,72 +80,116 @@ pub fn step(
     frame: &Frame,
     time_constant_s: f32,
 ) -> Result<f32, Silent> {
-    let mut why = Silent::NotYet;
-    let mut is_known = false;
+    let mut why = None;
     let mut stack = [0.0_f32; MAX_DEPTH];
     let mut depth = 0_usize;
     let mut top = 0.0_f32;
     let (seconds, launched, begins) = (frame.seconds, frame.launched, frame.calibration_begins);
     // The program has been checked: what it takes is there. Masks keep every index inside for the compiler to see.
     for op in program.ops() {
-        let arguments = op.arguments();
-        let was_number;
-        let value = if arguments == 0 {
-            stack[depth & (MAX_DEPTH - 1)] = top;
-            depth += 1;
-            was_number = true;
-            match *op {
-                Op::Constant(value) => value,
-                Op::Signal(place) => frame.values.get(usize::from(place)).copied().unwrap_or(f32::NAN),
-                _ => time_constant_s,
+        let mut under = 0.0;
+        macro_rules! push {
+            ($value:expr) => {{
+                stack[depth & (MAX_DEPTH - 1)] = top;
+                depth = depth.wrapping_add(1);
+                $value
+            }};
+        }
+        macro_rules! pop {
+            () => {{
+                depth = depth.wrapping_sub(1);
+                under = stack[depth & (MAX_DEPTH - 1)];
+                under
+            }};
+        }
+        macro_rules! remembered {
+            ($at:expr, |$memory:ident| $value:expr) => {
+                match words(state, $at) {
+                    Some($memory) => $value,
+                    None => f32::NAN,
+                }
+            };
+        }
+        let value = match *op {
+            Op::Constant(value) => push!(value),
+            Op::Signal(place) => push!(frame.values.get(usize::from(place)).copied().unwrap_or(f32::NAN)),
+            Op::TimeConstant => push!(time_constant_s),
+            Op::Add => pop!() + top,
+            Op::Subtract => pop!() - top,
+            Op::Multiply => pop!() * top,
+            Op::Divide => {
+                let above = pop!();
+                if top == 0.0 { f32::NAN } else { above / top }
             }
-        } else if arguments == 2 {
-            depth = depth.wrapping_sub(1);
-            let under = stack[depth & (MAX_DEPTH - 1)];
-            was_number = !(under.is_nan() || top.is_nan());
-            binary(*op, under, top, state, seconds, was_number)
-        } else {
-            was_number = !top.is_nan();
-            match *op {
-                Op::Rate { at, mask } => match words(state, at) {
-                    Some(memory) => rate(memory, top, seconds, is_new(program, frame, mask)),
-                    None => f32::NAN,
-                },
-                Op::Integral { at } => match words(state, at) {
-                    Some(memory) => integral(memory, top, seconds, launched),
-                    None => f32::NAN,
-                },
-                Op::DoubleIntegral { at } => match words(state, at) {
-                    Some(memory) => double_integral(memory, top, seconds, launched),
-                    None => f32::NAN,
-                },
-                Op::Captive { at, mask } => match words(state, at) {
-                    Some(memory) => captive(memory, top, is_new(program, frame, mask), launched, begins),
-                    None => f32::NAN,
-                },
-                Op::AtCalibration { at, mask } => match words(state, at) {
-                    Some(memory) => at_calibration(memory, top, is_new(program, frame, mask), begins),
-                    None => f32::NAN,
-                },
-                Op::AtLaunch { at } => match words(state, at) {
-                    Some(memory) => at_launch(memory, top, launched),
-                    None => f32::NAN,
-                },
-                _ if was_number => unary(*op, top),
-                _ => top,
+            Op::Power(exponent) => power(top, exponent),
+            Op::Negate => -top,
+            Op::Absolute => top.abs(),
+            Op::Not => 1.0 - top,
+            Op::Step => of_number(top, truth(top > 0.0)),
+            Op::Min => {
+                let other = pop!();
+                of_numbers(other, top, if other < top { other } else { top })
             }
+            Op::Max => {
+                let other = pop!();
+                of_numbers(other, top, if other > top { other } else { top })
+            }
+            Op::Less => {
+                let other = pop!();
+                of_numbers(other, top, truth(other < top))
+            }
+            Op::LessOrEqual => {
+                let other = pop!();
+                of_numbers(other, top, truth(other <= top))
+            }
+            Op::Equal => {
+                let other = pop!();
+                of_numbers(other, top, truth(other == top))
+            }
+            Op::LowPass { at } => {
+                let argument = pop!();
+                remembered!(at, |memory| low_pass(memory, argument, top, seconds))
+            }
+            Op::Delay { at } => {
+                let argument = pop!();
+                remembered!(at, |memory| delay::delay(memory, argument, top, seconds))
+            }
+            Op::Rate { at, mask } => {
+                remembered!(at, |memory| rate(memory, top, seconds, is_new(program, frame, mask)))
+            }
+            Op::Integral { at } => remembered!(at, |memory| integral(memory, top, seconds, launched)),
+            Op::DoubleIntegral { at } => {
+                remembered!(at, |memory| double_integral(memory, top, seconds, launched))
+            }
+            Op::Captive { at, mask } => {
+                remembered!(at, |memory| captive(memory, top, is_new(program, frame, mask), launched, begins))
+            }
+            Op::AtCalibration { at, mask } => {
+                remembered!(at, |memory| at_calibration(memory, top, is_new(program, frame, mask), begins))
+            }
+            Op::AtLaunch { at } => remembered!(at, |memory| at_launch(memory, top, launched)),
+            op => of_number(top, function(op, top)),
         };
         if value.is_finite() {
             top = value;
         } else {
-            if !is_known {
-                is_known = true;
-                why = reason(*op, top, was_number, value);
-            }
+            let were_numbers = !(top.is_nan() || under.is_nan());
+            why = why.or(Some(reason(*op, top, were_numbers, value)));
             top = f32::NAN;
         }
     }
-    if top.is_nan() { Err(why) } else { Ok(top) }
+    if top.is_nan() { Err(why.unwrap_or(Silent::NotYet)) } else { Ok(top) }
+}
+
+/// A value that is one only if its argument is.
+#[inline(always)]
+fn of_number(argument: f32, value: f32) -> f32 {
+    if argument.is_nan() { argument } else { value }
+}
+
+#[inline(always)]
+fn of_numbers(a: f32, b: f32, value: f32) -> f32 {
+    of_number(a, of_number(b, value))
 }
 
 #[inline(always)]
@@ -154,58 +198,8 @@ fn is_new(program: &Program, frame: &Frame, mask: u8) -> bool {
 }
 
 #[inline(always)]
-fn binary(op: Op, a: f32, b: f32, state: &mut [f32], seconds: f32, are_numbers: bool) -> f32 {
-    match op {
-        Op::Add => a + b,
-        Op::Subtract => a - b,
-        Op::Multiply => a * b,
-        Op::Divide if b == 0.0 => f32::NAN,
-        Op::Divide => a / b,
-        Op::LowPass { at } => match words(state, at) {
-            Some(memory) => low_pass(memory, a, b, seconds),
-            None => f32::NAN,
-        },
-        Op::Delay { at } => match words(state, at) {
-            Some(memory) => delay::delay(memory, a, b, seconds),
-            None => f32::NAN,
-        },
-        _ if !are_numbers => f32::NAN,
-        Op::Min => {
-            if a < b {
-                a
-            } else {
-                b
-            }
-        }
-        Op::Max => {
-            if a > b {
-                a
-            } else {
-                b
-            }
-        }
-        Op::Less => truth(a < b),
-        Op::LessOrEqual => truth(a <= b),
-        _ => truth(a == b),
-    }
-}
-
-#[inline(always)]
 fn truth(is_true: bool) -> f32 {
     if is_true { 1.0 } else { 0.0 }
-}
-
-/// Of a number.
-#[inline(always)]
-fn unary(op: Op, a: f32) -> f32 {
-    match op {
-        Op::Negate => -a,
-        Op::Absolute => a.abs(),
-        Op::Not => 1.0 - a,
-        Op::Step => truth(a > 0.0),
-        Op::Power(exponent) => power(a, exponent),
-        op => function(op, a),
-    }
 }
 
 #[inline(never)]

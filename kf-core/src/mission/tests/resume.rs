@@ -2,6 +2,8 @@
 
 use super::*;
 use crate::config::MAX_ESTIMATED_EFFECTS;
+use crate::effect::{Definition, Parts, formula_words};
+use crate::formula::{Op, Program, Signal};
 use crate::input::ImuSample;
 use crate::output::{Agreement, Trust};
 use crate::snapshot::{MAX_SNAPSHOT_BYTES, MissionMark, RaisedFlags, SnapshotError};
@@ -104,11 +106,24 @@ fn with_effects(mut config: MissionConfig<4>) -> MissionConfig<4> {
     config
 }
 
+/// One of integrals, and one of a low pass and what was kept at launch, over a signal that every tick has: what is held is not kept.
+fn with_formulas(mut config: MissionConfig<2>) -> MissionConfig<2> {
+    let load = Op::Signal(Signal::LoadFactor.place());
+    let second = Op::Constant(1.0);
+    let law = |name, ops: &[Op]| EffectTerm::new(formula_of(name, ops), 0.0, 0.1);
+    config.estimated_effects = [
+        law("a.a", &[load, Op::DoubleIntegral { at: 0 }]),
+        law("a.b", &[load, second, Op::LowPass { at: 0 }, load, Op::AtLaunch { at: 2 }, Op::Subtract]),
+    ];
+    config
+}
+
 #[test]
 fn a_resumed_mission_says_what_one_without_interruption_says() {
     goes_on_to_the_bit::<3, 1, 0>(&config(false));
     goes_on_to_the_bit::<0, 4, 0>(&config(true));
     goes_on_to_the_bit::<0, 8, 4>(&with_effects(config(true)));
+    goes_on_to_the_bit::<0, 6, 2>(&with_formulas(config(true)));
     for second_correction in
         [SecondCorrection::MovingAverage, SecondCorrection::Kalman { wander_m_per_sqrt_s: 0.3 }]
     {
@@ -279,7 +294,40 @@ fn bytes_that_are_no_snapshot_are_refused() {
 
 #[test]
 fn the_largest_snapshot_fits() {
-    const E: usize = MAX_ESTIMATED_EFFECTS;
+    largest_snapshot_fits::<12, MAX_ESTIMATED_EFFECTS, false>();
+}
+
+/// With formulas that remember as much as they may.
+#[test]
+fn the_largest_snapshot_with_formulas_fits() {
+    largest_snapshot_fits::<8, 4, true>();
+    largest_snapshot_fits::<4, 0, true>();
+}
+
+/// Of so many double integrals.
+fn formula(name: &'static str, integrals: usize) -> EffectId {
+    let mut ops = vec![Op::Constant(0.01)];
+    ops.extend((0..integrals).map(|k| Op::DoubleIntegral { at: 6 * k as u8 }));
+    formula_of(name, &ops)
+}
+
+fn formula_of(name: &'static str, ops: &[Op]) -> EffectId {
+    let parts = Parts {
+        name,
+        subject: EffectSubject::Sensor(Sensor::Baro),
+        unit: "1",
+        needs: &[],
+        plausible: [-1.0, 1.0],
+        typical_regressor_m: 1.0,
+        program: Program::new(ops, &[]).unwrap(),
+        law: "",
+        about: "",
+        fingerprint: 0,
+    };
+    EffectId::Defined(Box::leak(Box::new(Definition::new(parts, false))))
+}
+
+fn largest_snapshot_fits<const TAIL: usize, const E: usize, const FORMULAS: bool>() {
     let mut largest = config::<E>(true);
     largest.second_correction = SecondCorrection::MovingAverage;
     // A window of which each part counts in two bytes.
@@ -288,7 +336,13 @@ fn the_largest_snapshot_fits() {
     for id in [EffectId::ImuTilt, EffectId::ImuVibration, EffectId::ImuEotvos, EffectId::BaroTemperature] {
         largest.constant_effects.push(EffectTerm::new(id, 0.01, 0.01)).unwrap();
     }
-    let mut mission = Mission::<0, 12, E>::new(&largest).unwrap();
+    if FORMULAS {
+        let integrals = formula_words(E) / 6;
+        for (name, integrals) in [("a.a", integrals / 2), ("a.b", integrals - integrals / 2)] {
+            largest.constant_effects.push(EffectTerm::new(formula(name, integrals), 0.01, 0.01)).unwrap();
+        }
+    }
+    let mut mission = Mission::<0, TAIL, E>::new(&largest).unwrap();
     for (k, mut input) in ticks().into_iter().enumerate() {
         // After 25 days; and the reference is lost.
         input.time_us += 1 << 41;
@@ -317,16 +371,17 @@ fn the_largest_snapshot_fits() {
         sensors: [sensor; SENSORS],
         signals_not_finite: u32::MAX,
         effects_without_signal: u32::MAX,
-        effects_silent: u32::MAX,
+        effects_silent: if FORMULAS { u32::MAX } else { 0 },
         effects_extrapolated: u32::MAX,
         launch_repeats: u32::MAX,
-        restarts: u32::MAX,
-        launch_suspicions: u32::MAX,
+        // Each takes more than a tick: a month has fewer than it has ticks.
+        restarts: OTHERS,
+        launch_suspicions: OTHERS,
         readings_unjudged: u32::MAX,
     };
     let length = mission.snapshot().unwrap().to_bytes(&mut [0; 4_096]).unwrap();
     // A second byte for the count of each part of the four windows, which takes longer windows.
-    assert!(length + 4 * 32 + 4 * 44 <= MAX_SNAPSHOT_BYTES, "{length}");
+    assert!(length + 4 * 32 <= MAX_SNAPSHOT_BYTES, "{length}");
 }
 
 /// The lost reference, and what the sensors say of each other.

@@ -433,13 +433,3 @@ fn doubts(diagnosis: &Diagnosis, effect: EffectId) -> Vec<String> {
     }
     doubts
 }
-
-/// The effects whose ids are nearest to a name, best first.
-#[must_use]
-pub fn nearest_effects(name: &str) -> Vec<&'static str> {
-    const SHOWN: usize = 3;
-    let mut ranked: Vec<(f64, &str)> =
-        EffectId::ALL.iter().map(|id| (strsim::jaro_winkler(name, id.name()), id.name())).collect();
-    ranked.sort_by(|left, right| right.0.total_cmp(&left.0));
-    ranked.into_iter().take(SHOWN).map(|(_, name)| name).collect()
-}

@@ -13,7 +13,7 @@ mod filter;
 mod ladder;
 mod score;
 
-pub use addition::{AddError, Addition, FlightChange, JudgedOn, NamedFlight, Request, add, nearest_effects};
+pub use addition::{AddError, Addition, FlightChange, JudgedOn, NamedFlight, Request, add};
 pub use document::DocumentError;
 pub use filter::{LearnError, Learned, learn};
 pub use ladder::{Ladder, Rung, RungFlight, ladder};

@@ -1,0 +1,273 @@
+//! Effects by formula, from a file on disk to what the user reads; and the catalogue's own, written as formulas.
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+mod common;
+
+use std::fs;
+use std::path::Path;
+
+use common::program::{run, stdout};
+use kf_core::effect::{EffectId, Regressor, SignalTracker};
+use kf_core::formula::{Evaluation, Frame};
+use model::Model;
+use model::formula::{Columns, Formula, of_catalogue};
+use pylon::flight::{Channel, Column, Flight};
+use pylon::replay::Replay;
+use pylon::simulate::{load_scenario, simulate};
+use serde_json::Value;
+
+fn quickstart(seed: u64) -> Flight {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../flights/quickstart.toml");
+    let mut scenario = load_scenario(&file).unwrap();
+    scenario.effect.clear();
+    simulate(&scenario, seed).unwrap().0
+}
+
+/// Every effect of the catalogue, as it is compiled in and as a formula, over a whole flight.
+#[test]
+fn the_catalogue_as_formulas_is_the_catalogue() {
+    let flight = quickstart(11);
+    let replay = Replay::new(&flight, &Model::default(), None).unwrap();
+    for id in EffectId::ALL {
+        let regressor = Regressor { time_constant_s: 20.0, ..Regressor::new(id) };
+        let formula = Formula::compile(of_catalogue(id).unwrap(), &mut Columns::default()).unwrap();
+        let used = formula.program().signals();
+        // As a model with this effect alone has it: beside an inertial effect the compiled pitch is carried on by the body rates.
+        let mut tracker = SignalTracker::for_effects([id], replay.model().latitude_deg);
+        let mut evaluation = Evaluation::new(formula.program(), regressor.time_constant_s);
+        let mut frame = Frame::default();
+        let (mut settled, mut launched) = (false, false);
+        let (mut largest, mut worst, mut count) = (0.0_f32, 0.0_f32, 0_u32);
+        for input in replay.inputs() {
+            if !settled && input.time_us > 10_000_000 {
+                settled = true;
+                tracker.begin_calibration();
+                frame.begin_calibration();
+            }
+            if input.launch && !launched {
+                launched = true;
+                tracker.begin_free_flight(input.time_us);
+            }
+            tracker.take(&input, input.gps.as_ref());
+            frame.take(used, &input, input.gps.as_ref(), &tracker);
+            let value = evaluation.step(&frame).ok();
+            frame.end();
+            let compiled = tracker.regressor_m(regressor);
+            // A difference of two samples is none at the first.
+            let is_first = count == 0 && id == EffectId::ImuVibration;
+            assert!(
+                value.is_some() == compiled.is_some() || is_first,
+                "{} at {} us",
+                id.name(),
+                input.time_us
+            );
+            if let (Some(value), Some(compiled)) = (value, compiled) {
+                largest = largest.max(compiled.abs());
+                worst = worst.max((value - compiled).abs());
+                count += 1;
+            }
+        }
+        // Some roundings of the numbers that it is made of: altitudes of a kilometre and temperatures of 300 K are taken off each other.
+        let rounding = match id {
+            EffectId::BaroScale => 2.0 * 1.2e-4,
+            EffectId::BaroTemperature => 2.0 * 3.1e-5,
+            // One straight line where the catalogue has two steps: half a sample's share of what its variance changes by.
+            EffectId::ImuVibration => 0.01 * largest,
+            _ => 1e-6 * largest.max(1.0),
+        };
+        assert!(count > 20_000 && largest > 0.0, "{}: {count} {largest}", id.name());
+        assert!(worst <= rounding, "{}: {worst} of {largest}, {rounding}", id.name());
+    }
+}
+
+/// A hidden law, by the hypsometric equation in double precision: nothing of the estimator is in it.
+fn raised(pressure_pa: f32, by_m: f64) -> f32 {
+    let altitude_m = 44_330.77 * (1.0 - (f64::from(pressure_pa) / 101_325.0).powf(0.190_263_1));
+    (101_325.0 * (1.0 - (altitude_m + by_m) / 44_330.77).powf(1.0 / 0.190_263_1)) as f32
+}
+
+/// The flap, which goes out and in every twelve seconds of free flight.
+fn flap(free_s: f64) -> f64 {
+    if (free_s / 12.0).rem_euclid(1.0) < 0.5 { 0.0 } else { 0.8 }
+}
+
+/// A flight with a flap under which the barometer reads 0.3 of the dynamic head too much, and a slipstream that goes with throttle and
+/// airspeed squared, as CSV.
+fn flown(directory: &Path, name: &str, seed: u64, of_flap: f64, of_slipstream: f64) {
+    let mut flight = quickstart(seed);
+    let rows = flight.rows();
+    let launch = flight.channel(Channel::Launch).unwrap();
+    let first = launch.samples().find(|(_, value)| *value > 0.0).unwrap().0;
+    let launch_s = flight.time_s[first];
+    let (mut airspeed, mut throttle) = (0.0_f64, 0.0_f64);
+    let mut position = Column::empty(rows);
+    let mut pressure = flight.channel(Channel::BaroPa).unwrap().clone();
+    for row in 0..rows {
+        let free_s = flight.time_s[row] - launch_s;
+        let is_free = row >= first;
+        let out = if is_free { flap(free_s) } else { 0.0 };
+        position.set(row, Some(out as f32));
+        if let Some(value) = flight.channel(Channel::TasMps).and_then(|column| column.get(row)) {
+            airspeed = f64::from(value);
+        }
+        if let Some(value) = flight.channel(Channel::Throttle).and_then(|column| column.get(row)) {
+            throttle = f64::from(value);
+        }
+        if let Some(value) = pressure.get(row) {
+            let head_m = airspeed.powi(2) / 19.613_3;
+            let by_m = head_m * (of_flap * out * f64::from(u8::from(is_free)) + of_slipstream * throttle);
+            pressure.set(row, Some(raised(value, by_m)));
+        }
+    }
+    flight.set_channel(Channel::BaroPa, pressure);
+    flight.extra.push(("flap".to_owned(), position));
+    let mut bytes = Vec::new();
+    flight_data::to_writer(&mut bytes, &flight).unwrap();
+    fs::write(directory.join(name), bytes).unwrap();
+}
+
+const FLAP: &str = r#"[[effect_definition]]
+id = "baro.flap_wash"
+on = "baro"
+regressor = "tas_mps^2 / (2*g) * flap * step(launch)"
+plausible = [-0.5, 0.5]
+about = "pressure under the deflected flap"
+"#;
+
+const SLIPSTREAM: &str = r#"[[effect_definition]]
+id = "baro.fast_slipstream"
+on = "baro"
+regressor = "throttle * tas_mps^2 / (2*g)"
+plausible = [-0.5, 0.5]
+"#;
+
+fn json(directory: &Path, arguments: &[&str]) -> Value {
+    serde_json::from_str(&stdout(directory, arguments)).unwrap()
+}
+
+/// Found, learned, and gone; and refused where it can not fly.
+#[test]
+fn a_law_of_ones_own_is_found_learned_and_taken_off() {
+    let directory = tempfile::tempdir().unwrap();
+    let at = directory.path();
+    flown(at, "monday.csv", 21, 0.3, 0.0);
+    flown(at, "friday.csv", 22, 0.3, 0.0);
+    fs::write(at.join("ours.toml"), FLAP).unwrap();
+    let diagnosis = json(at, &["diagnose", "monday.csv", "friday.csv", "--model", "ours.toml", "--json"]);
+    assert_eq!(diagnosis["sensors"]["baro"]["missing"][0], "baro.flap_wash", "{diagnosis}");
+    let before = json(at, &["compare", "friday.csv", "--model", "ours.toml", "--json"]);
+    let added = json(
+        at,
+        &[
+            "add",
+            "baro.flap_wash",
+            "--model",
+            "ours.toml",
+            "--from",
+            "monday.csv",
+            "--hold-out",
+            "friday.csv",
+            "--json",
+        ],
+    );
+    let (coefficient, sigma) = (added["coefficient"].as_f64().unwrap(), added["sigma"].as_f64().unwrap());
+    assert!((coefficient - 0.3).abs() < 4.0 * sigma && sigma < 0.05, "{coefficient} {sigma}");
+    let after = json(at, &["compare", "friday.csv", "--model", "ours.toml", "--json"]);
+    let rms = |comparison: &Value| comparison["sensors"]["baro"]["free_flight_rms_m"].as_f64().unwrap();
+    assert!(rms(&after) < 0.6 * rms(&before), "{} {}", rms(&before), rms(&after));
+    let model = fs::read_to_string(at.join("ours.toml")).unwrap();
+    assert!(model.contains("formula = \""), "{model}");
+
+    // The flap is no signal of the flight computer's.
+    let refused = run(at, &["fly", "friday.csv", "--model", "ours.toml"]);
+    let said = String::from_utf8(refused.stderr).unwrap();
+    assert_eq!(refused.status.code(), Some(2), "{said}");
+    assert!(said.contains("baro.flap_wash reads flap, which the flight computer does not have"), "{said}");
+
+    // A coefficient is one of the formula that it was learned for.
+    fs::write(at.join("changed.toml"), model.replace("(2*g)", "(2.2*g)")).unwrap();
+    let refused = run(at, &["compare", "friday.csv", "--model", "changed.toml"]);
+    let said = String::from_utf8(refused.stderr).unwrap();
+    assert!(
+        said.contains("was learned for another formula") && said.contains("pylon add baro.flap_wash"),
+        "{said}"
+    );
+
+    // A column that is written otherwise.
+    fs::write(
+        at.join("typo.toml"),
+        FLAP.replace("flap *", "flaps *") + "\n[[effect]]\nid = \"baro.flap_wash\"\ncoefficient = 0.3\n",
+    )
+    .unwrap();
+    let said = run(at, &["compare", "friday.csv", "--model", "typo.toml"]);
+    let said = String::from_utf8(said.stdout).unwrap() + &String::from_utf8(said.stderr).unwrap();
+    assert!(said.contains("reads flaps, which the flight has no column of (nearest: flap"), "{said}");
+
+    let listed = stdout(at, &["effects", "--model", "ours.toml"]);
+    assert!(
+        listed.contains("baro.flap_wash") && listed.contains("pressure under the deflected flap"),
+        "{listed}"
+    );
+    let explained = stdout(at, &["effects", "baro.flap_wash", "--model", "ours.toml"]);
+    assert!(explained.contains("flap counts as a plain number"), "{explained}");
+}
+
+/// A law over what the flight computer measures, as a state of its filter.
+#[test]
+fn a_law_that_can_fly_is_learned_as_a_state() {
+    let directory = tempfile::tempdir().unwrap();
+    let at = directory.path();
+    flown(at, "monday.csv", 31, 0.0, 0.2);
+    flown(at, "friday.csv", 32, 0.0, 0.2);
+    fs::write(at.join("ours.toml"), SLIPSTREAM).unwrap();
+    let added = json(
+        at,
+        &[
+            "add",
+            "baro.fast_slipstream",
+            "--model",
+            "ours.toml",
+            "--from",
+            "monday.csv",
+            "--hold-out",
+            "friday.csv",
+            "--estimate",
+            "--force",
+            "--json",
+        ],
+    );
+    let (coefficient, sigma) = (added["coefficient"].as_f64().unwrap(), added["sigma"].as_f64().unwrap());
+    assert!((coefficient - 0.2).abs() < 4.0 * sigma, "{coefficient} {sigma}");
+    assert!(added["rms_after_m"].as_f64().unwrap() < added["rms_before_m"].as_f64().unwrap(), "{added}");
+    let ladder = stdout(at, &["ladder", "--model", "ours.toml", "friday.csv"]);
+    assert!(ladder.contains("baro.fast_slipstream"), "{ladder}");
+}
+
+/// What docs/effects.md has between its fences of that kind.
+fn blocks<'a>(text: &'a str, kind: &str) -> Vec<&'a str> {
+    let fence = format!("```{kind}\n");
+    text.split(fence.as_str()).skip(1).map(|block| block.split("```").next().unwrap()).collect()
+}
+
+/// The page's own model and commands, as they are pasted.
+#[test]
+fn every_command_of_the_page_works_as_pasted() {
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/effects.md");
+    let page = fs::read_to_string(page).unwrap();
+    let directory = tempfile::tempdir().unwrap();
+    flown(directory.path(), "monday.csv", 41, 0.3, 0.0);
+    flown(directory.path(), "friday.csv", 42, 0.3, 0.0);
+    fs::write(directory.path().join("ours.toml"), blocks(&page, "toml")[0]).unwrap();
+    let mut ran = 0;
+    for command in blocks(&page, "sh").into_iter().flat_map(str::lines).filter(|line| !line.is_empty()) {
+        let arguments: Vec<&str> = command.strip_prefix("cargo pylon ").unwrap().split_whitespace().collect();
+        let output = run(directory.path(), &arguments);
+        assert!(output.status.success(), "{command}\n{}", String::from_utf8_lossy(&output.stderr));
+        let said = String::from_utf8(output.stdout).unwrap();
+        if !matches!(arguments[0], "compare") {
+            assert!(said.contains("baro.flap_wash"), "{command}\n{said}");
+        }
+        ran += 1;
+    }
+    assert_eq!(ran, 6);
+}
