@@ -6,7 +6,8 @@ import { metres, percent, short, unit, withSigma } from "../charts/number";
 import type { CandidateFacts as Candidate, EffectGuide, SensorDiagnosis } from "../protocol";
 import { sensor } from "../state/flights";
 import { whatIf } from "../state/pictures";
-import { accept, addEffect, diagnosed, doubted, guides, modelFacts, progress } from "../state/studio";
+import { accept, addEffect, diagnosed, doubted, guides, modelFacts } from "../state/studio";
+import { progress } from "../state/progress";
 import { isNarrow } from "./screen";
 import { capital, columnName, plain, sensorName } from "./words";
 
