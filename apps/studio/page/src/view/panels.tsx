@@ -15,6 +15,7 @@ import { trackPoints } from "../state/track";
 import { before } from "../state/model";
 import { brush } from "../state/view";
 import type { Role } from "../charts/colours";
+import { HeatMap } from "./heat_map";
 import { isNarrow, isWide } from "./screen";
 import { columnName, sensorName } from "./words";
 
@@ -23,8 +24,9 @@ const TITLES: Readonly<Record<PanelKind, string>> = {
   xy: "One signal over another",
   correlation: "Autocorrelation",
   track: "Track",
+  heat: "Error by manoeuvre and speed",
 };
-const KINDS: ReadonlyArray<PanelKind> = ["scatter", "correlation", "xy", "track"];
+const KINDS: ReadonlyArray<PanelKind> = ["scatter", "correlation", "xy", "track", "heat"];
 
 const scatter = points(() => across.value, () => "error");
 const pairs = points(() => xyAcross.value, () => xyUp.value);
@@ -79,6 +81,7 @@ function PanelHead({ kind }: { readonly kind: PanelKind }): JSX.Element | null {
       </span>
     );
   }
+  if (kind === "heat") return null;
   const made = trackPoints.value?.how;
   return made === "velocity" ? <span class="faint">from the GPS velocity</span> : null;
 }
@@ -116,6 +119,7 @@ function PanelBody({ kind }: { readonly kind: PanelKind }): JSX.Element {
     case "xy": return <PointsPanel found={pairs.answer.value} problem={pairs.problem.value} isError={false} />;
     case "correlation": return <CorrelationPanel />;
     case "track": return <TrackPanel />;
+    case "heat": return <HeatMap />;
   }
 }
 
