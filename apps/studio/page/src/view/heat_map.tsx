@@ -2,7 +2,6 @@
 
 import type { JSX } from "preact";
 
-import { short } from "../charts/number";
 import type { Paired } from "../protocol";
 import { points } from "../state/pictures";
 import { before } from "../state/model";
@@ -10,7 +9,7 @@ import { ribbons } from "../state/studio";
 import { capital, plain } from "./words";
 
 const found = points(() => "speed", () => "error");
-const COLUMNS = 5;
+const COLUMNS = 4;
 
 interface Row {
   readonly manoeuvre: string;
@@ -35,7 +34,7 @@ export function HeatMap(): JSX.Element {
         <thead>
           <tr>
             <th scope="col">rms, m, at m/s</th>
-            {edges.slice(1).map((to, at) => <th key={to} scope="col" class="number">{short(edges[at] ?? 0)}–{short(to)}</th>)}
+            {edges.slice(1).map((to, at) => <th key={to} scope="col" class="number">{Math.round(edges[at] ?? 0)}–{Math.round(to)}</th>)}
           </tr>
         </thead>
         <tbody>
