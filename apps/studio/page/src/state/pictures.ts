@@ -149,6 +149,12 @@ export const calibration = computed<Span | null>(() => {
   return phase ? { from: phase.from_s, to: phase.to_s } : null;
 });
 
+/** The first seconds of captive flight, in which the filter settles: the model says to ignore them. */
+export const settling = computed<Span | null>(() => {
+  const phase = ribbons.answer.value?.phases.find(({ what }) => what === "settling");
+  return phase ? { from: phase.from_s, to: phase.to_s } : null;
+});
+
 const marks = computed<Mark[]>(() => {
   const launch = ribbons.answer.value?.launch_s ?? null;
   const hasLaunch = shown.value?.opened.overview.has_launch === true;
@@ -168,7 +174,7 @@ export const altitudeSpec = computed<TimeSpec | null>(() => {
     x: Array.from(reply.time_s),
     bands: parts.flatMap(({ bands }) => bands),
     lines: parts.flatMap(({ lines }) => lines),
-    levels: [], marks: marks.value, shade: calibration.value, zero: false, unit: "",
+    levels: [], marks: marks.value, shade: calibration.value, ignored: null, zero: false, unit: "",
   };
 });
 
@@ -188,10 +194,13 @@ function errorPart(reply: Series, name: string, role: Role): Part | null {
   const found = curve(reply, 0);
   if (!found || found.isEmpty) return null;
   const { bands, lines } = drawn(name, role, found, 0.5);
+  const x = Array.from(reply.time_s);
+  const span = settling.value;
+  const seen = (y: Values): Values => (span ? y.map((value, i) => ((x[i] ?? 0) < span.to ? null : value)) : y);
   return {
-    x: Array.from(reply.time_s),
-    bands: [...sigmaBand(name, role, found), ...bands],
-    lines: lines.map((line) => ({ ...line, width: 1.75 })),
+    x,
+    bands: [...sigmaBand(name, role, found), ...bands].map((band) => ({ ...band, low: seen(band.low), high: seen(band.high) })),
+    lines: lines.map((line) => ({ ...line, y: seen(line.y), width: 1.75 })),
   };
 }
 
@@ -211,7 +220,7 @@ export const errorSpec = computed<TimeSpec | null>(() => {
   if (what) parts.push(predictionPart(what));
   const merged = joined(parts);
   const bound = sensor.value === null ? undefined : ribbons.answer.value?.bounds_m[sensor.value];
-  return { ...merged, levels: limits(bound), marks: marks.value, shade: calibration.value, zero: true, unit: "" };
+  return { ...merged, levels: limits(bound), marks: marks.value, shade: calibration.value, ignored: settling.value, zero: true, unit: "" };
 });
 
 function predictionPart(reply: Series): Part {
@@ -274,19 +283,19 @@ export interface Points {
   readonly y: string;
 }
 
-/** Points of one signal over another, as two choices say. */
-export function points(x: () => string, y: () => string): { answer: { readonly value: Points | null }; problem: { readonly value: string | null } } {
+/** Points of one signal over another, as two choices say; `isAll`: also while the filter settles. */
+export function points(x: () => string, y: () => string, isAll = false): { answer: { readonly value: Points | null }; problem: { readonly value: string | null } } {
   return resource(
     () => {
       const flight = shown.value;
       if (!flight || flight.opened.overview.refused !== null || x() === "" || y() === "") return null;
-      return { flight: flight.flight, x: x(), y: y(), xSignal: signalOf(x()), ySignal: signalOf(y()), model: model.value, window: flight.window };
+      return { flight: flight.flight, x: x(), y: y(), xSignal: signalOf(x()), ySignal: signalOf(y()), model: model.value, window: flight.window, from: isAll ? null : (settling.value?.to ?? null) };
     },
     async (of): Promise<Points> => ({
       x: of.x, y: of.y,
       reply: await ask("scatter", {
         flight: of.flight, model: of.model, window: of.window, x: of.xSignal, y: of.ySignal,
-        from_s: null, to_s: null, at_most: MOST_POINTS,
+        from_s: of.from, to_s: null, at_most: MOST_POINTS,
       }),
     }),
     REST,
@@ -309,12 +318,13 @@ export const correlations = resource(
     return {
       flight: flight.flight, window: flight.window, model: model.value, before: before.value,
       signal: errorSignal(sensor.value, diagnosed.answer.value), signalBefore: errorSignal(sensor.value, diagnosedBefore.answer.value),
+      from: settling.value?.to ?? null,
       longest: Math.min(LONGEST_LAG, LAG_SHARE * (flight.opened.last_s - flight.opened.first_s)),
     };
   },
   async (of): Promise<Correlations> => {
     const one = (text: ModelText, signal: Signal): Promise<Correlated> => ask("correlation", {
-      flight: of.flight, model: text, window: of.window, signal, with: null, from_s: null, to_s: null, longest_lag_s: of.longest,
+      flight: of.flight, model: text, window: of.window, signal, with: null, from_s: of.from, to_s: null, longest_lag_s: of.longest,
     });
     return { now: await one(of.model, of.signal), then: of.before ? await one(of.before, of.signalBefore) : null };
   },

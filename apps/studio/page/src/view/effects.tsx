@@ -28,7 +28,7 @@ export function Effects(): JSX.Element {
       <Doubted />
       {diagnosed.problem.value !== null ? <p class="box">{diagnosed.problem.value}</p> : null}
       {found && here && name !== null ? <Found name={name} here={here} rows={rowsOf(name)} /> : <Waiting />}
-      <InModel />
+      {found && here ? null : <InModel />}
       {found && found.untested.length > 0 ? <Untested /> : null}
     </aside>
   );
@@ -82,6 +82,7 @@ function Found({ name, here, rows }: FoundProps): JSX.Element {
       <ul class="effect-list">
         {suspects.map((row) => <EffectRow key={row.candidate.effect} row={row} most={most} />)}
       </ul>
+      <InModel />
       {others.length > 0 ? (
         <details class="others" open={!isNarrow.value || suspects.length === 0}>
           <summary>Tested, no evidence: {others.length}</summary>

@@ -86,9 +86,8 @@ function Brushed(): JSX.Element | null {
   if (!span) return null;
   return (
     <span class="brushed">
-      <span class="swatch brush" aria-hidden="true" />
-      <span class="number" title={`Brushed: ${clock(span.from)} to ${clock(span.to)}`}>{moment(span.from)}–{moment(span.to)}</span>
-      <button type="button" onClick={() => show(span)} title="Zoom to what is brushed">Zoom</button>
+      <span class="number brushed-span" title={`Brushed: ${clock(span.from)} to ${clock(span.to)}`}>{moment(span.from)}–{moment(span.to)}</span>
+      <button type="button" onClick={() => show(span)} aria-label="Zoom to the brushed stretch" title="Zoom to the brushed stretch">⤢</button>
       <button type="button" class="plain" aria-label="End the brush" title="End the brush (Esc)" onClick={() => { brush.value = null; }}>×</button>
     </span>
   );
@@ -141,6 +140,6 @@ function Ribbons(): JSX.Element | null {
 }
 
 function stretches(spans: ReadonlyArray<EngineSpan>): Stretch[] {
-  return spans.map(({ from_s, to_s, what }) => ({ from: from_s, to: to_s, kind: what, text: capital(plain(what)) }));
+  return spans.map(({ from_s, to_s, what }) => ({ from: from_s, to: to_s, kind: what.replace(/[ -]/g, "_"), text: capital(plain(what)) }));
 }
 
