@@ -67,7 +67,6 @@ const altitudes = resource(
   () => question(model.value, (name) => [
     { signal: "measured", sensor: name },
     { signal: "modelled", sensor: name },
-    { signal: "reference" },
   ]),
   curves,
   REST,
@@ -164,9 +163,8 @@ const marks = computed<Mark[]>(() => {
 export const altitudeSpec = computed<TimeSpec | null>(() => {
   const reply = altitudes.answer.value;
   if (!reply) return null;
-  const [measured, modelled, reference] = [0, 1, 2].map((at) => curve(reply, at));
+  const [measured, modelled] = [0, 1].map((at) => curve(reply, at));
   const parts = [
-    ...(reference && !reference.isEmpty ? [drawn("Reference (GPS)", "reference", reference)] : []),
     ...(measured && !measured.isEmpty ? [drawn("Measured", "measured", measured)] : []),
     ...(modelled && !modelled.isEmpty ? [drawn("Modelled", "modelled", modelled)] : []),
   ];

@@ -77,8 +77,8 @@ function Found({ name, here, rows }: FoundProps): JSX.Element {
   return (
     <>
       <h2 class="pad">{sensorName(name)}: {plain(here.verdict)}</h2>
-      {here.indistinguishable.map((set) => <SetBox key={set.join()} set={set} />)}
-      {here.advice ? <p class="box advice"><b>Next</b> {here.advice}</p> : null}
+      {here.advice.startsWith("One of ") ? null : here.indistinguishable.map((set) => <SetBox key={set.join()} set={set} />)}
+      {here.advice ? <p class="box advice"><b>Next</b> {inWords(here.advice)}</p> : null}
       <ul class="effect-list">
         {suspects.map((row) => <EffectRow key={row.candidate.effect} row={row} most={most} />)}
       </ul>
@@ -93,6 +93,11 @@ function Found({ name, here, rows }: FoundProps): JSX.Element {
       ) : null}
     </>
   );
+}
+
+/** The engine names effects by their ids, and the command line's way to add one. */
+function inWords(advice: string): string {
+  return advice.replace(/ \(pylon add [^)]*\)/g, "").replace(/\b(?:baro|imu|gps)\.[a-z_]+/g, title);
 }
 
 function title(effect: string): string {
@@ -122,9 +127,9 @@ function EffectRow({ row, most }: { readonly row: Row; readonly most: number }):
       <div class="effect-body">
         <div class="effect-facts">
           <PlausibleRange guide={guide} coefficient={coefficient} sigma={sigma} />
-          <p class="number faint">
+          <p class="number faint" title={probability === null ? "" : "probability of being the one that acts"}>
             {withSigma(coefficient, sigma)}{unit(candidate.unit)}
-            {probability === null ? "" : ` · ${percent(probability)} likely`}
+            {probability === null ? "" : ` · ${percent(probability)}`}
             {probability === null && isSuspect ? ` · ${chance(candidate.p_value)}` : ""}
           </p>
         </div>

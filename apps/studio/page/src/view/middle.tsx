@@ -22,6 +22,7 @@ import { Legend } from "./legend";
 import { Panels } from "./panels";
 import { isNarrow } from "./screen";
 import { PhaseRibbon } from "./phase_ribbon";
+import { Refused } from "./refused";
 import { capital, plain, sensorName, shortSensorName } from "./words";
 
 /** The gutter and what is right of the curves. */
@@ -34,6 +35,10 @@ export function Middle(): JSX.Element {
   }, [width]);
   const altitude = altitudeSpec.value;
   const error = errorSpec.value;
+  const flight = shown.value;
+  if (flight && flight.opened.overview.refused !== null) {
+    return <main class="middle" aria-label="Curves"><Refused opened={flight.opened} /></main>;
+  }
   const name = sensor.value === null ? "Sensor" : sensorName(sensor.value);
   return (
     <main class="middle" aria-label="Curves">
