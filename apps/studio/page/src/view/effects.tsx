@@ -4,7 +4,7 @@ import type { JSX } from "preact";
 
 import { metres, percent, short, unit, withSigma } from "../charts/number";
 import type { CandidateFacts as Candidate, EffectGuide, SensorDiagnosis } from "../protocol";
-import { sensor } from "../state/flights";
+import { sensor, shown } from "../state/flights";
 import { whatIf } from "../state/pictures";
 import { accept, addEffect, diagnosed, doubted, guides, modelFacts } from "../state/studio";
 import { progress } from "../state/progress";
@@ -36,6 +36,7 @@ export function Effects(): JSX.Element {
 
 function Waiting(): JSX.Element | null {
   if (diagnosed.problem.value !== null) return null;
+  if (shown.value && shown.value.opened.overview.refused !== null) return <p class="faint pad">Without an analysis no effect can be ranked.</p>;
   return <p class="faint pad">{progress.value ? `${progress.value.text}…` : "Effects are ranked here once a flight is open."}</p>;
 }
 

@@ -4,14 +4,14 @@ import type { JSX } from "preact";
 
 import { short } from "../charts/number";
 import type { Opened } from "../protocol";
-import { plain } from "./words";
+import { capital, plain } from "./words";
 
 export function Refused({ opened }: { readonly opened: Opened }): JSX.Element {
   const { overview } = opened;
   return (
     <section class="refused" aria-label="Why this log can't be analysed">
       <h2>{overview.file} was read, but can't be analysed</h2>
-      <p>{overview.refused}</p>
+      <p>{capital(overview.refused ?? "")}.</p>
       <table>
         <thead><tr><th scope="col">{overview.format} has</th><th scope="col" /><th scope="col">samples</th><th scope="col">a second</th></tr></thead>
         <tbody>
