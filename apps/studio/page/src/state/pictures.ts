@@ -8,7 +8,8 @@ import type { Role } from "../charts/colours";
 import type { Acting, CandidateFacts, Correlated, Diagnosed, Drawn, ModelText, NoiseFacts, Paired, Series, Signal, Window } from "../protocol";
 import { sensor, shown } from "./flights";
 import { resource } from "./resource";
-import { before, model } from "./model";
+import { before, model, standing } from "./model";
+import type { Of } from "./model";
 import { diagnosed, diagnosedBefore, guides, ribbons } from "./studio";
 import { inside, view } from "./view";
 import type { Span } from "./view";
@@ -47,8 +48,8 @@ function question(text: ModelText | null, signals: (sensor: string) => Signal[])
   };
 }
 
-async function curves(request: CurvesQuestion): Promise<Series> {
-  return ask("series", request);
+async function curves(request: CurvesQuestion): Promise<Of<Series>> {
+  return { ...(await ask("series", request)), asked: request.model };
 }
 
 function acting({ effect, coefficient, time_constant_s, since }: CandidateFacts): Acting {
@@ -207,13 +208,15 @@ export const errorSpec = computed<TimeSpec | null>(() => {
   if (!now) return null;
   const then = before.value ? errorBefore.answer.value : null;
   const parts: Part[] = [];
-  if (then) {
-    const part = errorPart(then, "Before", "before");
+  const roles = new Set<string>();
+  for (const reply of then ? [then, now] : [now]) {
+    const role = standing(reply.asked);
+    if (role === null || roles.has(role)) continue;
+    roles.add(role);
+    // Without a revision there is no "after": the error is the one that Add would make smaller.
+    const part = errorPart(reply, before.value === null ? "Error" : role === "after" ? "After" : "Before", role);
     if (part) parts.push(part);
   }
-  // Without a revision there is no "after": the error is the one that Add would make smaller.
-  const part = before.value ? errorPart(now, "After", "after") : errorPart(now, "Error", "before");
-  if (part) parts.push(part);
   const what = whatIf.value.length > 0 ? predictions.answer.value : null;
   if (what) parts.push(predictionPart(what));
   const merged = joined(parts);
@@ -276,6 +279,8 @@ export function signalOf(name: string): Signal {
 }
 
 export interface Points {
+  /** The model that it is of. */
+  readonly asked: ModelText;
   readonly reply: Paired;
   readonly x: string;
   readonly y: string;
@@ -290,7 +295,7 @@ export function points(x: () => string, y: () => string, isAll = false): { answe
       return { flight: flight.flight, x: x(), y: y(), xSignal: signalOf(x()), ySignal: signalOf(y()), model: model.value, window: flight.window, from: isAll ? null : (settling.value?.to ?? null) };
     },
     async (of): Promise<Points> => ({
-      x: of.x, y: of.y,
+      asked: of.model, x: of.x, y: of.y,
       reply: await ask("scatter", {
         flight: of.flight, model: of.model, window: of.window, x: of.xSignal, y: of.ySignal,
         from_s: of.from, to_s: null, at_most: MOST_POINTS,
@@ -301,6 +306,8 @@ export function points(x: () => string, y: () => string, isAll = false): { answe
 }
 
 export interface Correlations {
+  /** The model that `now` is of. */
+  readonly asked: ModelText;
   readonly now: Correlated;
   readonly then: Correlated | null;
 }
@@ -324,7 +331,7 @@ export const correlations = resource(
     const one = (text: ModelText, signal: Signal): Promise<Correlated> => ask("correlation", {
       flight: of.flight, model: text, window: of.window, signal, with: null, from_s: of.from, to_s: null, longest_lag_s: of.longest,
     });
-    return { now: await one(of.model, of.signal), then: of.before ? await one(of.before, of.signalBefore) : null };
+    return { asked: of.model, now: await one(of.model, of.signal), then: of.before ? await one(of.before, of.signalBefore) : null };
   },
   REST,
 );

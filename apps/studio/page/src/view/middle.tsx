@@ -13,7 +13,7 @@ import { useWidth } from "../charts/use_width";
 import type { Span as EngineSpan } from "../protocol";
 import { sensor, shown } from "../state/flights";
 import { altitudeSpec, chartWidth, errorSpec, isBeyondReference } from "../state/pictures";
-import { before } from "../state/model";
+import { before, standing } from "../state/model";
 import { compared, ribbons, ribbonsBefore } from "../state/studio";
 import { brush, drag, isWhole, show, showWhole, zoom } from "../state/view";
 import type { Drag } from "../state/view";
@@ -125,7 +125,9 @@ function Ribbons(): JSX.Element | null {
   const name = sensor.value;
   if (!found || name === null) return null;
   const { trust, manoeuvres, motion } = found;
-  const then = before.value ? ribbonsBefore.answer.value?.trust[name] : undefined;
+  const isAfter = before.value !== null && standing(found.asked) === "after";
+  const past = ribbonsBefore.answer.value;
+  const then = isAfter && past && standing(past.asked) === "before" ? past.trust[name] : undefined;
   const time = motion.time_s;
   const speed = found.sources.speed;
   return (
