@@ -212,6 +212,8 @@ export const errorSpec = computed<TimeSpec | null>(() => {
   for (const reply of then ? [then, now] : [now]) {
     const role = standing(reply.asked);
     if (role === null || roles.has(role)) continue;
+    // One measure in one picture: the diagnosis of one of both may still be under way.
+    if (reply.curves[0]?.signal.signal !== now.curves[0]?.signal.signal) continue;
     roles.add(role);
     // Without a revision there is no "after": the error is the one that Add would make smaller.
     const part = errorPart(reply, before.value === null ? "Error" : role === "after" ? "After" : "Before", role);

@@ -49,9 +49,24 @@ export const ribbonsBefore = resource(() => comparisonOf(before.value), ribbonsO
 export const diagnosed = resource(
   () => diagnosisOf(model.value),
   async (of): Promise<Diagnosed> => {
-    return withProgress("Looking for the cause", (options) => ask("diagnose", of, options));
+    return known(of, (options) => ask("diagnose", of, options));
   },
 );
+
+/** Diagnoses of this session by their question: Undo, and the model before, need them again. */
+const answered = new Map<string, Promise<Diagnosed>>();
+
+async function known(of: object, act: (options: CallOptions) => Promise<Diagnosed>): Promise<Diagnosed> {
+  const key = JSON.stringify(of);
+  const found = answered.get(key) ?? withProgress("Looking for the cause", act);
+  answered.set(key, found);
+  try {
+    return await found;
+  } catch (error) {
+    answered.delete(key);
+    throw error;
+  }
+}
 
 /** Work that is told about and that can be ended. */
 async function withProgress<A>(text: string, act: (options: CallOptions) => Promise<A>): Promise<A> {
@@ -72,7 +87,7 @@ async function withProgress<A>(text: string, act: (options: CallOptions) => Prom
 /** The model before its newest revision, diagnosed: its error beyond the reference rests on that. */
 export const diagnosedBefore = resource(
   () => (before.value ? diagnosisOf(before.value) : null),
-  async (of): Promise<Diagnosed> => ask("diagnose", of),
+  async (of): Promise<Diagnosed> => known(of, (options) => ask("diagnose", of, options)),
 );
 
 function diagnosisOf(text: ModelText): { flights: string[]; hold_outs: string[]; model: ModelText; window: { start_s: number; end_s: number } | null } | null {

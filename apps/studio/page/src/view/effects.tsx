@@ -85,7 +85,7 @@ function Found({ name, here, rows }: FoundProps): JSX.Element {
       </ul>
       <InModel />
       {others.length > 0 ? (
-        <details class="others" open={!isNarrow.value || suspects.length === 0}>
+        <details class="others" open={!isNarrow.value}>
           <summary>Tested, no evidence: {others.length}</summary>
           <ul class="effect-list">
             {others.map((row) => <EffectRow key={row.candidate.effect} row={row} most={most} />)}
