@@ -5,9 +5,10 @@ import { batch, computed, effect, signal } from "@preact/signals";
 import { ask, served } from "../ask";
 import { Cancelled } from "../engine/client";
 import type { CallOptions } from "../engine/client";
-import type { Added, Compared, Diagnosed, EffectGuide, Headline, Ladder, ModelFacts, ModelText, Ribbons } from "../protocol";
+import type { Added, Compared, Diagnosed, EffectGuide, Headline, Ladder, ModelFacts, ModelText, Ribbons, Window } from "../protocol";
 import { flights, holdOuts, learners, notice, ready, sensor, shown } from "./flights";
 import { before, model, models } from "./model";
+import type { Of } from "./model";
 import { progress } from "./progress";
 import { messageOf, resource } from "./resource";
 
@@ -38,8 +39,12 @@ function comparisonOf(text: ModelText | null): { flight: string; model: ModelTex
 }
 
 export const compared = resource(() => comparisonOf(model.value), async (of): Promise<Compared> => await ask("compare", of));
-export const ribbons = resource(() => comparisonOf(model.value), (of): Promise<Ribbons> => ask("ribbons", of));
-export const ribbonsBefore = resource(() => comparisonOf(before.value), (of): Promise<Ribbons> => ask("ribbons", of));
+async function ribbonsOf(of: { flight: string; model: ModelText; window: Window | null }): Promise<Of<Ribbons>> {
+  return { ...(await ask("ribbons", of)), asked: of.model };
+}
+
+export const ribbons = resource(() => comparisonOf(model.value), ribbonsOf);
+export const ribbonsBefore = resource(() => comparisonOf(before.value), ribbonsOf);
 
 export const diagnosed = resource(
   () => diagnosisOf(model.value),

@@ -4,7 +4,7 @@ import type { JSX } from "preact";
 
 import type { Paired } from "../protocol";
 import { points } from "../state/pictures";
-import { before } from "../state/model";
+import { standing } from "../state/model";
 import { ribbons } from "../state/studio";
 import { capital, plain } from "./words";
 
@@ -21,12 +21,12 @@ export function HeatMap(): JSX.Element {
   const spans = ribbons.answer.value?.manoeuvres ?? [];
   if (found.problem.value !== null) return <p class="plot empty">{found.problem.value}</p>;
   if (!found.answer.value) return <div class="plot waiting" />;
-  const { reply } = found.answer.value;
+  const { reply, asked } = found.answer.value;
+  const role = standing(asked) ?? "before";
   if (reply.of === 0 || spans.length === 0) return <p class="plot empty">The flight does not say how fast it was.</p>;
   const edges = edgesOf(reply.x);
   const rows = rowsOf(reply, spans, edges);
   const most = Math.max(...rows.flatMap(({ cells }) => cells.map((cell) => cell?.rms ?? 0)), 1e-9);
-  const role = before.value ? "after" : "before";
   return (
     <div class="plot heat" tabIndex={0} role="region" aria-label="Error by manoeuvre and speed">
       <table>

@@ -12,7 +12,7 @@ import type { PanelKind } from "../state/layout";
 import { correlations, isBeyondReference, points } from "../state/pictures";
 import type { Points } from "../state/pictures";
 import { trackPoints } from "../state/track";
-import { before } from "../state/model";
+import { standing } from "../state/model";
 import { brush } from "../state/view";
 import type { Role } from "../charts/colours";
 import { HeatMap } from "./heat_map";
@@ -142,7 +142,7 @@ function PointsPanel({ found, problem, isError }: PointsPanelProps): JSX.Element
   const order = Array.from(x.keys()).sort((one, other) => (x[one] ?? 0) - (x[other] ?? 0));
   const span = brush.value;
   const isBrushed = (i: number): boolean => span !== null && (time[i] ?? NaN) >= span.from && (time[i] ?? NaN) <= span.to;
-  const role: Role = !isError ? "reference" : before.value ? "after" : "before";
+  const role: Role = isError ? (standing(found.asked) ?? "before") : "reference";
   const spec: PointsSpec = {
     x: order.map((i) => x[i] ?? 0),
     layers: [
@@ -180,7 +180,7 @@ function CorrelationPanel(): JSX.Element {
     x: lag,
     layers: [
       ...(then ? [{ role: "before", as: "line", y: column(then) } as const] : []),
-      { role: then ? "after" : "before", as: "line", y: column(now) },
+      { role: standing(found.asked) ?? "before", as: "line", y: column(now) },
     ],
     xName: "lag, s",
     yName: "correlation",
