@@ -106,17 +106,15 @@ impl Curve {
 
     /// Values longer apart than this have a gap between them, seconds; `None` for fewer than three values.
     pub fn gap_s(&self, range: Range<usize>) -> Option<f64> {
-        let mut count = 0_usize;
-        self.each(range.clone(), &mut |_, _, _| count += 1);
-        let every = (count / INTERVALS).max(1);
-        let (mut intervals, mut last, mut place) = (Vec::new(), None, 0_usize);
+        let every = (range.len() / INTERVALS).max(1);
+        let (mut intervals, mut last, mut count) = (Vec::new(), None, 0_usize);
         self.each(range, &mut |_, time_s, _| {
             if let Some(last_s) = last.replace(time_s)
-                && place.is_multiple_of(every)
+                && count.is_multiple_of(every)
             {
                 intervals.push(time_s - last_s);
             }
-            place += 1;
+            count += 1;
         });
         let middle = intervals.len().checked_sub(1)? / 2;
         let median_s = *intervals.select_nth_unstable_by(middle, f64::total_cmp).1;
@@ -136,6 +134,18 @@ pub struct Flown<'a> {
 
 /// The curve of a signal.
 pub fn curve(
+    engine: &mut Engine,
+    flown: &Flown<'_>,
+    signal: &Signal,
+    progress: &mut Progress<'_>,
+) -> Result<Rc<Curve>, Refused> {
+    let name = serde_json::to_string(signal).map_err(refused)?;
+    engine.curve((flown.flight, flown.model, flown.window), name, |engine| {
+        made(engine, flown, signal, progress)
+    })
+}
+
+fn made(
     engine: &mut Engine,
     flown: &Flown<'_>,
     signal: &Signal,

@@ -12,12 +12,15 @@ use replay::{CalibrationWindow, Replay};
 use serde::Serialize;
 use thiserror::Error;
 
+use crate::curve::Curve;
 use crate::protocol::{ModelText, Numbers, Request, Window};
 use crate::recording::Recording;
 use crate::{catalogue, correlate, opening, pairs, results, ribbons, samples, series};
 
 /// Recordings that are kept: before and after, of two flights.
 const RECORDINGS: usize = 4;
+/// Curves that are kept: what is made for one picture is wanted for the next, when it is panned.
+const CURVES: usize = 8;
 
 /// Is told what is being done, how many steps are done, and of how many; 0 where nobody knows.
 pub type Progress<'a> = dyn FnMut(&str, u64, u64) + Send + 'a;
@@ -78,6 +81,8 @@ pub struct Engine {
     opened: u64,
     /// The last used comes last.
     recordings: Vec<(RecordingKey, Rc<Recording>)>,
+    /// Likewise.
+    curves: Vec<((RecordingKey, String), Rc<Curve>)>,
     pub(crate) executor: &'static dyn Executor,
 }
 
@@ -85,7 +90,7 @@ impl Engine {
     /// An engine without flights.
     #[must_use]
     pub fn new(executor: &'static dyn Executor) -> Self {
-        Self { flights: BTreeMap::new(), opened: 0, recordings: Vec::new(), executor }
+        Self { flights: BTreeMap::new(), opened: 0, recordings: Vec::new(), curves: Vec::new(), executor }
     }
 
     /// Answers a request; `bytes` are what comes beside it.
@@ -168,20 +173,52 @@ impl Engine {
         window: Option<Window>,
         progress: &mut Progress<'_>,
     ) -> Result<Rc<Recording>, Refused> {
-        let open = self.flight(name)?;
-        let bits = window.map(|window| [window.start_s.to_bits(), window.end_s.to_bits()]);
-        let key = (open.number, model.text.clone(), bits);
-        let found = self.recordings.iter().position(|(other, _)| *other == key);
-        let recording = match found {
-            Some(place) => self.recordings.remove(place).1,
-            None => Rc::new(Recording::take(&replay(open, model, window)?, progress)?),
-        };
-        if self.recordings.len() >= RECORDINGS {
-            self.recordings.remove(0);
+        let key = self.key(name, model, window)?;
+        if let Some(found) = kept(&mut self.recordings, &key) {
+            return Ok(found);
         }
-        self.recordings.push((key, Rc::clone(&recording)));
-        Ok(recording)
+        let recording = Recording::take(&replay(self.flight(name)?, model, window)?, progress)?;
+        Ok(keep(&mut self.recordings, RECORDINGS, key, recording))
     }
+
+    /// What `make` makes, or made before of the same flight, model and window under that name.
+    pub(crate) fn curve(
+        &mut self,
+        (flight, model, window): (&str, &ModelText, Option<Window>),
+        what: String,
+        make: impl FnOnce(&mut Self) -> Result<Curve, Refused>,
+    ) -> Result<Rc<Curve>, Refused> {
+        let key = (self.key(flight, model, window)?, what);
+        if let Some(found) = kept(&mut self.curves, &key) {
+            return Ok(found);
+        }
+        let curve = make(self)?;
+        Ok(keep(&mut self.curves, CURVES, key, curve))
+    }
+
+    fn key(&self, name: &str, model: &ModelText, window: Option<Window>) -> Result<RecordingKey, Refused> {
+        let bits = window.map(|window| [window.start_s.to_bits(), window.end_s.to_bits()]);
+        Ok((self.flight(name)?.number, model.text.clone(), bits))
+    }
+}
+
+/// What is kept under a key; it is the last used now.
+fn kept<K: PartialEq, T>(all: &mut Vec<(K, Rc<T>)>, key: &K) -> Option<Rc<T>> {
+    let place = all.iter().position(|(other, _)| other == key)?;
+    let found = all.remove(place);
+    let value = Rc::clone(&found.1);
+    all.push(found);
+    Some(value)
+}
+
+/// Keeps a value in place of the one that was not used for longest.
+fn keep<K, T>(all: &mut Vec<(K, Rc<T>)>, most: usize, key: K, value: T) -> Rc<T> {
+    if all.len() >= most {
+        all.remove(0);
+    }
+    let value = Rc::new(value);
+    all.push((key, Rc::clone(&value)));
+    value
 }
 
 /// An answer as JSON.

@@ -174,8 +174,8 @@ pub fn of_diagnosis(diagnosis: &Diagnosis) -> Headline {
         }
         Verdict::InsufficientExcitation => Headline {
             sentence: format!(
-                "The model fits, but this flight would not have shown what it lacks: {} was not excited enough.",
-                subject.to_lowercase().replace("gps", "GPS")
+                "The model fits, but this flight was flown too evenly to show what it may lack ({}).",
+                subject.trim_start_matches("Your ")
             ),
             tone: Tone::Caution,
             effect: None,

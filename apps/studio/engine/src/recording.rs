@@ -16,7 +16,7 @@ const TICKS_PER_REPORT: usize = 1 << 14;
 /// One sensor, a value a tick; NaN where there is none. Empty for a sensor without a reading.
 #[derive(Debug, Default)]
 pub struct SensorTrack {
-    /// Its altitude as measured, where it has an error, m.
+    /// Its altitude as measured, m.
     pub measured_m: Vec<f32>,
     /// Its error, m.
     pub error_m: Vec<f32>,
@@ -83,8 +83,7 @@ impl Recording {
         let is_captive = output.phase == Phase::Calibrating;
         self.estimate_m.push(if is_captive { output.altitude_m } else { f32::NAN });
         for ((track, said), sensor) in self.sensors.iter_mut().zip(&output.sensors).zip(Sensor::ALL) {
-            let measured_m = said.error_m.and_then(|_| reading_m(sensor, input));
-            track.measured_m.push(measured_m.unwrap_or(f32::NAN));
+            track.measured_m.push(reading_m(sensor, input).unwrap_or(f32::NAN));
             track.error_m.push(said.error_m.unwrap_or(f32::NAN));
             let average_m = said.moving_average_m.filter(|_| output.phase == Phase::FreeFlight);
             track.average_m.push(average_m.unwrap_or(f32::NAN));
@@ -94,7 +93,7 @@ impl Recording {
 
     fn finish(&mut self, latch: Option<&LatchRecord>) {
         for (track, sensor) in self.sensors.iter_mut().zip(Sensor::ALL) {
-            if track.error_m.iter().all(|error_m| error_m.is_nan()) {
+            if track.measured_m.iter().chain(&track.error_m).all(|metres| metres.is_nan()) {
                 *track = SensorTrack::default();
                 continue;
             }

@@ -20,7 +20,7 @@ test("a cause is read, added, judged on another flight, undone, and kept over a 
 
   // What if: another curve at once.
   await page.getByRole("switch").first().click();
-  await page.locator(".legend-entry", { hasText: "What if" }).waitFor();
+  await page.locator(".chart.error .legend-entry", { hasText: "What if" }).waitFor();
   await page.getByRole("switch").first().click();
 
   // A stretch that is brushed is highlighted in the scatter.
@@ -34,7 +34,7 @@ test("a cause is read, added, judged on another flight, undone, and kept over a 
   const brushed = Number(/(\d+) of them brushed/.exec(points)?.[1]);
   const all = Number(/(\d+) points/.exec(points)?.[1]);
   assert.ok(brushed > 0 && brushed < all, points);
-  await page.getByRole("button", { name: "Zoom", exact: true }).click();
+  await page.getByRole("button", { name: "Zoom to the brushed stretch" }).click();
   assert.ok(await page.getByRole("button", { name: "All", exact: true }).isEnabled());
   await page.locator(".chart.error .u-over").dblclick();
 
@@ -44,8 +44,13 @@ test("a cause is read, added, judged on another flight, undone, and kept over a 
   assert.equal(same, was, "the revision before stays as it was");
   assert.ok(less < 0.7 * was, `${was} m before, ${less} m after`);
   const learned = await sentence(page);
-  await page.locator(".legend-entry", { hasText: "After" }).waitFor();
-  assert.equal(await page.locator(".ribbon.trust").count(), 2, "trust before and after");
+  await page.locator(".chart.error .legend-entry", { hasText: "After" }).waitFor();
+  // What is called "After" is so: in the dive, where the error was largest.
+  await page.mouse.move(curve.x + 0.555 * curve.width, curve.y + 30);
+  const value = async (name) => Number.parseFloat((await page.locator(".chart.error .legend-entry", { hasText: name }).locator("b").textContent()).replace("−", "-"));
+  const [then, now] = [await value("Before"), await value("After")];
+  assert.ok(Math.abs(now) < 0.3 * Math.abs(then), `${then} m before, ${now} m after`);
+  await page.locator(".ribbon.trust").nth(1).waitFor(); // trust, before and after
 
   await page.waitForTimeout(400);
   await page.reload();

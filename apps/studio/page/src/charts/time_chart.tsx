@@ -62,6 +62,8 @@ export interface TimeSpec {
   readonly levels: ReadonlyArray<Level>;
   readonly marks: ReadonlyArray<Mark>;
   readonly shade: Span | null;
+  /** What is not looked at; nothing is drawn there. */
+  readonly ignored: Span | null;
   /** Zero belongs into the picture. */
   readonly zero: boolean;
   readonly unit: string;
@@ -286,7 +288,8 @@ function clipped(plot: uPlot, act: (ctx: CanvasRenderingContext2D, ratio: number
 }
 
 function under(plot: uPlot, spec: TimeSpec): void {
-  clipped(plot, (ctx) => {
+  clipped(plot, (ctx, ratio) => {
+    if (spec.ignored) hatch(plot, ctx, spec.ignored, ratio);
     if (spec.shade) fill(plot, ctx, spec.shade, faint("calibration", 0.22));
     if (brush.value) fill(plot, ctx, brush.value, faint("brush", 0.13));
   });
@@ -296,6 +299,19 @@ function fill(plot: uPlot, ctx: CanvasRenderingContext2D, span: Span, style: str
   const [left, right] = [plot.valToPos(span.from, "x", true), plot.valToPos(span.to, "x", true)];
   ctx.fillStyle = style;
   ctx.fillRect(left, plot.bbox.top, right - left, plot.bbox.height);
+}
+
+function hatch(plot: uPlot, ctx: CanvasRenderingContext2D, span: Span, ratio: number): void {
+  const { top, height } = plot.bbox;
+  const [left, right] = [plot.valToPos(span.from, "x", true), plot.valToPos(span.to, "x", true)];
+  ctx.save();
+  ctx.beginPath();
+  ctx.rect(left, top, right - left, height);
+  ctx.clip();
+  ctx.strokeStyle = colour("rule");
+  ctx.lineWidth = ratio;
+  for (let x = left - height; x < right; x += 7 * ratio) stroke(ctx, x, top + height, x + height, top);
+  ctx.restore();
 }
 
 function over(plot: uPlot, spec: TimeSpec, draft: Span | null): void {

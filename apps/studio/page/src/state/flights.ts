@@ -8,6 +8,7 @@ import type { Opened, Window } from "../protocol";
 import { dropLog, keepLog } from "./kept";
 import { messageOf } from "./resource";
 import { brush, lookAt } from "./view";
+import type { Span } from "./view";
 
 /** What a flight is for: the coefficients are learned from it, they are judged by it, or it is only looked at. */
 export type Use = "learn" | "hold_out" | "off";
@@ -118,11 +119,21 @@ export function show(id: string): void {
   if (!opened) return;
   batch(() => {
     shownId.value = id;
-    lookAt({ from: opened.first_s, to: opened.last_s });
+    lookAt({ from: opened.first_s, to: opened.last_s }, usedOf(opened));
     if (sensor.value === null || !opened.sensors.includes(sensor.value)) {
       sensor.value = opened.sensors.includes("baro") ? "baro" : (opened.sensors[0] ?? null);
     }
   });
+}
+
+/** Without what is not used at both ends. */
+function usedOf({ first_s, last_s, overview }: Opened): Span {
+  let [from, to] = [first_s, last_s];
+  for (const { from_s, to_s } of overview.unused) {
+    if (from_s <= from) from = Math.max(from, to_s);
+    if (to_s >= to) to = Math.min(to, from_s);
+  }
+  return from < to ? { from, to } : { from: first_s, to: last_s };
 }
 
 export function setUse(id: string, use: Use): void {

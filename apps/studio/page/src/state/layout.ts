@@ -2,7 +2,7 @@
 
 import { signal } from "@preact/signals";
 
-export type PanelKind = "scatter" | "xy" | "correlation" | "track";
+export type PanelKind = "scatter" | "xy" | "correlation" | "track" | "heat";
 
 /** What is in the places below the curves, where there is not room for all. */
 export const places = signal<ReadonlyArray<PanelKind>>(["scatter", "correlation"]);

@@ -8,7 +8,8 @@ import type { Role } from "../charts/colours";
 import type { Acting, CandidateFacts, Correlated, Diagnosed, Drawn, ModelText, NoiseFacts, Paired, Series, Signal, Window } from "../protocol";
 import { sensor, shown } from "./flights";
 import { resource } from "./resource";
-import { before, model } from "./model";
+import { before, model, standing } from "./model";
+import type { Of } from "./model";
 import { diagnosed, diagnosedBefore, guides, ribbons } from "./studio";
 import { inside, view } from "./view";
 import type { Span } from "./view";
@@ -47,8 +48,8 @@ function question(text: ModelText | null, signals: (sensor: string) => Signal[])
   };
 }
 
-async function curves(request: CurvesQuestion): Promise<Series> {
-  return ask("series", request);
+async function curves(request: CurvesQuestion): Promise<Of<Series>> {
+  return { ...(await ask("series", request)), asked: request.model };
 }
 
 function acting({ effect, coefficient, time_constant_s, since }: CandidateFacts): Acting {
@@ -67,7 +68,6 @@ const altitudes = resource(
   () => question(model.value, (name) => [
     { signal: "measured", sensor: name },
     { signal: "modelled", sensor: name },
-    { signal: "reference" },
   ]),
   curves,
   REST,
@@ -149,6 +149,12 @@ export const calibration = computed<Span | null>(() => {
   return phase ? { from: phase.from_s, to: phase.to_s } : null;
 });
 
+/** The first seconds of captive flight, in which the filter settles: the model says to ignore them. */
+export const settling = computed<Span | null>(() => {
+  const phase = ribbons.answer.value?.phases.find(({ what }) => what === "settling");
+  return phase ? { from: phase.from_s, to: phase.to_s } : null;
+});
+
 const marks = computed<Mark[]>(() => {
   const launch = ribbons.answer.value?.launch_s ?? null;
   const hasLaunch = shown.value?.opened.overview.has_launch === true;
@@ -158,9 +164,8 @@ const marks = computed<Mark[]>(() => {
 export const altitudeSpec = computed<TimeSpec | null>(() => {
   const reply = altitudes.answer.value;
   if (!reply) return null;
-  const [measured, modelled, reference] = [0, 1, 2].map((at) => curve(reply, at));
+  const [measured, modelled] = [0, 1].map((at) => curve(reply, at));
   const parts = [
-    ...(reference && !reference.isEmpty ? [drawn("Reference (GPS)", "reference", reference)] : []),
     ...(measured && !measured.isEmpty ? [drawn("Measured", "measured", measured)] : []),
     ...(modelled && !modelled.isEmpty ? [drawn("Modelled", "modelled", modelled)] : []),
   ];
@@ -168,7 +173,7 @@ export const altitudeSpec = computed<TimeSpec | null>(() => {
     x: Array.from(reply.time_s),
     bands: parts.flatMap(({ bands }) => bands),
     lines: parts.flatMap(({ lines }) => lines),
-    levels: [], marks: marks.value, shade: calibration.value, zero: false, unit: "",
+    levels: [], marks: marks.value, shade: calibration.value, ignored: null, zero: false, unit: "",
   };
 });
 
@@ -188,10 +193,13 @@ function errorPart(reply: Series, name: string, role: Role): Part | null {
   const found = curve(reply, 0);
   if (!found || found.isEmpty) return null;
   const { bands, lines } = drawn(name, role, found, 0.5);
+  const x = Array.from(reply.time_s);
+  const span = settling.value;
+  const seen = (y: Values): Values => (span ? y.map((value, i) => ((x[i] ?? 0) < span.to ? null : value)) : y);
   return {
-    x: Array.from(reply.time_s),
-    bands: [...sigmaBand(name, role, found), ...bands],
-    lines: lines.map((line) => ({ ...line, width: 1.75 })),
+    x,
+    bands: [...sigmaBand(name, role, found), ...bands].map((band) => ({ ...band, low: seen(band.low), high: seen(band.high) })),
+    lines: lines.map((line) => ({ ...line, y: seen(line.y), width: 1.75 })),
   };
 }
 
@@ -200,18 +208,22 @@ export const errorSpec = computed<TimeSpec | null>(() => {
   if (!now) return null;
   const then = before.value ? errorBefore.answer.value : null;
   const parts: Part[] = [];
-  if (then) {
-    const part = errorPart(then, "Before", "before");
+  const roles = new Set<string>();
+  for (const reply of then ? [then, now] : [now]) {
+    const role = standing(reply.asked);
+    if (role === null || roles.has(role)) continue;
+    // One measure in one picture: the diagnosis of one of both may still be under way.
+    if (reply.curves[0]?.signal.signal !== now.curves[0]?.signal.signal) continue;
+    roles.add(role);
+    // Without a revision there is no "after": the error is the one that Add would make smaller.
+    const part = errorPart(reply, before.value === null ? "Error" : role === "after" ? "After" : "Before", role);
     if (part) parts.push(part);
   }
-  // Without a revision there is no "after": the error is the one that Add would make smaller.
-  const part = before.value ? errorPart(now, "After", "after") : errorPart(now, "Error", "before");
-  if (part) parts.push(part);
   const what = whatIf.value.length > 0 ? predictions.answer.value : null;
   if (what) parts.push(predictionPart(what));
   const merged = joined(parts);
   const bound = sensor.value === null ? undefined : ribbons.answer.value?.bounds_m[sensor.value];
-  return { ...merged, levels: limits(bound), marks: marks.value, shade: calibration.value, zero: true, unit: "" };
+  return { ...merged, levels: limits(bound), marks: marks.value, shade: calibration.value, ignored: settling.value, zero: true, unit: "" };
 });
 
 function predictionPart(reply: Series): Part {
@@ -269,24 +281,26 @@ export function signalOf(name: string): Signal {
 }
 
 export interface Points {
+  /** The model that it is of. */
+  readonly asked: ModelText;
   readonly reply: Paired;
   readonly x: string;
   readonly y: string;
 }
 
-/** Points of one signal over another, as two choices say. */
-export function points(x: () => string, y: () => string): { answer: { readonly value: Points | null }; problem: { readonly value: string | null } } {
+/** Points of one signal over another, as two choices say; `isAll`: also while the filter settles. */
+export function points(x: () => string, y: () => string, isAll = false): { answer: { readonly value: Points | null }; problem: { readonly value: string | null } } {
   return resource(
     () => {
       const flight = shown.value;
       if (!flight || flight.opened.overview.refused !== null || x() === "" || y() === "") return null;
-      return { flight: flight.flight, x: x(), y: y(), xSignal: signalOf(x()), ySignal: signalOf(y()), model: model.value, window: flight.window };
+      return { flight: flight.flight, x: x(), y: y(), xSignal: signalOf(x()), ySignal: signalOf(y()), model: model.value, window: flight.window, from: isAll ? null : (settling.value?.to ?? null) };
     },
     async (of): Promise<Points> => ({
-      x: of.x, y: of.y,
+      asked: of.model, x: of.x, y: of.y,
       reply: await ask("scatter", {
         flight: of.flight, model: of.model, window: of.window, x: of.xSignal, y: of.ySignal,
-        from_s: null, to_s: null, at_most: MOST_POINTS,
+        from_s: of.from, to_s: null, at_most: MOST_POINTS,
       }),
     }),
     REST,
@@ -294,6 +308,8 @@ export function points(x: () => string, y: () => string): { answer: { readonly v
 }
 
 export interface Correlations {
+  /** The model that `now` is of. */
+  readonly asked: ModelText;
   readonly now: Correlated;
   readonly then: Correlated | null;
 }
@@ -309,14 +325,15 @@ export const correlations = resource(
     return {
       flight: flight.flight, window: flight.window, model: model.value, before: before.value,
       signal: errorSignal(sensor.value, diagnosed.answer.value), signalBefore: errorSignal(sensor.value, diagnosedBefore.answer.value),
+      from: settling.value?.to ?? null,
       longest: Math.min(LONGEST_LAG, LAG_SHARE * (flight.opened.last_s - flight.opened.first_s)),
     };
   },
   async (of): Promise<Correlations> => {
     const one = (text: ModelText, signal: Signal): Promise<Correlated> => ask("correlation", {
-      flight: of.flight, model: text, window: of.window, signal, with: null, from_s: null, to_s: null, longest_lag_s: of.longest,
+      flight: of.flight, model: text, window: of.window, signal, with: null, from_s: of.from, to_s: null, longest_lag_s: of.longest,
     });
-    return { now: await one(of.model, of.signal), then: of.before ? await one(of.before, of.signalBefore) : null };
+    return { asked: of.model, now: await one(of.model, of.signal), then: of.before ? await one(of.before, of.signalBefore) : null };
   },
   REST,
 );

@@ -85,7 +85,7 @@ function isWindow(value: unknown): value is Window | null {
 }
 
 function isPanel(value: unknown): value is PanelKind {
-  return value === "scatter" || value === "xy" || value === "correlation" || value === "track";
+  return value === "scatter" || value === "xy" || value === "correlation" || value === "track" || value === "heat";
 }
 
 function isDrag(value: unknown): value is Drag {

@@ -3,20 +3,16 @@
 import { batch, computed, effect, signal } from "@preact/signals";
 
 import { ask, served } from "../ask";
-import type { Progress as EngineProgress } from "../engine/client";
-import type { Added, Compared, Diagnosed, EffectGuide, Headline, Ladder, ModelFacts, ModelText, Ribbons } from "../protocol";
+import { Cancelled } from "../engine/client";
+import type { CallOptions } from "../engine/client";
+import type { Added, Compared, Diagnosed, EffectGuide, Headline, Ladder, ModelFacts, ModelText, Ribbons, Window } from "../protocol";
 import { flights, holdOuts, learners, notice, ready, sensor, shown } from "./flights";
 import { before, model, models } from "./model";
+import type { Of } from "./model";
+import { progress } from "./progress";
 import { messageOf, resource } from "./resource";
 
 export const isServed = served !== null;
-
-export interface Progress {
-  readonly text: string;
-  /** From 0 to 1; null: nobody knows. */
-  readonly share: number | null;
-}
-export const progress = signal<Progress | null>(null);
 
 /** An effect that was learned, and that its own numbers speak against: the user decides. */
 export const doubted = signal<Added | null>(null);
@@ -43,28 +39,55 @@ function comparisonOf(text: ModelText | null): { flight: string; model: ModelTex
 }
 
 export const compared = resource(() => comparisonOf(model.value), async (of): Promise<Compared> => await ask("compare", of));
-export const ribbons = resource(() => comparisonOf(model.value), (of): Promise<Ribbons> => ask("ribbons", of));
-export const ribbonsBefore = resource(() => comparisonOf(before.value), (of): Promise<Ribbons> => ask("ribbons", of));
+async function ribbonsOf(of: { flight: string; model: ModelText; window: Window | null }): Promise<Of<Ribbons>> {
+  return { ...(await ask("ribbons", of)), asked: of.model };
+}
+
+export const ribbons = resource(() => comparisonOf(model.value), ribbonsOf);
+export const ribbonsBefore = resource(() => comparisonOf(before.value), ribbonsOf);
 
 export const diagnosed = resource(
   () => diagnosisOf(model.value),
   async (of): Promise<Diagnosed> => {
-    const say = (now: EngineProgress): void => {
-      progress.value = { text: now.what, share: now.of === null ? null : now.done / now.of };
-    };
-    progress.value = { text: "Looking for the cause", share: null };
-    try {
-      return await ask("diagnose", of, { onProgress: say });
-    } finally {
-      progress.value = null;
-    }
+    return known(of, (options) => ask("diagnose", of, options));
   },
 );
+
+/** Diagnoses of this session by their question: Undo, and the model before, need them again. */
+const answered = new Map<string, Promise<Diagnosed>>();
+
+async function known(of: object, act: (options: CallOptions) => Promise<Diagnosed>): Promise<Diagnosed> {
+  const key = JSON.stringify(of);
+  const found = answered.get(key) ?? withProgress("Looking for the cause", act);
+  answered.set(key, found);
+  try {
+    return await found;
+  } catch (error) {
+    answered.delete(key);
+    throw error;
+  }
+}
+
+/** Work that is told about and that can be ended. */
+async function withProgress<A>(text: string, act: (options: CallOptions) => Promise<A>): Promise<A> {
+  const ending = new AbortController();
+  const cancel = (): void => ending.abort();
+  const say = (share: number | null, what: string): void => { progress.value = { text: what, share, cancel }; };
+  say(null, text);
+  try {
+    return await act({ signal: ending.signal, onProgress: ({ what, done, of }) => say(of === null ? null : done / of, what) });
+  } catch (error) {
+    if (error instanceof Cancelled) throw new Error("Cancelled. Change a flight's use or the model to look again.");
+    throw error;
+  } finally {
+    progress.value = null;
+  }
+}
 
 /** The model before its newest revision, diagnosed: its error beyond the reference rests on that. */
 export const diagnosedBefore = resource(
   () => (before.value ? diagnosisOf(before.value) : null),
-  async (of): Promise<Diagnosed> => ask("diagnose", of),
+  async (of): Promise<Diagnosed> => known(of, (options) => ask("diagnose", of, options)),
 );
 
 function diagnosisOf(text: ModelText): { flights: string[]; hold_outs: string[]; model: ModelText; window: { start_s: number; end_s: number } | null } | null {
@@ -113,9 +136,8 @@ effect(() => {
 
 export async function addEffect(id: string): Promise<void> {
   if (learners.value.length === 0) return;
-  progress.value = { text: `Learning ${id}`, share: null };
   try {
-    const answer = await ask("add", {
+    const answer = await withProgress(`Learning ${guides.value.get(id)?.title ?? id}`, (options) => ask("add", {
       effect: id,
       flights: files(learners.value),
       hold_outs: files(holdOuts.value),
@@ -125,13 +147,11 @@ export async function addEffect(id: string): Promise<void> {
       time_constant_s: null,
       since: null,
       date: today(),
-    });
+    }, options));
     if (answer.addition.concerns.length > 0) doubted.value = answer;
     else accept(answer);
   } catch (error) {
     notice.value = messageOf(error);
-  } finally {
-    progress.value = null;
   }
 }
 

@@ -12,8 +12,8 @@ function has(column: string): boolean {
   return shown.value?.opened.columns.some(({ name, values }) => name === column && values > 0) === true;
 }
 
-const positions = points(() => (has("longitude_deg") && has("latitude_deg") ? "longitude_deg" : ""), () => "latitude_deg");
-const velocities = points(() => (!has("longitude_deg") && has("gps_ve_mps") && has("gps_vn_mps") ? "gps_ve_mps" : ""), () => "gps_vn_mps");
+const positions = points(() => (has("longitude_deg") && has("latitude_deg") ? "longitude_deg" : ""), () => "latitude_deg", true);
+const velocities = points(() => (!has("longitude_deg") && has("gps_ve_mps") && has("gps_vn_mps") ? "gps_ve_mps" : ""), () => "gps_vn_mps", true);
 
 export interface FoundTrack extends TrackPoints {
   readonly how: "position" | "velocity";

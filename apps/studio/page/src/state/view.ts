@@ -56,11 +56,12 @@ export function pan(share: number): void {
   show({ from: from + by, to: to + by });
 }
 
-/** Another flight, or another part of it, is looked at. */
-export function lookAt(span: Span): void {
+/** Another flight is looked at: first the part of it that is used. */
+export function lookAt(span: Span, used: Span): void {
   const length = Math.max(span.to - span.from, NARROWEST);
   whole.value = { from: span.from, to: span.from + length };
-  view.value = whole.value;
+  const margin = 0.03 * (used.to - used.from);
+  view.value = inside({ from: Math.max(used.from - margin, span.from), to: Math.min(used.to + margin, span.to) });
   brush.value = null;
   cursor.value = null;
 }

@@ -4,9 +4,10 @@ import type { JSX } from "preact";
 
 import { metres, percent, short, unit, withSigma } from "../charts/number";
 import type { CandidateFacts as Candidate, EffectGuide, SensorDiagnosis } from "../protocol";
-import { sensor } from "../state/flights";
+import { sensor, shown } from "../state/flights";
 import { whatIf } from "../state/pictures";
-import { accept, addEffect, diagnosed, doubted, guides, modelFacts, progress } from "../state/studio";
+import { accept, addEffect, diagnosed, doubted, guides, modelFacts } from "../state/studio";
+import { progress } from "../state/progress";
 import { isNarrow } from "./screen";
 import { capital, columnName, plain, sensorName } from "./words";
 
@@ -27,7 +28,7 @@ export function Effects(): JSX.Element {
       <Doubted />
       {diagnosed.problem.value !== null ? <p class="box">{diagnosed.problem.value}</p> : null}
       {found && here && name !== null ? <Found name={name} here={here} rows={rowsOf(name)} /> : <Waiting />}
-      <InModel />
+      {found && here ? null : <InModel />}
       {found && found.untested.length > 0 ? <Untested /> : null}
     </aside>
   );
@@ -35,6 +36,7 @@ export function Effects(): JSX.Element {
 
 function Waiting(): JSX.Element | null {
   if (diagnosed.problem.value !== null) return null;
+  if (shown.value && shown.value.opened.overview.refused !== null) return <p class="faint pad">Without an analysis no effect can be ranked.</p>;
   return <p class="faint pad">{progress.value ? `${progress.value.text}…` : "Effects are ranked here once a flight is open."}</p>;
 }
 
@@ -76,13 +78,14 @@ function Found({ name, here, rows }: FoundProps): JSX.Element {
   return (
     <>
       <h2 class="pad">{sensorName(name)}: {plain(here.verdict)}</h2>
-      {here.indistinguishable.map((set) => <SetBox key={set.join()} set={set} />)}
-      {here.advice ? <p class="box advice"><b>Next</b> {here.advice}</p> : null}
+      {here.advice.startsWith("One of ") ? null : here.indistinguishable.map((set) => <SetBox key={set.join()} set={set} />)}
+      {here.advice ? <p class="box advice"><b>Next</b> {inWords(here.advice)}</p> : null}
       <ul class="effect-list">
         {suspects.map((row) => <EffectRow key={row.candidate.effect} row={row} most={most} />)}
       </ul>
+      <InModel />
       {others.length > 0 ? (
-        <details class="others" open={!isNarrow.value || suspects.length === 0}>
+        <details class="others" open={!isNarrow.value}>
           <summary>Tested, no evidence: {others.length}</summary>
           <ul class="effect-list">
             {others.map((row) => <EffectRow key={row.candidate.effect} row={row} most={most} />)}
@@ -91,6 +94,11 @@ function Found({ name, here, rows }: FoundProps): JSX.Element {
       ) : null}
     </>
   );
+}
+
+/** The engine names effects by their ids, and the command line's way to add one. */
+function inWords(advice: string): string {
+  return advice.replace(/ \(pylon add [^)]*\)/g, "").replace(/\b(?:baro|imu|gps)\.[a-z_]+/g, title);
 }
 
 function title(effect: string): string {
@@ -120,9 +128,9 @@ function EffectRow({ row, most }: { readonly row: Row; readonly most: number }):
       <div class="effect-body">
         <div class="effect-facts">
           <PlausibleRange guide={guide} coefficient={coefficient} sigma={sigma} />
-          <p class="number faint">
+          <p class="number faint" title={probability === null ? "" : "probability of being the one that acts"}>
             {withSigma(coefficient, sigma)}{unit(candidate.unit)}
-            {probability === null ? "" : ` · ${percent(probability)} likely`}
+            {probability === null ? "" : ` · ${percent(probability)}`}
             {probability === null && isSuspect ? ` · ${chance(candidate.p_value)}` : ""}
           </p>
         </div>

@@ -5,6 +5,7 @@ import type { JSX } from "preact";
 import { clock, percent } from "../charts/number";
 import { chooseFiles } from "../state/files";
 import { close, setUse, show, shownId, vehicles } from "../state/flights";
+import { Coefficients } from "./coefficients";
 import type { Flight, Use } from "../state/flights";
 
 const USES: ReadonlyArray<{ use: Use; text: string }> = [
@@ -23,6 +24,7 @@ export function FlightsPanel(): JSX.Element {
       {vehicles.value.map(({ name, flights }) => (
         <section key={name} class="vehicle">
           <h3 title={name}>{name}</h3>
+          <Coefficients vehicle={name} />
           <ul>{flights.map((flight) => <Row key={flight.id} flight={flight} />)}</ul>
         </section>
       ))}

@@ -4,7 +4,9 @@ import type { JSX } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 
 import { canUndo } from "../state/model";
-import { headline, progress, undo } from "../state/studio";
+import { progress } from "../state/progress";
+import { canFly, fly } from "../state/server";
+import { headline, undo } from "../state/studio";
 import { chooseFiles, exportFile, saveModel } from "../state/files";
 import type { ExportKind } from "../state/files";
 import { flights } from "../state/flights";
@@ -22,6 +24,7 @@ export function Header(): JSX.Element {
         <button type="button" onClick={undo} disabled={!canUndo.value} title="Take the newest revision back">Undo</button>
         <button type="button" onClick={() => void saveModel()} disabled={flights.value.length === 0} title="Save the model file">Save</button>
         <Export />
+        {canFly.value ? <button type="button" disabled={progress.value !== null} onClick={() => void fly()}>Fly in QEMU</button> : null}
       </div>
       <Progress />
     </header>
@@ -42,9 +45,12 @@ function Progress(): JSX.Element | null {
   const now = progress.value;
   if (!now) return null;
   return (
-    <div class="progress" role="status">
+    <div class="progress">
       <span class="progress-bar" style={{ width: now.share === null ? "100%" : `${now.share * 100}%` }} />
-      <span class="hidden-text">{now.text}</span>
+      <p class="progress-text" role="status">
+        {now.text}…{now.share === null ? "" : ` ${Math.round(now.share * 100)} %`}
+        {now.cancel ? <button type="button" class="plain" onClick={now.cancel}>Cancel</button> : null}
+      </p>
     </div>
   );
 }

@@ -24,7 +24,7 @@ export function Legend({ title, unit, spec }: LegendProps): JSX.Element {
     <figcaption class="legend">
       <span class="legend-title">{title}, {unit}</span>
       {list.map(({ name, role, look, value }) => (
-        <span key={name} class="legend-entry">
+        <span key={name} class={`legend-entry ${look}`} title={name}>
           <span class={`swatch ${look}`} style={{ color: `var(--${role})` }} aria-hidden="true" />
           <span class="legend-name">{name}</span>
           {value === null ? null : <b class="number">{value}</b>}

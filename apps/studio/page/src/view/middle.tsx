@@ -13,14 +13,16 @@ import { useWidth } from "../charts/use_width";
 import type { Span as EngineSpan } from "../protocol";
 import { sensor, shown } from "../state/flights";
 import { altitudeSpec, chartWidth, errorSpec, isBeyondReference } from "../state/pictures";
-import { before } from "../state/model";
+import { before, standing } from "../state/model";
 import { compared, ribbons, ribbonsBefore } from "../state/studio";
 import { brush, drag, isWhole, show, showWhole, zoom } from "../state/view";
 import type { Drag } from "../state/view";
+import { Help } from "./help";
 import { Legend } from "./legend";
 import { Panels } from "./panels";
 import { isNarrow } from "./screen";
 import { PhaseRibbon } from "./phase_ribbon";
+import { Refused } from "./refused";
 import { capital, plain, sensorName, shortSensorName } from "./words";
 
 /** The gutter and what is right of the curves. */
@@ -33,6 +35,10 @@ export function Middle(): JSX.Element {
   }, [width]);
   const altitude = altitudeSpec.value;
   const error = errorSpec.value;
+  const flight = shown.value;
+  if (flight && flight.opened.overview.refused !== null) {
+    return <main class="middle" aria-label="Curves"><Refused opened={flight.opened} /></main>;
+  }
   const name = sensor.value === null ? "Sensor" : sensorName(sensor.value);
   return (
     <main class="middle" aria-label="Curves">
@@ -74,6 +80,7 @@ function Toolbar(): JSX.Element {
         <button type="button" onClick={() => zoom(0.5)} aria-label="Zoom in" title="Zoom in (+)">+</button>
         <button type="button" onClick={showWhole} disabled={isWhole()} title="Show all of the flight (0)">All</button>
       </span>
+      <Help />
       <Brushed />
     </div>
   );
@@ -84,9 +91,8 @@ function Brushed(): JSX.Element | null {
   if (!span) return null;
   return (
     <span class="brushed">
-      <span class="swatch brush" aria-hidden="true" />
-      <span class="number" title={`Brushed: ${clock(span.from)} to ${clock(span.to)}`}>{moment(span.from)}–{moment(span.to)}</span>
-      <button type="button" onClick={() => show(span)} title="Zoom to what is brushed">Zoom</button>
+      <span class="number brushed-span" title={`Brushed: ${clock(span.from)} to ${clock(span.to)}`}>{moment(span.from)}–{moment(span.to)}</span>
+      <button type="button" onClick={() => show(span)} aria-label="Zoom to the brushed stretch" title="Zoom to the brushed stretch">⤢</button>
       <button type="button" class="plain" aria-label="End the brush" title="End the brush (Esc)" onClick={() => { brush.value = null; }}>×</button>
     </span>
   );
@@ -119,7 +125,9 @@ function Ribbons(): JSX.Element | null {
   const name = sensor.value;
   if (!found || name === null) return null;
   const { trust, manoeuvres, motion } = found;
-  const then = before.value ? ribbonsBefore.answer.value?.trust[name] : undefined;
+  const isAfter = before.value !== null && standing(found.asked) === "after";
+  const past = ribbonsBefore.answer.value;
+  const then = isAfter && past && standing(past.asked) === "before" ? past.trust[name] : undefined;
   const time = motion.time_s;
   const speed = found.sources.speed;
   return (
@@ -139,6 +147,6 @@ function Ribbons(): JSX.Element | null {
 }
 
 function stretches(spans: ReadonlyArray<EngineSpan>): Stretch[] {
-  return spans.map(({ from_s, to_s, what }) => ({ from: from_s, to: to_s, kind: what, text: capital(plain(what)) }));
+  return spans.map(({ from_s, to_s, what }) => ({ from: from_s, to: to_s, kind: what.replace(/[ -]/g, "_"), text: capital(plain(what)) }));
 }
 

@@ -12,9 +12,10 @@ import type { PanelKind } from "../state/layout";
 import { correlations, isBeyondReference, points } from "../state/pictures";
 import type { Points } from "../state/pictures";
 import { trackPoints } from "../state/track";
-import { before } from "../state/model";
+import { standing } from "../state/model";
 import { brush } from "../state/view";
 import type { Role } from "../charts/colours";
+import { HeatMap } from "./heat_map";
 import { isNarrow, isWide } from "./screen";
 import { columnName, sensorName } from "./words";
 
@@ -23,8 +24,9 @@ const TITLES: Readonly<Record<PanelKind, string>> = {
   xy: "One signal over another",
   correlation: "Autocorrelation",
   track: "Track",
+  heat: "Error by manoeuvre and speed",
 };
-const KINDS: ReadonlyArray<PanelKind> = ["scatter", "correlation", "xy", "track"];
+const KINDS: ReadonlyArray<PanelKind> = ["scatter", "correlation", "xy", "track", "heat"];
 
 const scatter = points(() => across.value, () => "error");
 const pairs = points(() => xyAcross.value, () => xyUp.value);
@@ -79,6 +81,7 @@ function PanelHead({ kind }: { readonly kind: PanelKind }): JSX.Element | null {
       </span>
     );
   }
+  if (kind === "heat") return null;
   const made = trackPoints.value?.how;
   return made === "velocity" ? <span class="faint">from the GPS velocity</span> : null;
 }
@@ -116,6 +119,7 @@ function PanelBody({ kind }: { readonly kind: PanelKind }): JSX.Element {
     case "xy": return <PointsPanel found={pairs.answer.value} problem={pairs.problem.value} isError={false} />;
     case "correlation": return <CorrelationPanel />;
     case "track": return <TrackPanel />;
+    case "heat": return <HeatMap />;
   }
 }
 
@@ -138,7 +142,7 @@ function PointsPanel({ found, problem, isError }: PointsPanelProps): JSX.Element
   const order = Array.from(x.keys()).sort((one, other) => (x[one] ?? 0) - (x[other] ?? 0));
   const span = brush.value;
   const isBrushed = (i: number): boolean => span !== null && (time[i] ?? NaN) >= span.from && (time[i] ?? NaN) <= span.to;
-  const role: Role = !isError ? "reference" : before.value ? "after" : "before";
+  const role: Role = isError ? (standing(found.asked) ?? "before") : "reference";
   const spec: PointsSpec = {
     x: order.map((i) => x[i] ?? 0),
     layers: [
@@ -176,7 +180,7 @@ function CorrelationPanel(): JSX.Element {
     x: lag,
     layers: [
       ...(then ? [{ role: "before", as: "line", y: column(then) } as const] : []),
-      { role: then ? "after" : "before", as: "line", y: column(now) },
+      { role: standing(found.asked) ?? "before", as: "line", y: column(now) },
     ],
     xName: "lag, s",
     yName: "correlation",

@@ -105,7 +105,7 @@ export function PhaseRibbon(): JSX.Element | null {
           </>
         ) : null}
         {events.map(({ text, at, sign }) => (isSeen(at) ? (
-          <span key={text} class="moment" style={{ left: percent(at) }} title={`${text} at ${clock(at)}`}>
+          <span key={text} class={`moment ${at > from + 0.85 * (to - from) ? "end" : ""}`} style={{ left: percent(at) }} title={`${text} at ${clock(at)}`}>
             <span aria-hidden="true">{sign}</span> {text}
           </span>
         ) : null))}

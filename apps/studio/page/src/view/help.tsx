@@ -1,0 +1,32 @@
+// The keys, in a dialog of the browser's own.
+
+import type { JSX } from "preact";
+import { useRef } from "preact/hooks";
+
+const KEYS: ReadonlyArray<readonly [string, string]> = [
+  ["drag", "what the switch says: brush a stretch, pan, or zoom into it"],
+  ["Shift + drag", "pan"],
+  ["wheel, pinch", "zoom about the pointer; sideways or with Shift, pan"],
+  ["double-click, 0", "show all of the flight"],
+  ["← →", "move the cursor; with Shift, the view"],
+  ["+ −", "zoom"],
+  ["[ ]", "brush from, and to, the cursor"],
+  ["Esc", "end the brush"],
+];
+
+export function Help(): JSX.Element {
+  const place = useRef<HTMLDialogElement>(null);
+  return (
+    <>
+      <button type="button" class="help-button" aria-label="Mouse and keys" title="Mouse and keys" onClick={() => place.current?.showModal()}>?</button>
+      <dialog ref={place} class="help" aria-label="Mouse and keys" onClick={(event) => { if (event.target === place.current) place.current?.close(); }}>
+        <form method="dialog">
+          <h2>Over the curves</h2>
+          <dl>{KEYS.map(([key, text]) => <div key={key}><dt>{key}</dt><dd>{text}</dd></div>)}</dl>
+          <p>The calibration window on its ribbon is dragged, as a whole or by its ends; take-off, launch and landing are shown beside it.</p>
+          <button type="submit" class="main">Close</button>
+        </form>
+      </dialog>
+    </>
+  );
+}
