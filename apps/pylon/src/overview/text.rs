@@ -37,7 +37,13 @@ pub fn text(overview: &Overview) -> String {
         put!(out, "  calibrated {}", calibration.strip_prefix("calibrated ").unwrap_or(calibration));
     }
     if overview.refused.is_none() {
-        put!(out, "  used       {:.1} % of the log", 100.0 * overview.usage.used_share);
+        let used = |share: f64| format!("{:.1} %", 100.0 * share);
+        let (compared, diagnosed) = (used(overview.usage.used_share), overview.diagnosed_share.map(used));
+        // A diagnosis estimates the biases beside everything else, so that what was flown before a calibration counts too.
+        match diagnosed.filter(|diagnosed| *diagnosed != compared) {
+            Some(diagnosed) => put!(out, "  used       {compared} of the log by compare, {diagnosed} by diagnose"),
+            None => put!(out, "  used       {compared} of the log"),
+        }
         for part in &overview.usage.unused {
             put!(out, "             {}", part.text());
         }

@@ -37,6 +37,8 @@ pub struct Overview {
     /// Which part of it is analysed.
     #[serde(flatten, deserialize_with = "crate::json::whole")]
     pub usage: Usage,
+    /// The share of it that a diagnosis works on, which needs no calibration; null where it can not be analysed.
+    pub diagnosed_share: Option<f64>,
     /// Every time in the air.
     pub outings: Vec<Aloft>,
     /// On the ground before the take-off of the flight that is analysed, seconds.
@@ -113,6 +115,10 @@ impl Overview {
             first_s,
             duration_s: last_s - first_s,
             launch_s: launch_s(flight),
+            diagnosed_share: Replay::to_diagnose(flight, &Model::default(), window)
+                .ok()
+                .filter(|_| refused.is_none())
+                .map(|replay| Usage::of(&replay).used_share),
             // A flight that says itself when it was launched is not searched for take-offs.
             outings: if has_launch(flight) { Vec::new() } else { outings.iter().map(Aloft::from).collect() },
             ground_before_s: chosen.and_then(|outing| Some(outing.take_off_s? - outing.ground_from_s?)),

@@ -33,12 +33,13 @@ fn is_cats(log: &[u8]) -> bool {
     for _ in 0..LEAST_RECORDS {
         let Some((kind, _)) = rest.get(4..).and_then(|bytes| bytes.split_first_chunk()) else { return false };
         let length = match u32::from_le_bytes(*kind) & !SENSOR {
-            // Inertial; pressure and temperature; height, speed and acceleration; attitude; filtered.
+            // Inertial; height, speed and acceleration.
             0x10 | 0x40 => 12,
-            0x20 | 0x80 | 0x100 => 8,
-            // State; event; error; position; voltage.
+            // Pressure and temperature; attitude; filtered; event.
+            0x20 | 0x80 | 0x100 | 0x400 => 8,
+            // State; error.
             0x200 | 0x800 => 4,
-            0x400 => 8,
+            // Position; voltage.
             0x1000 => 9,
             0x2000 => 2,
             _ => return false,

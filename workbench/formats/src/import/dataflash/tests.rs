@@ -131,6 +131,11 @@ fn gps(writer: &mut Writer, time_us: f64, week_ms: f64, altitude_m: f64) {
 
 /// A copter of today, so many seconds of it; every fix is logged twice.
 fn copter(seconds: u32) -> Writer {
+    copter_of(seconds, false)
+}
+
+/// As [`copter`], with a second receiver that is 4 m higher and has one fix less.
+fn copter_of(seconds: u32, has_second: bool) -> Writer {
     let mut writer = Writer::default();
     writer.define(128, "FMT", "BBnNZ", "Type,Length,Name,Format,Columns");
     writer.define(129, "FMTU", "QBNN", "TimeUS,FmtType,UnitIds,MultIds");
@@ -159,6 +164,11 @@ fn copter(seconds: u32) -> Writer {
             let week_ms = 100_000.0 + f64::from(k / 4) * 400.0;
             gps(&mut writer, time_us + 400.0, week_ms, 500.0 + f64::from(k / 4) * 0.25);
             put!(writer, "GPA", time_us + 400.0, 0.0, 0.9, 1.75);
+            if has_second && k % 4 == 0 && k > 0 {
+                let altitude_m = 504.0 + f64::from(k / 4) * 0.25;
+                let time_us = time_us + 450.0;
+                put!(writer, "GPS", time_us, 1.0, 3.0, week_ms, WEEK, 9.0, 0.8, 47.1, 8.7, altitude_m, 10.0, 90.0, -1.5);
+            }
         }
         put!(writer, "MAG", time_us + 500.0, 200.0);
     }
@@ -319,16 +329,10 @@ fn text_lines_that_can_not_be_read_are_counted_and_named() {
 
 #[test]
 fn a_second_receiver_is_kept_beside_the_one_with_most_fixes() {
-    let mut log = copter(10);
-    for k in 0..24 {
-        let time_us = 2.000_5e6 + f64::from(k) * 4e5;
-        let week_ms = 100_000.0 + f64::from(k) * 400.0;
-        let altitude_m = 504.0 + f64::from(k) * 0.25;
-        put!(log, "GPS", time_us, 1.0, 3.0, week_ms, WEEK, 9.0, 0.8, 47.1, 8.7, altitude_m, 10.0, 90.0, -1.5);
-    }
+    let log = copter_of(10, true);
     for (flight, notes) in [import(&log.binary), import(log.text.as_bytes())] {
         assert_eq!(samples(&flight, Channel::GpsAltM).len(), 25);
-        assert_eq!(signal(&flight, "gps_2_alt_m")[..2], [504.0, 504.25]);
+        assert_eq!(signal(&flight, "gps_2_alt_m")[..2], [504.25, 504.5]);
         assert_eq!(signal(&flight, "gps_2_sats"), [9.0; 24]);
         assert!(
             said(

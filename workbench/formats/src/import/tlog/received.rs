@@ -39,7 +39,7 @@ impl Received {
                 |timed: &Timed| Some((boot_us(timed.stamp)?, matches!(timed.stamp, Stamp::Milliseconds(_))));
             let said = own.iter().find_map(said);
             let is_better =
-                |(_, is_of_start): &(u64, bool)| *is_of_start || !self.latest.is_some_and(|(_, known)| known);
+                |(_, is_of_start): &(u64, bool)| *is_of_start || self.latest.is_none_or(|(_, known)| !known);
             self.latest = said.filter(is_better).or(self.latest);
             recorded_us = self.latest.map_or(0, |(time_us, _)| time_us);
             own.iter_mut().for_each(|timed| timed.recorded_us = recorded_us);
