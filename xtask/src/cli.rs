@@ -18,6 +18,7 @@ Examples:
   cargo xtask test budgets   only the steps whose name contains `budgets`, with what they need
   cargo xtask bench          how fast, how small, beside whom
   cargo xtask blind 400      how often a diagnosis is right, on 400 simulated flights
+  cargo xtask laws           the same of laws that nobody wrote down (`pylon discover`)
   cargo xtask real-trials    the same on real logs and tracks
   cargo xtask campaign       a thousand flights with faults of chips, wires and supply, against the same without
   cargo xtask flash          write the flight computer's image to a board (docs/bring-up.md)
@@ -68,6 +69,18 @@ pub enum Job {
         /// The first trial's seed; each further one's is one more.
         #[arg(long, default_value_t = 1)]
         seed: u64,
+    },
+    /// Fly simulated flights with a hidden law of the recorded signals, search for it blind, and count how often that is right.
+    Laws {
+        /// How many trials.
+        #[arg(default_value_t = 120)]
+        trials: u64,
+        /// The first trial's seed; each further one's is one more.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+        /// Write the table into docs/blind-laws.md as well.
+        #[arg(long)]
+        write: bool,
     },
     /// Diagnose the real logs in ../shared/flights/real, flights made of their tracks, and both with one effect added,
     /// and count how often that is right.

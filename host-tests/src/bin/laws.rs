@@ -71,8 +71,10 @@ fn main() -> anyhow::Result<()> {
 }
 
 fn line(trial: &Trial) -> String {
-    let hidden =
-        trial.case.hidden.map_or_else(|| "null".to_owned(), |(hidden, size)| format!("{hidden:?} x{size:.1}"));
+    let hidden = trial
+        .case
+        .hidden
+        .map_or_else(|| "null".to_owned(), |(hidden, size)| format!("{hidden:?} x{size:.1}"));
     let laws: Vec<String> = trial
         .discovery
         .laws

@@ -27,7 +27,8 @@ pub fn draw(seed: u64) -> Case {
     let is_null = random.random_range(0..3) == 0;
     let law = Hidden::draw(&mut random);
     let size = (2.2_f64.ln() + (20.0_f64 / 2.2).ln() * random.random::<f64>()).exp();
-    let noise_m = [random.random_range(0.4..2.0), random.random_range(0.1..0.6), random.random_range(0.1..0.5)];
+    let noise_m =
+        [random.random_range(0.4..2.0), random.random_range(0.1..0.6), random.random_range(0.1..0.5)];
     let scenario = quiet(&scenario(&mut random, Plan::Rich, seed));
     Case { seed, hidden: (!is_null).then_some((law, size)), scenario, noise_m }
 }
@@ -40,7 +41,8 @@ fn quiet(scenario: &str) -> String {
         if let Some(name) = line.strip_prefix("[sensors.") {
             sensor = name;
         }
-        let is_noise = line.starts_with("noise =") && (sensor.starts_with("gps") || sensor.starts_with("baro"));
+        let is_noise =
+            line.starts_with("noise =") && (sensor.starts_with("gps") || sensor.starts_with("baro"));
         text += if is_noise { "noise = { white = 0.02, wander = 0.02, wander_time_s = 30 }" } else { line };
         text.push('\n');
     }

@@ -35,7 +35,8 @@ pub fn fly(case: &Case, number: u64) -> anyhow::Result<Flown> {
         if spread > 1e-9 { size * noise_m / spread } else { 0.0 }
     });
     let this = if number == 0 { first } else { made(case, &scenario, number)? };
-    let shape = case.hidden.map_or_else(|| vec![0.0; this.moments.len()], |(hidden, _)| hidden.shape(&this.moments));
+    let shape =
+        case.hidden.map_or_else(|| vec![0.0; this.moments.len()], |(hidden, _)| hidden.shape(&this.moments));
     let true_m: Vec<f64> = shape.iter().map(|value| scale * value).collect();
     let mut flight = this.flight;
     let mut random = ChaCha8Rng::seed_from_u64(case.seed.wrapping_mul(977).wrapping_add(number));
@@ -103,8 +104,11 @@ fn made(case: &Case, scenario: &Scenario, number: u64) -> anyhow::Result<Made> {
             bay_c,
         });
     }
-    let columns: [(&str, f64, fn(&Moment) -> f64); 3] =
-        [("flap", 0.01, |now| now.flap), ("motor_rpm", 15.0, |now| now.rpm), ("bay_temp_c", 0.2, |now| now.bay_c)];
+    let columns: [(&str, f64, fn(&Moment) -> f64); 3] = [
+        ("flap", 0.01, |now| now.flap),
+        ("motor_rpm", 15.0, |now| now.rpm),
+        ("bay_temp_c", 0.2, |now| now.bay_c),
+    ];
     for (name, noise, of) in columns {
         let mut column = Column::with_capacity(moments.len());
         let mut due_s = 0.0;

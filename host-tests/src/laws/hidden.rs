@@ -112,7 +112,8 @@ impl Hidden {
                 Self::Hose(period_s, damping) => {
                     let angular = std::f64::consts::TAU / period_s;
                     speed += step_s
-                        * (angular * angular * (now.rate_radps[1] - position) - 2.0 * damping * angular * speed);
+                        * (angular * angular * (now.rate_radps[1] - position)
+                            - 2.0 * damping * angular * speed);
                     position += step_s * speed;
                     position
                 }

@@ -45,8 +45,12 @@ pub fn run(case: Case) -> anyhow::Result<Trial> {
             correlations.push(if &*law.on == "baro" { correlation(&next, &predicted) } else { 0.0 });
             if k == 0 {
                 let is_baro = &*law.on == "baro";
-                let rest: Vec<f64> =
-                    next.true_m.iter().zip(&predicted).map(|(a, b)| if is_baro { a - b } else { -b }).collect();
+                let rest: Vec<f64> = next
+                    .true_m
+                    .iter()
+                    .zip(&predicted)
+                    .map(|(a, b)| if is_baro { a - b } else { -b })
+                    .collect();
                 let before = if is_baro { rms(&next, &next.true_m) } else { 0.0 };
                 next_m = Some([before, rms(&next, &rest)]);
             }
@@ -58,19 +62,23 @@ pub fn run(case: Case) -> anyhow::Result<Trial> {
 /// What a law makes of its sensor in a flight, metres, by the formulas' own machine.
 fn predicted(law: &FoundLaw, flight: &Flight) -> anyhow::Result<Vec<f64>> {
     let mut columns = Columns::default();
-    let formula = Formula::compile(&law.regressor, &mut columns).map_err(|error| anyhow::anyhow!("{error}"))?;
+    let formula =
+        Formula::compile(&law.regressor, &mut columns).map_err(|error| anyhow::anyhow!("{error}"))?;
     let mut evaluation = Evaluation::new(formula.program(), 0.0);
     let mut frame = Frame::default();
     let known: Vec<_> = flight
         .channels
         .iter()
-        .filter_map(|(channel, column)| Some((Signal::from_name(channel.name())?.place(), channel.name().ends_with("_c"), column)))
+        .filter_map(|(channel, column)| {
+            Some((Signal::from_name(channel.name())?.place(), channel.name().ends_with("_c"), column))
+        })
         .collect();
     let extra: Vec<_> = columns
         .iter()
         .enumerate()
         .map(|(number, said)| {
-            let column = flight.extra.iter().find(|(name, _)| name == said.name()).context("a column is gone")?;
+            let column =
+                flight.extra.iter().find(|(name, _)| name == said.name()).context("a column is gone")?;
             anyhow::Ok((Signal::column_place(number as u8), said, &column.1))
         })
         .collect::<anyhow::Result<_>>()?;
@@ -132,7 +140,8 @@ fn correlation(flown: &Flown, predicted: &[f64]) -> f64 {
 
 /// Rms in free flight about the mean of captive flight.
 fn rms(flown: &Flown, values: &[f64]) -> f64 {
-    let captive: Vec<usize> = (0..flown.captive.len()).filter(|row| flown.captive[*row]).step_by(EVERY).collect();
+    let captive: Vec<usize> =
+        (0..flown.captive.len()).filter(|row| flown.captive[*row]).step_by(EVERY).collect();
     let origin = captive.iter().map(|row| values[*row]).sum::<f64>() / captive.len().max(1) as f64;
     let squares: Vec<f64> = free(flown).map(|row| (values[row] - origin).powi(2)).collect();
     (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()

@@ -85,7 +85,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let found = contained(|| discover(&learned, &held, &mut || counter.step()));
     drop(counter);
     let mut discovery = found.map_err(|why| {
-        Failure::input(format!("the flights were not searched, by a defect of pylon; please report it: {why}"))
+        Failure::input(format!(
+            "the flights were not searched, by a defect of pylon; please report it: {why}"
+        ))
     })?;
     discovery.model.clone_from(&arguments.model);
     discovery.warnings.splice(0..0, warnings);
@@ -129,7 +131,12 @@ fn readable(file: &Path) -> Result<String, Failure> {
 }
 
 /// Makes a law an effect definition; says so.
-fn write(file: &Path, number: usize, arguments: &Arguments, discovery: &Discovery) -> Result<String, Failure> {
+fn write(
+    file: &Path,
+    number: usize,
+    arguments: &Arguments,
+    discovery: &Discovery,
+) -> Result<String, Failure> {
     let law = discovery.laws.get(number - 1).ok_or_else(|| {
         let there = match discovery.laws.len() {
             0 => "no law is proposed".to_owned(),

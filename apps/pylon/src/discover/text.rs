@@ -87,7 +87,9 @@ fn headline(discovery: &Discovery) -> String {
     }
     let nearest = discovery.rejected.as_ref().map_or_else(String::new, |rejected| {
         let why = match (rejected.why, &rejected.effect) {
-            (Why::NotEnoughEvidence, _) => "it does not pay for its length and for the size of the search".to_owned(),
+            (Why::NotEnoughEvidence, _) => {
+                "it does not pay for its length and for the size of the search".to_owned()
+            }
             (Why::HeldOut, _) => "what it was not learned from does not become more likely by it".to_owned(),
             (Why::Catalogue, Some(effect)) => {
                 format!("{effect} of the catalogue explains as much: see `pylon diagnose`")

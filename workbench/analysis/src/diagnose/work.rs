@@ -42,7 +42,8 @@ pub(super) fn work(
 ) -> Result<(Diagnosis, Option<Lesson>), Cancelled> {
     let of = |judged: &mut Judged<'_, '_>, _: &mut Progress<'_>| {
         let findings = judged.findings.take().zip(wish);
-        Ok(findings.and_then(|(findings, (wish, _))| judged.judge.lesson(judged.search, findings, wish.effect)))
+        Ok(findings
+            .and_then(|(findings, (wish, _))| judged.judge.lesson(judged.search, findings, wish.effect)))
     };
     let (diagnosis, lesson) = judged(flights, hold_outs, wish, progress, executor, of)?;
     Ok((diagnosis, lesson.flatten()))

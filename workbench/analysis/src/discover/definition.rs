@@ -18,7 +18,9 @@ pub enum DefinitionError {
     #[error("{0} is defined in it already; choose another id")]
     Taken(String),
     /// The definitions are no tables.
-    #[error("effect_definition is no [[effect_definition]] table; write each one as a table below such a line")]
+    #[error(
+        "effect_definition is no [[effect_definition]] table; write each one as a table below such a line"
+    )]
     NotTables,
 }
 
@@ -34,7 +36,7 @@ pub fn id(law: &FoundLaw, signals: &[String]) -> String {
         other => other,
     };
     let used: Vec<&str> = signals.iter().filter(is_in).map(String::as_str).collect();
-    format!("{on}.{}", used.join("_by_"))
+    format!("{on}.{}", used.join("_by_").to_ascii_lowercase())
 }
 
 /// The text with a law as an effect definition at its end, everything else in it as it was.
@@ -63,7 +65,10 @@ pub fn with_definition(text: &str, id: &str, law: &FoundLaw) -> Result<String, D
     let mut plausible = Array::new();
     plausible.extend([-rounded, rounded]);
     table.insert("plausible", value(plausible));
-    table.insert("about", value(format!("a law that pylon discover proposed, with a probability of {:.2}", law.probability)));
+    table.insert(
+        "about",
+        value(format!("a law that pylon discover proposed, with a probability of {:.2}", law.probability)),
+    );
     definitions.push(table);
     Ok(document.to_string())
 }

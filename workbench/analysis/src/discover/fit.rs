@@ -79,10 +79,11 @@ impl Bench<'_> {
     /// this one may be no more than the nearest likeness of the law.
     pub fn variants(&self, subject: Subject) -> Vec<Vec<usize>> {
         let all = self.explanation.columns.clone();
-        let is_other = |column: &usize| match (self.prepared.candidates.get(*column).map(Candidate::sensor), subject) {
-            (Some(Some(sensor)), Subject::Sensor(own)) => sensor.index() != own,
-            _ => false,
-        };
+        let is_other =
+            |column: &usize| match (self.prepared.candidates.get(*column).map(Candidate::sensor), subject) {
+                (Some(Some(sensor)), Subject::Sensor(own)) => sensor.index() != own,
+                _ => false,
+            };
         let others: Vec<usize> = all.iter().copied().filter(is_other).collect();
         if others == all { vec![all] } else { vec![all, others] }
     }
@@ -208,9 +209,15 @@ fn spread(flights: &[Series], column: &Column) -> f64 {
     let (mut sum, mut count) = (0.0, 0_u32);
     for (series, values) in flights.iter().zip(column) {
         let of = |free: bool| {
-            series.free.iter().zip(values).filter(move |(is_free, _)| **is_free == free).map(|(_, value)| *value)
+            series
+                .free
+                .iter()
+                .zip(values)
+                .filter(move |(is_free, _)| **is_free == free)
+                .map(|(_, value)| *value)
         };
-        let base: Vec<f64> = if of(false).next().is_some() { of(false).collect() } else { of(true).collect() };
+        let base: Vec<f64> =
+            if of(false).next().is_some() { of(false).collect() } else { of(true).collect() };
         let mean = base.iter().sum::<f64>() / base.len().max(1) as f64;
         for value in of(true) {
             sum += (value - mean) * (value - mean);
@@ -219,4 +226,3 @@ fn spread(flights: &[Series], column: &Column) -> f64 {
     }
     (sum / f64::from(count.max(1))).sqrt()
 }
-

@@ -117,7 +117,8 @@ pub fn judge(
             .collect();
         equal_to.extend(effects_alike(bench, one));
         let dropped = bench.explanation.columns.iter().filter(|column| !one.beside.contains(column));
-        let effect = |column: &usize| bench.prepared.candidates.get(*column).map(|c| Name::from(c.effect().name()));
+        let effect =
+            |column: &usize| bench.prepared.candidates.get(*column).map(|c| Name::from(c.effect().name()));
         let regressor = one.law.formula(&names);
         discovery.laws.push(FoundLaw {
             on: on(one.subject),

@@ -147,7 +147,8 @@ impl<'a> Screen<'a> {
             let first_pick = known - n;
             for k in 0..made.len() {
                 let cross = |b: usize| crosses[b][k / LANES][k % LANES];
-                let with_own = DVector::from_iterator(own.present.len(), own.present.iter().map(|b| cross(*b)));
+                let with_own =
+                    DVector::from_iterator(own.present.len(), own.present.iter().map(|b| cross(*b)));
                 let square = squares[k / LANES][k % LANES];
                 raw[k] += square;
                 let taken = own.factor.as_ref().map_or(0.0, |factor| with_own.dot(&factor.solve(&with_own)));

@@ -10,7 +10,7 @@ use super::signals::Signals;
 use crate::progress::{Cancelled, Progress, step};
 
 /// Single factors that products are made of, besides the signals themselves.
-const BEAM: usize = 40;
+const BEAM: usize = 24;
 /// Products of two that are made three of.
 const SECOND_BEAM: usize = 24;
 /// Laws whose constants are moved.
@@ -79,17 +79,13 @@ impl Search<'_> {
     ) -> Result<(Vec<Scored>, u64), Cancelled> {
         let factors = self.made(&self.factors(), |factor| Law { factors: vec![*factor], ..Law::default() });
         let terms = self.made(&self.terms(), |term| Law { term: Some(*term), ..Law::default() });
-        let mut found = self.score(
-            screen,
-            factors.len() + terms.len(),
-            &|k| match factors.get(k) {
-                Some(made) => (Law { factors: vec![made.what], ..Law::default() }, Some(made.column.clone())),
-                None => {
-                    let made = &terms[k - factors.len()];
-                    (Law { term: Some(made.what), ..Law::default() }, Some(made.column.clone()))
-                }
-            },
-        );
+        let mut found = self.score(screen, factors.len() + terms.len(), &|k| match factors.get(k) {
+            Some(made) => (Law { factors: vec![made.what], ..Law::default() }, Some(made.column.clone())),
+            None => {
+                let made = &terms[k - factors.len()];
+                (Law { term: Some(made.what), ..Law::default() }, Some(made.column.clone()))
+            }
+        });
         step(progress)?;
 
         // A product may show where neither of its factors does: every signal itself is multiplied with everything, and the best with all.
@@ -185,7 +181,8 @@ impl Search<'_> {
         for scored in laws {
             all.extend(neighbours(&scored.law, self.signals));
         }
-        let scored = self.score(screen, all.len(), &|k| (all[k].clone(), self.column(&all[k], 0..self.flights)));
+        let scored =
+            self.score(screen, all.len(), &|k| (all[k].clone(), self.column(&all[k], 0..self.flights)));
         let mut finer = Vec::new();
         for one in scored.iter().take(MOVED) {
             finer.extend(neighbours(&one.law, self.signals).into_iter().filter(|law| law.off_grid <= 2));
@@ -225,11 +222,12 @@ impl Search<'_> {
 
     /// Every single factor.
     fn factors(&self) -> Vec<Factor> {
-        let operators: Vec<Operator> = [Operator::Itself, Operator::Deviation, Operator::Rate, Operator::Integral]
-            .into_iter()
-            .chain(LOW_PASSES_S.map(Operator::LowPass))
-            .chain(DELAYS_S.map(Operator::Delay))
-            .collect();
+        let operators: Vec<Operator> =
+            [Operator::Itself, Operator::Deviation, Operator::Rate, Operator::Integral]
+                .into_iter()
+                .chain(LOW_PASSES_S.map(Operator::LowPass))
+                .chain(DELAYS_S.map(Operator::Delay))
+                .collect();
         let mut factors = Vec::new();
         for (at, signal) in self.signals.signals.iter().enumerate().filter(|(_, signal)| !signal.is_heading) {
             for operator in &operators {
@@ -263,11 +261,19 @@ impl Search<'_> {
                 continue;
             }
             for kind in [TermKind::Above, TermKind::Excess, TermKind::Lack] {
-                terms.extend(of.quantiles[0].iter().map(|constant| Term { signal, kind, constant: *constant }));
+                terms.extend(of.quantiles[0].iter().map(|constant| Term {
+                    signal,
+                    kind,
+                    constant: *constant,
+                }));
             }
             if of.is_signed {
                 let beyond = of.quantiles[1].iter();
-                terms.extend(beyond.map(|constant| Term { signal, kind: TermKind::Beyond, constant: *constant }));
+                terms.extend(beyond.map(|constant| Term {
+                    signal,
+                    kind: TermKind::Beyond,
+                    constant: *constant,
+                }));
             }
         }
         terms

@@ -86,14 +86,18 @@ struct Source {
 impl Signals {
     /// Those that all flights have and that move in any of them. `signals` are the block means by flight, block and signal.
     #[must_use]
-    pub fn new(flights: &[(&Series, &[Vec<f64>])], names: &[String], more: &[(&Series, &[Vec<f64>])]) -> Self {
+    pub fn new(
+        flights: &[(&Series, &[Vec<f64>])],
+        names: &[String],
+        more: &[(&Series, &[Vec<f64>])],
+    ) -> Self {
         let mut found = Self::default();
         let mut sources: Vec<Source> = KNOWN
             .iter()
-            .map(|(at, name, unit, offset)| Source {
-                at: *at,
-                name: Name { name: (*name).to_owned(), unit: (*unit).to_owned() },
-                si: Box::new(|cell| cell + offset),
+            .map(|&(at, name, unit, offset)| Source {
+                at,
+                name: Name { name: name.to_owned(), unit: unit.to_owned() },
+                si: Box::new(move |cell| cell + offset),
             })
             .collect();
         for (at, name) in names.iter().enumerate().skip(KNOWN_SIGNALS) {
@@ -117,7 +121,11 @@ impl Signals {
             })
         };
         found.flights = all()
-            .map(|(series, _)| Blocks { time_s: series.time_s.clone(), free: series.free.clone(), ..Blocks::default() })
+            .map(|(series, _)| Blocks {
+                time_s: series.time_s.clone(),
+                free: series.free.clone(),
+                ..Blocks::default()
+            })
             .collect();
         for source in sources.into_iter().filter(|source| is_there(source.at)) {
             let values: Vec<Vec<f64>> = all()
@@ -182,8 +190,13 @@ impl Blocks {
         let mut made = match factor.operator {
             Operator::Itself => values.clone(),
             Operator::Deviation => {
-                let captive: Vec<f64> =
-                    self.free.iter().zip(values).filter(|(free, _)| !**free).map(|(_, value)| *value).collect();
+                let captive: Vec<f64> = self
+                    .free
+                    .iter()
+                    .zip(values)
+                    .filter(|(free, _)| !**free)
+                    .map(|(_, value)| *value)
+                    .collect();
                 let mean = captive.iter().sum::<f64>() / captive.len() as f64;
                 values.iter().map(|value| value - mean).collect()
             }

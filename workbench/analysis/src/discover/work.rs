@@ -48,7 +48,8 @@ fn laws(
     let Some(explanation) = judged.explanation() else { return Ok(Discovery::default()) };
     let learned: Vec<_> =
         prepared.epochs.iter().map(|epochs| (&epochs.series, epochs.signals.as_slice())).collect();
-    let held: Vec<_> = prepared.held.iter().zip(&prepared.held_signals).map(|(s, m)| (s, m.as_slice())).collect();
+    let held: Vec<_> =
+        prepared.held.iter().zip(&prepared.held_signals).map(|(s, m)| (s, m.as_slice())).collect();
     let names = prepared.epochs.first().map(|epochs| epochs.signal_names.clone()).unwrap_or_default();
     let signals = Signals::new(&learned, &names, &held);
     let subjects = subjects(problem.flights);
@@ -76,14 +77,15 @@ fn laws(
         twice_log_posterior: f64::NEG_INFINITY,
     };
     let mut fitted: Vec<Fitted> = Vec::new();
-    let add = |law: &Scored, subject: Subject, beside: &[usize], near: &NoiseFit, fitted: &mut Vec<Fitted>| {
-        let is_new = fitted
-            .iter()
-            .all(|one: &Fitted| one.law != law.law || one.subject != subject || one.beside != beside);
-        if is_new {
-            fitted.extend(bench.fit(&law.law, subject, beside, near));
-        }
-    };
+    let add =
+        |law: &Scored, subject: Subject, beside: &[usize], near: &NoiseFit, fitted: &mut Vec<Fitted>| {
+            let is_new = fitted
+                .iter()
+                .all(|one: &Fitted| one.law != law.law || one.subject != subject || one.beside != beside);
+            if is_new {
+                fitted.extend(bench.fit(&law.law, subject, beside, near));
+            }
+        };
     for subject in &subjects {
         for beside in bench.variants(*subject) {
             // Under the null's noise a slow law looks like wander; under the prior's it stands out.
@@ -126,7 +128,11 @@ fn subjects(flights: &[crate::diagnose::parts::Series]) -> Vec<Subject> {
     let free = Sensor::ALL.into_iter().filter(|sensor| {
         sensor.flies_free()
             && flights.iter().any(|flight| {
-                flight.residual_m.iter().zip(&flight.free).any(|(m, free)| *free && m[sensor.index()].is_finite())
+                flight
+                    .residual_m
+                    .iter()
+                    .zip(&flight.free)
+                    .any(|(m, free)| *free && m[sensor.index()].is_finite())
             })
     });
     let mut subjects: Vec<Subject> = free.map(|sensor| Subject::Sensor(sensor.index())).collect();
