@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Command;
 
 use anyhow::{Context, bail};
@@ -32,6 +32,12 @@ const UNSEEN: Marks = Marks {
     begin: "<!-- unseen: written by `cargo xtask real-trials --half unseen --write` -->",
     end: "<!-- end of unseen -->",
 };
+
+/// Where the table of the trials for laws is kept.
+const LAWS_PAGE: &str = "docs/blind-laws.md";
+/// That table.
+const LAWS: Marks =
+    Marks { begin: "<!-- laws: written by `cargo xtask laws --write` -->", end: "<!-- end of laws -->" };
 
 /// The lines between which a table lies.
 struct Marks {
@@ -94,12 +100,33 @@ pub fn real(half: &str, write: bool, echo: bool) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Searches flights for hidden laws and prints the table; `write` puts it into its page.
+pub fn laws(trials: u64, seed: u64, write: bool, echo: bool) -> anyhow::Result<()> {
+    let mut program = built("laws", echo)?;
+    program.args([&trials.to_string(), "--seed", &seed.to_string(), "--quiet"]);
+    eprintln!("flying {trials} blind trials for laws");
+    let said = child::run(&mut program, echo)?.stdout;
+    println!("{}", said.trim());
+    if write {
+        let text =
+            format!("`cargo xtask laws {trials} --seed {seed} --write`\n\n```text\n{}\n```", said.trim());
+        write_to(LAWS_PAGE, &LAWS, &text)?;
+    }
+    Ok(())
+}
+
 /// Puts a table into the page.
 fn write_page(marks: &Marks, text: &str) -> anyhow::Result<()> {
-    let page = workspace::root().join(PAGE);
-    let old = fs::read_to_string(&page).with_context(|| format!("{PAGE} can not be read"))?;
-    fs::write(&page, replaced(&old, marks, text)?).with_context(|| format!("{PAGE} can not be written"))?;
-    eprintln!("wrote {PAGE}");
+    write_to(PAGE, marks, text)
+}
+
+/// Puts a table into a page.
+fn write_to(path: &str, marks: &Marks, text: &str) -> anyhow::Result<()> {
+    let page = workspace::root().join(path);
+    let old = fs::read_to_string(&page).with_context(|| format!("{path} can not be read"))?;
+    fs::write(&page, replaced(path, &old, marks, text)?)
+        .with_context(|| format!("{path} can not be written"))?;
+    eprintln!("wrote {path}");
     Ok(())
 }
 
@@ -158,9 +185,8 @@ fn tables(trials: u64, seed: u64, ours: &str, theirs: &str) -> String {
 }
 
 /// The page with the table between two lines replaced.
-fn replaced(page: &str, marks: &Marks, text: &str) -> anyhow::Result<String> {
+fn replaced(path: &str, page: &str, marks: &Marks, text: &str) -> anyhow::Result<String> {
     let Marks { begin, end } = marks;
-    let path = Path::new(PAGE).display();
     let (before, rest) = page.split_once(begin).with_context(|| format!("{path} has no line `{begin}`"))?;
     let (_, after) = rest.split_once(end).with_context(|| format!("{path} has no line `{end}`"))?;
     Ok(format!("{before}{begin}\n\n{}\n\n{end}{after}", text.trim()))
@@ -174,12 +200,12 @@ mod tests {
     fn the_pages_tables_are_replaced_and_nothing_else() {
         let page = fs::read_to_string(workspace::root().join(PAGE)).unwrap();
         for marks in [&BASELINES, &DEVELOPMENT, &UNSEEN] {
-            let once = replaced(&page, marks, &tables(7, 3, "ours", "theirs")).unwrap();
+            let once = replaced(PAGE, &page, marks, &tables(7, 3, "ours", "theirs")).unwrap();
             assert!(once.contains("cargo xtask baselines 7 --seed 3 --write"), "{once}");
             assert_eq!(once.split(marks.begin).next(), page.split(marks.begin).next());
             assert_eq!(once.split(marks.end).last(), page.split(marks.end).last());
-            assert_eq!(replaced(&once, marks, &tables(7, 3, "ours", "theirs")).unwrap(), once);
+            assert_eq!(replaced(PAGE, &once, marks, &tables(7, 3, "ours", "theirs")).unwrap(), once);
         }
-        assert!(replaced("# Nothing", &BASELINES, "").unwrap_err().to_string().contains("has no line"));
+        assert!(replaced(PAGE, "# Nothing", &BASELINES, "").unwrap_err().to_string().contains("has no line"));
     }
 }

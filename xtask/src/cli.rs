@@ -19,6 +19,7 @@ Examples:
   cargo xtask site           the studio as one file, which any browser opens from the disk
   cargo xtask bench          speed and size, compared with other filters
   cargo xtask blind 400      how often the diagnosis is right, on 400 simulated flights
+  cargo xtask laws           how often `pylon discover` is right, on flights with a hidden law
   cargo xtask real-trials    the same on real logs and tracks
   cargo xtask campaign       a thousand flights with faults of chips, wires and supply, compared with the same flights without
   cargo xtask flash          write the flight computer's image to a board (docs/bring-up.md)
@@ -71,6 +72,18 @@ pub enum Job {
         /// The first trial's seed; each further one's is one more.
         #[arg(long, default_value_t = 1)]
         seed: u64,
+    },
+    /// Search simulated flights with a hidden law of the recorded signals for it, blind, and count how often the search is right.
+    Laws {
+        /// How many trials.
+        #[arg(default_value_t = 120)]
+        trials: u64,
+        /// The first trial's seed; each further one's is one more.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+        /// Write the table into docs/blind-laws.md as well.
+        #[arg(long)]
+        write: bool,
     },
     /// Diagnose the real logs in ../shared/flights/real, flights simulated along their tracks, and both with one effect added,
     /// and count how often the diagnosis is right.

@@ -13,7 +13,7 @@ fn read(text: &str) -> Flight {
 
 fn inputs(text: &str) -> Vec<TickInput> {
     let flight = read(text);
-    TickInputs::new(&flight, &[], None, flight.rows(), true).collect()
+    TickInputs::new(&flight, &[], None, flight.rows(), true, &model::formula::Columns::default()).collect()
 }
 
 /// Captive at 2000 m for `captive` seconds, then `free` seconds: gps 5 Hz, the rest 50 Hz; the slave reads
@@ -107,7 +107,8 @@ fn what_no_tick_can_carry_is_counted() {
          2,5,,-1,,1,2,3,1,1,1,1,1,1\n\
          3,5,,nan,,,,,,,,,,\n",
     );
-    let mut inputs = TickInputs::new(&flight, &[], None, flight.rows(), true);
+    let mut inputs =
+        TickInputs::new(&flight, &[], None, flight.rows(), true, &model::formula::Columns::default());
     let ticks: Vec<_> = inputs.by_ref().collect();
     assert_eq!(
         *inputs.counters(),

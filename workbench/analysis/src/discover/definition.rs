@@ -36,7 +36,7 @@ pub fn id(law: &FoundLaw, signals: &[String]) -> String {
         other => other,
     };
     let used: Vec<&str> = signals.iter().filter(is_in).map(String::as_str).collect();
-    format!("{on}.{}", used.join("_by_"))
+    format!("{on}.{}", used.join("_by_").to_ascii_lowercase())
 }
 
 /// The text with a law as an effect definition at its end, everything else in it as it was.

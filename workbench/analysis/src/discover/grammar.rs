@@ -249,3 +249,117 @@ fn number(value: f64) -> String {
         false => text,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use model::formula::{Columns, Formula};
+
+    use super::*;
+
+    fn names() -> Vec<Name> {
+        [("tas_mps", "m/s"), ("flap", "1"), ("yaw_rad", "rad"), ("baro_temp_c", "K")]
+            .map(|(name, unit)| Name { name: name.to_owned(), unit: unit.to_owned() })
+            .into()
+    }
+
+    const fn factor(signal: usize, operator: Operator, power: Power) -> Factor {
+        Factor { signal, operator, power, is_signed: true }
+    }
+
+    fn laws() -> Vec<Law> {
+        let operators = [
+            Operator::Itself,
+            Operator::Deviation,
+            Operator::Rate,
+            Operator::Integral,
+            Operator::LowPass(2.5),
+            Operator::Delay(0.77),
+        ];
+        let terms = [
+            None,
+            Some(Term { signal: 3, kind: TermKind::Above, constant: 288.1 }),
+            Some(Term { signal: 1, kind: TermKind::Above, constant: -0.25 }),
+            Some(Term { signal: 1, kind: TermKind::Beyond, constant: 0.25 }),
+            Some(Term { signal: 0, kind: TermKind::Excess, constant: 31.0 }),
+            Some(Term { signal: 0, kind: TermKind::Lack, constant: 31.0 }),
+            Some(Term { signal: 2, kind: TermKind::Cosine, constant: 0.785 }),
+            Some(Term { signal: 2, kind: TermKind::SecondCosine, constant: -0.4 }),
+        ];
+        let mut laws = Vec::new();
+        for term in terms {
+            for operator in operators {
+                for power in Power::ALL {
+                    let factors = vec![factor(0, operator, power), factor(1, Operator::Itself, Power::One)];
+                    laws.push(Law { factors, term, off_grid: 0 });
+                }
+            }
+        }
+        laws
+    }
+
+    /// Every law of the grammar is a formula, with a unit that makes metres of it.
+    #[test]
+    fn every_law_is_a_formula_whose_dimensions_agree() {
+        for law in laws() {
+            let text = law.formula(&names());
+            let formula = Formula::compile(&text, &mut Columns::default())
+                .unwrap_or_else(|error| panic!("{text}: {error}"));
+            let unit = formula.coefficient_unit().to_string();
+            assert!(formula.check_unit(&unit).is_ok(), "{text} in {unit}");
+        }
+        let squared = Law { factors: vec![factor(0, Operator::Itself, Power::Two)], ..Law::default() };
+        let formula = Formula::compile(&squared.formula(&names()), &mut Columns::default()).unwrap();
+        // Metres over metres squared a second squared.
+        assert!(formula.check_unit("s^2/m").is_ok());
+    }
+
+    #[test]
+    fn what_is_simpler_takes_fewer_bits() {
+        let bits = |law: &Law| law.bits(16, 2);
+        let plain = Law { factors: vec![factor(1, Operator::Itself, Power::One)], ..Law::default() };
+        let mut squared = plain.clone();
+        squared.factors[0].power = Power::Two;
+        let mut lagged = plain.clone();
+        lagged.factors[0].operator = Operator::LowPass(2.0);
+        let mut product = plain.clone();
+        product.factors.push(factor(0, Operator::Itself, Power::One));
+        let mut with_term = plain.clone();
+        with_term.term = Some(Term { signal: 0, kind: TermKind::Above, constant: 3.0 });
+        let mut moved = with_term.clone();
+        moved.off_grid = 1;
+        // One sensor of two, three bits for one factor and no term, a signal of 16, itself, its first power.
+        assert!((bits(&plain) - (1.0 + 3.0 + 4.0 + 1.0 + 1.0)).abs() < 1e-12);
+        for longer in [&squared, &lagged, &product, &with_term] {
+            assert!(bits(longer) > bits(&plain), "{longer:?}");
+        }
+        assert!((bits(&moved) - bits(&with_term) - OFF_GRID_BITS).abs() < 1e-12);
+        // Two orders of a product are one law.
+        let factors: f64 = product.factors.iter().map(|factor| factor.bits(16)).sum();
+        assert!((bits(&product) - (1.0 + 4.0 - 1.0 + factors)).abs() < 1e-12);
+    }
+
+    /// The priors of all laws of up to two factors add up to one at most: no law is more probable than its length allows.
+    #[test]
+    fn the_priors_add_up_to_one_at_most() {
+        let signals = 3;
+        let mut factors = Vec::new();
+        for signal in 0..signals {
+            let grid = [Operator::Itself, Operator::Deviation, Operator::Rate, Operator::Integral]
+                .into_iter()
+                .chain(LOW_PASSES_S.map(Operator::LowPass))
+                .chain(DELAYS_S.map(Operator::Delay));
+            for operator in grid {
+                factors.extend(Power::ALL.map(|power| factor(signal, operator, power)));
+            }
+        }
+        let prior = |factors: &[Factor]| {
+            libm::exp2(-Law { factors: factors.to_vec(), ..Law::default() }.bits(signals, 1))
+        };
+        let mut sum = 0.0;
+        for (k, first) in factors.iter().enumerate() {
+            sum += prior(&[*first]);
+            sum += factors[k..].iter().map(|second| prior(&[*first, *second])).sum::<f64>();
+        }
+        assert!(sum > 0.05 && sum <= 1.0, "{sum}");
+    }
+}

@@ -10,7 +10,7 @@ use super::signals::Signals;
 use crate::progress::{Cancelled, Progress, step};
 
 /// Single factors that products are made of, besides the signals themselves.
-const BEAM: usize = 40;
+const BEAM: usize = 24;
 /// Products of two that are made three of.
 const SECOND_BEAM: usize = 24;
 /// Laws whose constants are moved.

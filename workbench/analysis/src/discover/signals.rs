@@ -94,9 +94,9 @@ impl Signals {
         let mut found = Self::default();
         let mut sources: Vec<Source> = KNOWN
             .iter()
-            .map(|(at, name, unit, offset)| Source {
-                at: *at,
-                name: Name { name: (*name).to_owned(), unit: (*unit).to_owned() },
+            .map(|&(at, name, unit, offset)| Source {
+                at,
+                name: Name { name: name.to_owned(), unit: unit.to_owned() },
                 si: Box::new(move |cell| cell + offset),
             })
             .collect();

@@ -55,3 +55,31 @@ pub fn front(weights: &[Weight]) -> Vec<bool> {
     };
     weights.iter().map(|own| !is_dominated(own)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const fn weight(evidence: f64, bits: f64) -> Weight {
+        Weight { evidence, bits, surprise: 100.0, instead_of: 0.0 }
+    }
+
+    #[test]
+    fn a_law_must_pay_for_its_length() {
+        let odds = [weight(60.0, 12.0), weight(62.0, 20.0)].map(|weight| weight.twice_log_odds());
+        let (probability, none) = probabilities(&odds);
+        // A bit is a factor of two, two of twice the log likelihood a factor of e.
+        let ratio = probability[0] / probability[1];
+        assert!((ratio - libm::exp(-1.0) * 256.0).abs() < 1e-9 * ratio, "{ratio}");
+        assert!((probability.iter().sum::<f64>() + none - 1.0).abs() < 1e-12);
+        let (nothing, none) = probabilities(&[weight(8.0, 12.0).twice_log_odds()]);
+        assert!(nothing[0] < 1e-4 && none > 0.999, "{nothing:?}");
+        assert_eq!(probabilities(&[]), (Vec::new(), 1.0));
+    }
+
+    #[test]
+    fn the_front_has_no_law_that_a_simpler_one_beats_beyond_chance() {
+        let weights = [weight(60.0, 12.0), weight(50.0, 20.0), weight(80.0, 20.0), weight(56.0, 14.0)];
+        assert_eq!(front(&weights), [true, false, true, true]);
+    }
+}
