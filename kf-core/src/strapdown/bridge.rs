@@ -3,8 +3,10 @@
 //! A gap is bridged on a straight line. In captive flight the reference takes the error out again. In free flight nothing may move the
 //! channel but its own samples, or it could not be watched; but a climb rate that is off by a metre a second after a transient
 //! of half a second makes the channel useless for the rest of the flight. So gaps that have cost more than [`MENDED_BY_CLIMB_M2PS2`]
-//! are mended: fixes are taken, weighed by what the gaps have cost, until the climb rate is known to [`MENDED_M2PS2`]: in some five seconds, and
-//! to [`MENDED_BY_CLIMB_M2PS2`] by a receiver that measures its own: after its first fix the altitude is known again.
+//! are mended: fixes are taken, weighed by what the gaps have cost, until the climb rate is known to [`MENDED_M2PS2`], and
+//! to [`MENDED_BY_CLIMB_M2PS2`] by a receiver that measures its own: after its first fix the altitude is known again. Nor is that enough: the
+//! level that a gap has cost goes on pulling at the climb rate, so the acceleration that is lacking has to be known as well
+//! ([`MENDED_LACKING_M2PS4`]). After a gap of a second altitudes alone take 10 to 30 s for it.
 
 /// Variance of the climb rate to which gaps are mended, (m/s)^2: half a metre a second, 30 m in a
 /// minute of free flight, is what a MEMS unit drifts anyway.
@@ -12,6 +14,9 @@ pub(super) const MENDED_M2PS2: f32 = 0.25;
 /// The same where fixes have climb rates, which take no longer for it: 0.14 m/s. Of half a metre a second an altitude would be at its
 /// bound after a quarter of a minute. What a gap may cost and not be mended: a fifth of a second.
 pub(super) const MENDED_BY_CLIMB_M2PS2: f32 = 0.02;
+/// Variance of the lacking acceleration to which gaps are mended, (m/s^2)^2: 0.017 m/s^2, the same 30 m in a minute. A channel that has been
+/// tied for a minute or more knows it to 0.01 m/s^2, and a gap that is too short to be mended leaves it below this.
+pub(super) const MENDED_LACKING_M2PS4: f32 = 2.8e-4;
 /// Without one for so long, seconds, a receiver measures none.
 pub(super) const CLIMB_FIX_S: f32 = 1.5;
 /// Variance of the altitude to which gaps are mended, m^2: what some seconds of fixes leave.

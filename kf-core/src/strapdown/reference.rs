@@ -1,6 +1,6 @@
 //! What the reference says of altitude and climb rate, and how free flight's gaps are mended by it.
 
-use super::bridge::{CLIMB_FIX_S, MENDED_BY_CLIMB_M2PS2, MENDED_M2, MENDED_M2PS2};
+use super::bridge::{CLIMB_FIX_S, MENDED_BY_CLIMB_M2PS2, MENDED_LACKING_M2PS4, MENDED_M2, MENDED_M2PS2};
 use super::memory::Memory;
 use super::sum::Sum;
 use super::tie::Tie;
@@ -120,9 +120,12 @@ impl VerticalChannel {
         Ok(())
     }
 
-    /// Where climb rate and altitude are known to these variances.
+    /// Where climb rate and altitude are known to these variances, and nothing carries the climb rate off again.
     fn end_mending(&mut self, climb_m2ps2: f32, altitude_m2: f32) {
-        if self.tie.climb_m2ps2() <= climb_m2ps2 && self.tie.altitude_m2() <= altitude_m2 {
+        if self.tie.climb_m2ps2() <= climb_m2ps2
+            && self.tie.altitude_m2() <= altitude_m2
+            && self.tie.lacking_m2ps4() <= MENDED_LACKING_M2PS4
+        {
             self.is_mending = false;
             self.climb_fix_us = None;
             self.bridged_m2ps2 = 0.0;

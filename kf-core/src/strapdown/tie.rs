@@ -73,6 +73,11 @@ impl Tie {
         self.climb + self.climb_by_lacking * self.climb_by_lacking * self.lacking
     }
 
+    /// Variance of the lacking acceleration, (m/s^2)^2.
+    pub(super) const fn lacking_m2ps4(&self) -> f32 {
+        self.lacking
+    }
+
     /// Time passes without a fix, seconds.
     pub(super) fn pass(&mut self, seconds: f32) {
         self.add(0.0, CLIMB_DENSITY * seconds, LACKING_DENSITY * seconds);

@@ -30,13 +30,13 @@ fn fly_on(rig: &mut Rig, seconds: u64, fix_m: impl Fn(u64) -> Option<f32>) -> u3
 }
 
 #[test]
-fn a_gap_of_a_second_is_mended_within_ten() {
+fn a_gap_of_a_second_is_mended_within_half_a_minute() {
     for off_mps in [-2.5, -1.3, 0.0, 1.3, 2.5] {
         let mut rig = after_gap(off_mps);
         assert!(rig.channel.is_mending() && rig.channel.altitude_m().is_some());
-        let taken = fly_on(&mut rig, 20, |_| Some(1_000.0));
-        // Until its variance is that of half a metre a second, and no longer: it has to be watched.
-        assert!((20..100).contains(&taken) && !rig.channel.is_mending(), "{off_mps}: {taken}");
+        let taken = fly_on(&mut rig, 40, |_| Some(1_000.0));
+        // Until what is left of it is what a unit drifts anyway, and no longer: it has to be watched.
+        assert!((100..300).contains(&taken) && !rig.channel.is_mending(), "{off_mps}: {taken}");
         let climb_mps = rig.channel.climb_rate.value();
         assert!(climb_mps.abs() < 3.0 * 0.5, "{off_mps}: {climb_mps}");
         assert!((rig.channel.altitude.value() - 1_000.0).abs() < 20.0 * 0.5);
@@ -74,6 +74,33 @@ fn a_gap_that_a_measured_climb_rate_mends_leaves_less_of_it() {
     let climb_mps = rig.channel.climb_rate.value();
     assert_eq!(rig.channel.climb_rate_fix(rig.time_us(), 40.0), Err(StrapdownError::Outlier));
     assert_eq!(rig.channel.climb_rate.value(), climb_mps);
+}
+
+/// What a gap has cost of the level goes on when its climb rate has been mended: in a turn it lacks some hundredths of a metre a second
+/// squared, and would be at its bound, or hide a failure within it, after half a minute.
+#[test]
+fn what_a_level_that_is_off_lacks_is_mended_too() {
+    for lacking_mps2 in [-0.08, 0.08] {
+        for has_climb in [false, true] {
+            let mut rig = after_gap(0.5);
+            let reading = sample([0.0, 0.0, -G + lacking_mps2], [0.0; 3]);
+            let mut ticks = 0;
+            while rig.channel.is_mending() && ticks < 60 * SECOND {
+                (0..20).for_each(|_| rig.step(&reading));
+                ticks += 20;
+                rig.channel.reference(rig.time_us(), 1_000.0).unwrap();
+                if has_climb && rig.channel.is_mending() {
+                    rig.channel.climb_rate_fix(rig.time_us(), 0.0).unwrap();
+                }
+            }
+            assert!(ticks < 40 * SECOND, "{lacking_mps2}, {has_climb}: {ticks}");
+            (0..30 * SECOND).for_each(|_| rig.step(&reading));
+            // 36 m without; with it two sigmas of what may be left: 0.017 m/s^2, and the climb rate's 0.14 or 0.5 m/s.
+            let error_m = rig.channel.altitude.value() - 1_000.0;
+            let left_m = if has_climb { 17.0 } else { 34.0 };
+            assert!(error_m.abs() < left_m, "{lacking_mps2}, {has_climb}: {error_m} m after {ticks} ticks");
+        }
+    }
 }
 
 /// A second gap while the first is being mended, and no fix for a while: the next one's climb rate is asked, before its altitude says that all
