@@ -5,7 +5,7 @@ use kf_core::effect::EffectSubject;
 use kf_core::sensor::{SENSORS, Sensor};
 
 use crate::curve::{Curve, Flown, regressor};
-use crate::engine::{Engine, Progress, Refused, replay};
+use crate::engine::{Engine, Progress, Refused, parsed, replay};
 use crate::protocol::Acting;
 use crate::recording::Recording;
 
@@ -45,8 +45,9 @@ struct Explained {
 
 fn explained(engine: &Engine, flown: &Flown<'_>, found: &[Acting]) -> Result<Vec<Explained>, Refused> {
     let replay = replay(engine.flight(flown.flight)?, flown.model, flown.window)?;
+    let model = parsed(flown.model)?;
     let each = found.iter().map(|acting| {
-        let regressor = regressor(acting)?;
+        let regressor = regressor(acting, &model)?;
         let points = prediction(&replay, regressor, acting.coefficient);
         let points = points.into_iter().map(|(time_us, metres)| (time_us as f64 * 1e-6, metres)).collect();
         let sensor = match regressor.id.subject() {

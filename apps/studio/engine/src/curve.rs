@@ -6,11 +6,12 @@ use std::rc::Rc;
 use analysis::compare::Motion;
 use analysis::diagnose::prediction;
 use flight_data::{Channel, Column};
-use kf_core::effect::{Clock, EffectId, Regressor};
+use kf_core::effect::{Clock, Regressor};
 use kf_core::sensor::Sensor;
+use model::Model;
 
 use crate::beyond;
-use crate::engine::{Engine, Progress, Refused, refused, replay};
+use crate::engine::{Engine, Progress, Refused, parsed, refused, replay};
 use crate::protocol::{Acting, ModelText, Signal, Window};
 use crate::recording::{Recording, SensorTrack};
 
@@ -219,9 +220,10 @@ fn unit(column: &str) -> &'static str {
 }
 
 /// An effect with its constants.
-pub fn regressor(of: &Acting) -> Result<Regressor, Refused> {
-    let id = EffectId::from_name(&of.effect)
-        .ok_or_else(|| refused(format!("no effect '{}' in the catalogue", of.effect)))?;
+pub fn regressor(of: &Acting, model: &Model) -> Result<Regressor, Refused> {
+    let id = model
+        .effect_named(&of.effect)
+        .ok_or_else(|| refused(format!("no effect '{}' in the catalogue or the model", of.effect)))?;
     let since = match of.since.as_deref() {
         None | Some("launch") => Clock::Launch,
         Some("start") => Clock::Start,
@@ -234,7 +236,7 @@ pub fn regressor(of: &Acting) -> Result<Regressor, Refused> {
 
 fn effect(engine: &Engine, flown: &Flown<'_>, of: &Acting) -> Result<Curve, Refused> {
     let replay = replay(engine.flight(flown.flight)?, flown.model, flown.window)?;
-    let predicted = prediction(&replay, regressor(of)?, of.coefficient);
+    let predicted = prediction(&replay, regressor(of, &parsed(flown.model)?)?, of.coefficient);
     let (times, values) =
         predicted.into_iter().map(|(time_us, metres)| (time_us as f64 * 1e-6, metres)).unzip();
     Ok(Curve::own(times, values, "m"))

@@ -5,8 +5,8 @@ use std::sync::Mutex;
 use analysis::batch::{DiagnoseResult, batch};
 use analysis::compare::{Comparison, Options, compare};
 use analysis::diagnose::{NamedReplay, Wish, diagnose};
-use analysis::learn::{Ladder, NamedFlight, Request, add, nearest_effects};
-use kf_core::effect::{Clock, EffectId};
+use analysis::learn::{Ladder, NamedFlight, Request, add};
+use kf_core::effect::Clock;
 use replay::Replay;
 use serde::Serialize;
 use time::{Date, Month};
@@ -112,9 +112,10 @@ fn named<'a>(engine: &'a Engine, names: &[String]) -> Result<Vec<NamedFlight<'a>
 
 /// An effect learned, and the model with it.
 pub fn added(engine: &Engine, request: AddRequest, progress: &mut Progress<'_>) -> Result<Added, Refused> {
-    let effect = EffectId::from_name(&request.effect).ok_or_else(|| {
-        let nearest = nearest_effects(&request.effect).join(", ");
-        refused(format!("no effect '{}' in the catalogue; nearest: {nearest}", request.effect))
+    let model = parsed(&request.model)?;
+    let effect = model.effect_named(&request.effect).ok_or_else(|| {
+        let nearest = model.nearest_effects(&request.effect);
+        refused(format!("no effect '{}' in the catalogue or the model; nearest: {nearest}", request.effect))
     })?;
     let has_time = effect.has_time_constant();
     if !has_time && (request.time_constant_s.is_some() || request.since.is_some()) {
