@@ -10,7 +10,7 @@ let browser;
 before(async () => { browser = await launch(); });
 after(async () => browser.close());
 
-test("a cause is read, added, judged on another flight, undone, and kept over a reload", async () => {
+test("a cause is read, added, undone, and kept over a reload", async () => {
   const { context, page, wrongs } = await open(browser);
   await openSample(page, "hidden-static-port");
   assert.match(await sentence(page), /\d/, "the sentence has a number");
