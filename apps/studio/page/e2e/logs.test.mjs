@@ -7,7 +7,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 
-import { choose, launch, open, openSample, realLogs, root, sentence } from "./browser.mjs";
+import { choose, launch, open, openSample, realLogs, root, rungsAre, sentence } from "./browser.mjs";
 
 let browser;
 before(async () => { browser = await launch(); });
@@ -50,13 +50,26 @@ for (const file of [
 }
 
 const pylon = ["target/release/pylon", "target/debug/pylon"].map((path) => join(root, path)).find((path) => existsSync(path));
-test("opens what `pylon simulate flights/quickstart.toml` makes", { skip: !pylon && "skipped: pylon is not built" }, async () => {
+test("judges by a second flight of `pylon simulate flights/quickstart.toml`", { skip: !pylon && "skipped: pylon is not built" }, async () => {
   const folder = mkdtempSync(join(tmpdir(), "pylon-e2e-"));
+  const { context, page, wrongs } = await open(browser);
   try {
-    const file = join(folder, "quickstart.csv");
-    execFileSync(pylon, ["simulate", join(root, "flights/quickstart.toml"), "-o", file], { stdio: "ignore" });
-    assert.match(await opens(file), /static|dynamic/i, "the hidden cause is named");
+    const files = ["7", "8"].map((seed) => {
+      const file = join(folder, `seed-${seed}.csv`);
+      execFileSync(pylon, ["simulate", join(root, "flights/quickstart.toml"), "--seed", seed, "-o", file], { stdio: "ignore" });
+      return file;
+    });
+    await choose(page, files);
+    await page.getByLabel("What seed-8.csv is for").selectOption("hold_out");
+    assert.match(await sentence(page), /static|dynamic/i, "the hidden cause is named");
+    assert.ok(!(await page.locator("body").innerText()).includes(folder), "a file's name, never its path");
+    const [[learned, heldOut]] = await rungsAre(page, 1);
+    await page.locator(".effect.suspect .add").first().click();
+    const [, [lessLearned, lessHeldOut]] = await rungsAre(page, 2);
+    assert.ok(lessLearned < learned && lessHeldOut < heldOut, `${learned} to ${lessLearned} m, held out ${heldOut} to ${lessHeldOut} m`);
+    assert.deepEqual(wrongs, []);
   } finally {
+    await context.close();
     rmSync(folder, { recursive: true, force: true });
   }
 });

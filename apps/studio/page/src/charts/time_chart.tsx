@@ -238,7 +238,8 @@ function pixels(plot: uPlot, gaps: Gaps): uPlot.Series.Gaps {
 
 function trimmed(value: number): string {
   const size = Math.abs(value);
-  return size >= 1 || size === 0 ? String(Math.round(value * 1000) / 1000).replace("-", "−") : short(value);
+  if (size > 0 && (size < 1e-5 || size >= 1e7)) return short(value);
+  return String(Math.round(value * 1e6) / 1e6).replace("-", "−");
 }
 
 /** Where minutes begin to be written. */
