@@ -60,7 +60,7 @@ fn between(values: &[(f64, f64)], next: usize, time_s: f64, gap_s: f64) -> Optio
     }
     let (before_s, before) = *values.get(next.checked_sub(1)?)?;
     let share = (time_s - before_s) / (after_s - before_s);
-    (after_s - before_s <= gap_s).then(|| before + share * (after - before))
+    (after_s - before_s <= gap_s).then_some(before + share * (after - before))
 }
 
 #[cfg(test)]

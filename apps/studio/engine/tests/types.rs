@@ -1,7 +1,6 @@
 //! The page's types are the engine's: `src/generated/protocol.ts` is made of them. `UPDATE_TYPES=1` writes it anew.
 
 #![cfg(feature = "typescript")]
-#![expect(clippy::unwrap_used, reason = "a test")]
 
 use std::any::TypeId;
 use std::collections::{BTreeMap, BTreeSet};
