@@ -3,6 +3,7 @@
 mod advise;
 mod facts;
 mod lesson;
+mod probable;
 mod pruning;
 
 use std::collections::BTreeMap;
@@ -14,7 +15,7 @@ use super::candidates::Candidate;
 use super::diagnosis::{Diagnosis, SensorDiagnosis, Verdict};
 use super::epochs::Epochs;
 use super::excitation::{Excitation, excitation};
-use super::information::{Information, Solution};
+use super::information::Information;
 use super::posterior::{Posterior, posterior};
 use super::problem::Problem;
 use super::repeatability::{Repeatability, repeatability};
@@ -48,9 +49,6 @@ const SUSPECT: f64 = 0.05;
 
 /// The probability from which on an effect is identified, where sets of effects have probabilities.
 const IDENTIFIED: f64 = 0.95;
-
-/// The probability that something acts from which on a set is offered.
-const OFFERED: f64 = 0.9;
 
 pub(crate) struct Judge<'a> {
     pub(crate) problem: &'a Problem<'a>,
@@ -157,47 +155,6 @@ impl Judge<'_> {
             diagnosis.verdict = worst;
         }
         Ok((diagnosis, findings))
-    }
-
-    /// Whether a chosen coefficient is none that nature makes: it is then not the effect that it looks like.
-    pub(super) fn is_beyond(&self, findings: &Findings, k: usize) -> bool {
-        if findings.posterior.is_none() {
-            return false;
-        }
-        let columns = &findings.explanation.columns;
-        let solution = findings.information.solve(&self.suspects.positions(columns));
-        let n = columns.len();
-        solution.is_some_and(|solution| {
-            let alone = Solution {
-                coefficients: vec![solution.coefficients[k]],
-                covariance: vec![solution.covariance[k * n + k]],
-                ..solution
-            };
-            !self.suspects.is_possible(&columns[k..=k], &alone)
-        })
-    }
-
-    /// What could act in the place of each chosen column, by the probabilities of sets.
-    fn rivals_by(&self, posterior: &Posterior, explanation: &Explanation) -> Vec<Rivals> {
-        let information = self.suspects.information(self.problem, &explanation.fit.noise);
-        let rest = |columns: &[usize]| {
-            information.solve(&self.suspects.positions(columns)).map_or(0.0, |solution| solution.rest)
-        };
-        let chosen = &explanation.columns;
-        let with_all = rest(chosen);
-        let of_column = |column: &usize| {
-            let others: Vec<usize> = chosen.iter().copied().filter(|other| other != column).collect();
-            posterior.rivals(*column, chosen, (rest(&others) - with_all).max(0.0))
-        };
-        chosen.iter().map(of_column).collect()
-    }
-
-    /// The chosen column in whose place most probably nothing acts, if that is not improbable.
-    fn doubtful(&self, posterior: &Posterior, explanation: &Explanation) -> Option<usize> {
-        let chosen = &explanation.columns;
-        let empty = chosen.iter().map(|column| (*column, posterior.rivals(*column, chosen, 0.0).empty));
-        let most = empty.max_by(|a, b| a.1.total_cmp(&b.1))?;
-        (most.1 > 1.0 - OFFERED).then_some(most.0)
     }
 
     /// One sensor's diagnosis (`None`: the reference), and the size of its misfit, metres.
