@@ -22,7 +22,7 @@ use std::fmt::Write as _;
 pub const LOW_PASSES_S: [f64; 4] = [2.0, 6.0, 20.0, 60.0];
 /// Delays that are tried first, seconds.
 pub const DELAYS_S: [f64; 2] = [1.0, 3.0];
-/// Thresholds that are tried first: the quantiles of the signal in free flight.
+/// Thresholds that are tried first: so many quantiles of the signal in free flight, and so many even steps of its range.
 pub const QUANTILES: usize = 9;
 /// Phases of a periodic term that are tried first, over half a turn.
 pub const PHASES: usize = 4;
@@ -176,7 +176,7 @@ impl Term {
     pub fn bits(&self, signals: usize) -> f64 {
         let constants = match self.kind {
             TermKind::Cosine | TermKind::SecondCosine => PHASES,
-            _ => QUANTILES,
+            _ => 2 * QUANTILES,
         };
         libm::log2(TermKind::COUNT as f64) + libm::log2(signals as f64) + libm::log2(constants as f64)
     }

@@ -307,12 +307,17 @@ fn filled(mut values: Vec<f64>) -> Vec<f64> {
     values
 }
 
-/// The inner quantiles, a tenth apart, those that differ.
+/// The inner quantiles, a tenth apart, and as many places at even steps over the range: a signal that rests most of the time has its
+/// quantiles where it rests. Those that differ.
 fn quantiles(mut values: Vec<f64>) -> Vec<f64> {
     use super::grammar::QUANTILES;
     values.sort_by(f64::total_cmp);
     let at = |k: usize| values.get(k * values.len() / (QUANTILES + 1)).copied();
     let mut found: Vec<f64> = (1..=QUANTILES).filter_map(at).collect();
+    if let (Some(least), Some(most)) = (values.first(), values.last()) {
+        found.extend((1..=QUANTILES).map(|k| least + (most - least) * k as f64 / (QUANTILES + 1) as f64));
+    }
+    found.sort_by(f64::total_cmp);
     found.dedup();
     found
 }
