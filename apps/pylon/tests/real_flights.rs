@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use model::Model;
 use pylon::import::{format_name, open};
-use pylon::overview::{Overview, SensorState};
+use pylon::overview::{Overview, SensorState, SensorView};
 use pylon::replay::Replay;
 
 /// How far a take-off or a landing may be from where it was seen, seconds: two blocks of the slowest logger.
@@ -49,20 +49,20 @@ fn is_at(found: Option<f64>, expected: &str) -> bool {
 }
 
 fn sensors(overview: &Overview) -> String {
-    let name = |sensor: &'static str| match sensor {
-        "receiver's altitude" => "gps",
-        "receiver's velocity" => "velocity",
-        "barometer" => "baro",
-        "accelerometer" => "accel",
-        "air's temperature" => "oat",
-        "inertial altitude" => "imu",
-        other => other,
+    let name = |view: &SensorView| match &*view.sensor {
+        "receiver's altitude" => "gps".to_owned(),
+        "receiver's velocity" => "velocity".to_owned(),
+        "barometer" => "baro".to_owned(),
+        "accelerometer" => "accel".to_owned(),
+        "air's temperature" => "oat".to_owned(),
+        "inertial altitude" => "imu".to_owned(),
+        other => other.to_owned(),
     };
     let words = overview.sensors.iter().map(|view| match view.state {
-        SensorState::Present => name(view.sensor).to_owned(),
-        SensorState::Stuck => format!("{}:stuck", name(view.sensor)),
-        SensorState::Copied => format!("{}:copied", name(view.sensor)),
-        SensorState::Absent => format!("{}:absent", name(view.sensor)),
+        SensorState::Present => name(view),
+        SensorState::Stuck => format!("{}:stuck", name(view)),
+        SensorState::Copied => format!("{}:copied", name(view)),
+        SensorState::Absent => format!("{}:absent", name(view)),
     });
     words.collect::<Vec<_>>().join(" ")
 }
