@@ -43,7 +43,7 @@ fn a_log_explains_itself_and_its_advice_can_be_pasted() {
         "landing at 00:12:",
         "calibrated on the ground before the take-off",
         "on the ground after the landing",
-        "which are not analysed",
+        "after landing, not analysed",
         "barometer              1500 samples at 1 Hz",
     ] {
         assert!(text.contains(said), "no '{said}' in {text}");

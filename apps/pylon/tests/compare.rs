@@ -218,7 +218,7 @@ fn an_extrapolated_coefficient_is_said_by_its_effect() {
     let readings = outside.sensors["baro"].readings.accepted;
     assert!(fact.extrapolated_ticks > 1_000 && fact.extrapolated_ticks <= readings, "{fact:?}");
     let text = pylon::compare::text(&outside, false);
-    assert!(text.contains("ticks: learned while its regressor was 10.00 to 100.0 m"), "{text}");
+    assert!(text.contains("ticks: its regressor was 10.00 to 100.0 m when it was learned"), "{text}");
     assert!(text.contains("readings were corrected by an effect outside of the range"), "{text}");
     let inside = with("100, 200");
     assert_eq!(inside.effects[1].extrapolated_ticks, 0);

@@ -20,7 +20,7 @@ pub fn read<T: Serialize + DeserializeOwned>(command: &str, json: &str) -> T {
     let errors: Vec<String> =
         validator.iter_errors(&value).map(|error| format!("{}: {error}", error.instance_path())).collect();
     assert!(errors.is_empty(), "{command}: {}", errors.join("\n"));
-    let result: T = serde_json::from_str(json).unwrap_or_else(|error| panic!("{command}: {error}\n{json}"));
+    let result: T = serde_json::from_str(json).unwrap();
     assert_eq!(serde_json::to_string_pretty(&result).unwrap() + "\n", json, "{command}");
     result
 }

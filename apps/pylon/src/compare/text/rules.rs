@@ -34,7 +34,7 @@ pub(super) fn write(out: &mut String, comparison: &Comparison, colour: bool) {
     quality_rows(&mut sheet, &columns, |rules| rules.set.as_ref());
 
     let wished = columns.first().map(|rules| rules.wished_false_alarms_per_hour);
-    sheet.section(&format!("recommended for {} false alarms", per_hour(wished)));
+    sheet.section(&format!("recommended at {}", per_hour(wished)));
     row(&mut sheet, "rule", &|rules| {
         rules
             .recommended
