@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use model::Model;
 use pylon::import::{format_name, open};
-use pylon::overview::{Overview, SensorState, SensorView};
+use pylon::overview::{Overview, SensorState};
 use pylon::replay::Replay;
 
 /// How far a take-off or a landing may be from where it was seen, seconds: two blocks of the slowest logger.
