@@ -81,6 +81,7 @@ pub fn flight() -> Vec<TickInput> {
                     attitude_rad: Some([0.3 - swing, 0.5 * swing - 0.1, 1.0]),
                     ..Signals::default()
                 },
+                ..TickInput::default()
             }
         })
         .collect()
