@@ -41,7 +41,9 @@ pub fn text(overview: &Overview) -> String {
         let (compared, diagnosed) = (used(overview.usage.used_share), overview.diagnosed_share.map(used));
         // A diagnosis estimates the biases beside everything else, so that what was flown before a calibration counts too.
         match diagnosed.filter(|diagnosed| *diagnosed != compared) {
-            Some(diagnosed) => put!(out, "  used       {compared} of the log by compare, {diagnosed} by diagnose"),
+            Some(diagnosed) => {
+                put!(out, "  used       {compared} of the log by compare, {diagnosed} by diagnose")
+            }
             None => put!(out, "  used       {compared} of the log"),
         }
         for part in &overview.usage.unused {

@@ -167,7 +167,10 @@ fn copter_of(seconds: u32, has_second: bool) -> Writer {
             if has_second && k % 4 == 0 && k > 0 {
                 let altitude_m = 504.0 + f64::from(k / 4) * 0.25;
                 let time_us = time_us + 450.0;
-                put!(writer, "GPS", time_us, 1.0, 3.0, week_ms, WEEK, 9.0, 0.8, 47.1, 8.7, altitude_m, 10.0, 90.0, -1.5);
+                put!(
+                    writer, "GPS", time_us, 1.0, 3.0, week_ms, WEEK, 9.0, 0.8, 47.1, 8.7, altitude_m, 10.0,
+                    90.0, -1.5
+                );
             }
         }
         put!(writer, "MAG", time_us + 500.0, 200.0);

@@ -399,7 +399,8 @@ fn garbage_damage_and_a_cut_end_are_counted_and_cost_nothing_else() {
     expected.remove(1);
     assert_eq!(altitudes, expected);
     let garbage = format!("damaged: 10 of the file's {} bytes (", log.len());
-    let is_said = |note: &String| note.starts_with(&garbage) && note.contains("are no frame, the first at byte 0;");
+    let is_said =
+        |note: &String| note.starts_with(&garbage) && note.contains("are no frame, the first at byte 0;");
     assert!(notes.iter().any(is_said), "{notes:?}");
     for (word, count) in [("CRC is wrong", 1), ("common set", 1)] {
         let note =
