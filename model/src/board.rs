@@ -31,7 +31,7 @@ impl Board {
     fn has(self, signal: Signal) -> bool {
         // The speed over ground stands in for the airspeed.
         let is_absent = |need: &&str| NOT_ON_F405.contains(need) && signal != Signal::Airspeed;
-        self == Self::Recorded || !signal.needs().iter().any(|need| is_absent(&need))
+        self == Self::Recorded || !signal.needs().iter().any(is_absent)
     }
 }
 

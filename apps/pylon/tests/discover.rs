@@ -1,4 +1,5 @@
 //! Laws over recorded signals: a simulated flight with a column that nobody knows in, the law on the command line out.
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 mod common;
 

@@ -173,7 +173,7 @@ impl Builder {
             let i = sensor.index();
             open.readings[i] += 1;
             open.residual_sum[i] +=
-                reading_m - known_m(model, &follower, EffectSubject::Sensor(sensor)) - reference.altitude_m;
+                reading_m - known_m(model, follower, EffectSubject::Sensor(sensor)) - reference.altitude_m;
         }
         for (c, candidate) in candidates.iter().enumerate() {
             let acts_on = self.acts_on[c];

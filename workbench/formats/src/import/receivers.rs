@@ -84,7 +84,7 @@ fn at(fixes: &[(u64, f64)], time_us: u64) -> Option<f64> {
     let (before_us, before_m) = *fixes.get(next.checked_sub(1)?)?;
     let between_us = after_us - before_us;
     let share = (time_us - before_us) as f64 / between_us as f64;
-    (between_us <= APART_US).then(|| before_m + share * (after_m - before_m))
+    (between_us <= APART_US).then_some(before_m + share * (after_m - before_m))
 }
 
 #[cfg(test)]
