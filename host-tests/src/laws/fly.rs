@@ -11,6 +11,9 @@ use super::hidden::Moment;
 use crate::blind::flight::{add, spread};
 use crate::real_trials::noise::{heavy, steps, wander};
 
+/// What a column measures.
+type Signal = fn(&Moment) -> f64;
+
 /// A flown trial.
 #[derive(Clone, Debug)]
 pub struct Flown {
@@ -104,7 +107,7 @@ fn made(case: &Case, scenario: &Scenario, number: u64) -> anyhow::Result<Made> {
             bay_c,
         });
     }
-    let columns: [(&str, f64, fn(&Moment) -> f64); 3] = [
+    let columns: [(&str, f64, Signal); 3] = [
         ("flap", 0.01, |now| now.flap),
         ("motor_rpm", 15.0, |now| now.rpm),
         ("bay_temp_c", 0.2, |now| now.bay_c),
