@@ -5,7 +5,7 @@ use kf_core::config::{
 };
 use kf_core::effect::{EffectId, EffectTerm};
 use kf_core::estimator::{ConfigError, Estimator, MeasurementNoise};
-use kf_core::input::{BaroReading, GpsFix, LaunchDoubt, Signals, TickInput};
+use kf_core::input::{BaroReading, Columns, GpsFix, LaunchDoubt, Signals, TickInput};
 use kf_core::mission::Mission;
 use kf_core::monitor::Monitor;
 use kf_core::sensor::Sensor;
@@ -188,6 +188,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Filter for WholeTick<
             imu_slave_altitude_m: Some(slave),
             imu: None,
             signals: Signals { true_airspeed_mps: Some(60.0), ..Signals::default() },
+            columns: Columns::default(),
         };
         let output = self.mission.tick(&input);
         let [master, slave, baro] = output.sensors;

@@ -3,7 +3,7 @@
 // Every test file uses a part of this.
 #![allow(dead_code, clippy::panic)]
 
-use kf_core::input::{BaroReading, Columns, GpsFix, ImuSample, LaunchDoubt, Signals, TickInput};
+use kf_core::input::{BaroReading, GpsFix, ImuSample, LaunchDoubt, Signals, TickInput};
 use model::Model;
 use pylon::fly::FlyError;
 
@@ -41,7 +41,6 @@ pub fn flight() -> Vec<TickInput> {
             TickInput {
                 time_us: 1_000_000 + k as u64 * TICK_US,
                 launch: k >= LAUNCH,
-                columns: Columns::default(),
                 // A wire that bounces under the pylon.
                 launch_doubt: if (2_500..2_503).contains(&k) {
                     LaunchDoubt::Suspected
