@@ -86,6 +86,10 @@ headline: Headline, };
  */
 export type Addition = { 
 /**
+ * Version of what these keys mean: a new one where a key changes its meaning or goes.
+ */
+version: number, 
+/**
  * Its id.
  */
 effect: string, 
@@ -209,7 +213,7 @@ quality: string | null,
  */
 failed_checks: Array<string>, 
 /**
- * For how long was calibrated, seconds.
+ * Length of the calibration, seconds.
  */
 duration_s: number | null, 
 /**
@@ -237,6 +241,11 @@ sigma: number,
  * Its unit.
  */
 unit: string, 
+/**
+ * The probability that it acts, beside what else may: of the sets of effects that explain the flights, those that have it. Where
+ * the climb rate is measured only the members of a set have one, their share of it.
+ */
+probability: number | null, 
 /**
  * Chance of as strong a fit if the effect did not act, times the number of effects tried.
  */
@@ -361,6 +370,10 @@ headline: Headline, };
  * one that is not finite.
  */
 export type Comparison = { 
+/**
+ * Version of what these keys mean: a new one where a key changes its meaning or goes.
+ */
+version: number, 
 /**
  * The flight.
  */
@@ -1126,6 +1139,10 @@ export type JudgedOn = "held_out_flights" | "held_out_manoeuvres";
  */
 export type Ladder = { 
 /**
+ * Version of what these keys mean: a new one where a key changes its meaning or goes.
+ */
+version: number, 
+/**
  * The model's name.
  */
 model: string, 
@@ -1439,6 +1456,10 @@ sensors: Array<string>, };
  */
 export type Overview = { 
 /**
+ * Version of what these keys mean: a new one where a key changes its meaning or goes.
+ */
+version: number, 
+/**
  * The file.
  */
 file: string, 
@@ -1467,6 +1488,10 @@ duration_s: number,
  */
 launch_s: number | null, 
 /**
+ * The share of it that a diagnosis works on, which needs no calibration; null where it can not be analysed.
+ */
+diagnosed_share: number | null, 
+/**
  * Every time in the air.
  */
 outings: Array<Aloft>, 
@@ -1490,6 +1515,10 @@ calibration_window_s: [number, number] | null,
  * Why it can not be analysed, if it can not.
  */
 refused: string | null, 
+/**
+ * What is wrong with the barometer for all of the log, if anything is.
+ */
+barometer_fault: string | null, 
 /**
  * The sensors.
  */
@@ -1605,7 +1634,7 @@ rms_m: number | null,
  */
 effective_readings: number | null, 
 /**
- * For how long an error keeps its sign (integrated autocorrelation time), seconds.
+ * Correlation time of the error (integrated autocorrelation time), seconds.
  */
 correlation_time_s: number | null, 
 /**
@@ -1648,7 +1677,7 @@ export type ReadingCounts = {
  */
 accepted: number, 
 /**
- * NaN or infinite, or a pressure that is none.
+ * NaN or infinite, or an invalid pressure.
  */
 not_finite: number, 
 /**
@@ -2010,7 +2039,7 @@ trust: string,
  */
 unmonitored_s: number, 
 /**
- * The monitor's bound (multiplier times sigma), metres.
+ * The monitor's alarm limit (multiplier times sigma), metres.
  */
 bound_m: number | null, 
 /**
@@ -2274,17 +2303,17 @@ motion: Motion,
  */
 sensor: string, 
 /**
- * Share of the sensor's squared error over the whole of free flight.
- */
-share_of_squared_error: number, 
-/**
- * Mean, metres.
+ * Mean error, metres.
  */
 mean_m: number, 
 /**
- * Root mean square, metres.
+ * Root mean square error, metres.
  */
-rms_m: number, };
+rms_m: number, 
+/**
+ * Share of the sensor's squared error over the whole of free flight.
+ */
+share_of_squared_error: number, };
 
 /**
  * An effect of a model.
