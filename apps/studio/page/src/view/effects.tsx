@@ -47,7 +47,7 @@ function rowsOf(name: string): Row[] {
   const rows = subjects.flatMap((one) => one.candidates.map((candidate): Row => ({
     candidate,
     guide: guides.value.get(candidate.effect),
-    probability: probabilityOf(one, candidate.effect),
+    probability: candidate.probability ?? probabilityOf(one, candidate.effect),
     isSuspect: one.missing.includes(candidate.effect) || one.indistinguishable.some((set) => set.includes(candidate.effect)),
   })));
   return rows.sort((one, other) => Number(other.isSuspect) - Number(one.isSuspect) || size(other) - size(one));
