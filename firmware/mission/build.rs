@@ -36,6 +36,9 @@ fn write_model(out: &Path) -> Result<(), Box<dyn Error>> {
             let board =
                 if env::var_os("CARGO_FEATURE_BOARD_F405").is_some() { Board::F405 } else { Board::Recorded };
             model.check_signals(board)?;
+            if !model.definitions().is_empty() && env::var_os("CARGO_FEATURE_FORMULAS").is_none() {
+                return Err(format!("{name} has effects by formula: build with --features formulas").into());
+            }
             let source = model::codegen(&model)?;
             (name, source)
         }

@@ -99,11 +99,14 @@ fn has_no_probe(said: &str) -> bool {
 
 /// The build of the image with a model: a file, or a preset's name, of which the firmware's build knows more.
 fn image(model: &str, barometer: Barometer) -> Command {
-    let features = match barometer {
+    let board = match barometer {
         Barometer::Ms5611 => "board-f405",
         Barometer::Bmp390 => "board-f405,baro-bmp390",
     };
-    let mut build = workspace::firmware_build("flight", features);
+    // Were this word only in a comment, the image would be larger than it need be; without it the build refuses a formula.
+    let has_formulas = fs::read_to_string(model).is_ok_and(|text| text.contains("effect_definition"));
+    let features = if has_formulas { format!("{board},formulas") } else { board.to_owned() };
+    let mut build = workspace::firmware_build("flight", &features);
     // The build runs in the firmware's folder.
     let model = fs::canonicalize(model).unwrap_or_else(|_| PathBuf::from(model));
     build.env("PYLON_MODEL", model).env("DEFMT_LOG", "info");

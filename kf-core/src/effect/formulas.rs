@@ -7,8 +7,9 @@ use crate::formula::{Frame, Silent};
 use crate::input::{GpsFix, TickInput};
 use crate::sensor::SENSORS;
 
-/// How many numbers the formulas of a model without estimated effects can remember, all together.
-pub const MAX_FORMULA_WORDS: usize = formula_words(0);
+/// How many numbers the formulas of a model without estimated effects can remember, all together; none in an image whose model has no
+/// formula, which then does not pay for the room.
+pub const MAX_FORMULA_WORDS: usize = if cfg!(feature = "formulas") { formula_words(0) } else { 0 };
 
 /// How many numbers the formulas of a model can remember beside so many estimated effects: with them the snapshot of a mission is no longer
 /// than that of the model with the most estimated effects, which is as long as there is room for.
@@ -62,7 +63,8 @@ impl Formulas {
                 formulas.used |= definition.parts().program.signals();
             }
         }
-        (words(config) <= formula_words(E)).then_some(formulas)
+        let has_room = cfg!(feature = "formulas") || formulas.machine.is_none();
+        (has_room && words(config) <= formula_words(E)).then_some(formulas)
     }
 
     /// See [`SignalTracker::begin_calibration`].

@@ -1,6 +1,6 @@
 //! The signals of one tick.
 
-use super::signal::{SIGNALS, Signal};
+use super::signal::{PLACES, Signal};
 use crate::atmosphere::{pressure_altitude_m, static_pressure_pa};
 use crate::effect::{Clock, SignalTracker};
 use crate::input::{BaroReading, GpsFix, ImuSample, TickInput};
@@ -27,7 +27,7 @@ const CELSIUS_K: f32 = 273.15;
 /// what has not been seen.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
-    pub(super) values: [f32; SIGNALS],
+    pub(super) values: [f32; PLACES],
     pub(super) new: u64,
     pub(super) seconds: f32,
     pub(super) launched: bool,
@@ -39,7 +39,7 @@ pub struct Frame {
 impl Default for Frame {
     fn default() -> Self {
         Self {
-            values: [f32::NAN; SIGNALS],
+            values: [f32::NAN; PLACES],
             new: 0,
             seconds: 0.0,
             launched: false,

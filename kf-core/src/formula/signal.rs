@@ -3,7 +3,7 @@
 use crate::effect::Uses;
 
 /// How many columns that the estimator does not know a model's formulas may read; only at the desk, where there are such.
-pub const MAX_COLUMNS: usize = 8;
+pub const MAX_COLUMNS: usize = if cfg!(target_os = "none") { 0 } else { 8 };
 
 macro_rules! signals {
     ($($(#[$doc:meta])* $variant:ident = $name:literal, $unit:literal;)*) => {
@@ -112,6 +112,9 @@ signals! {
 
 /// Places of a frame: the signals, then the columns that the estimator does not know.
 pub const SIGNALS: usize = Signal::ALL.len() + MAX_COLUMNS;
+
+/// How many of these a [`super::Frame`] has room for: none where no model has a formula.
+pub(super) const PLACES: usize = if cfg!(feature = "formulas") { SIGNALS } else { 0 };
 
 impl Signal {
     /// Its place in a frame.

@@ -69,12 +69,14 @@ impl Program {
         }
     }
 
-    const fn features(self) -> &'static str {
-        match self {
+    fn features(self, model: &Model) -> String {
+        let board = match self {
             Self::Flight(board) => board.feature(),
             Self::Bench | Self::CopyCheck => "board-qemu",
             Self::CoreOnly | Self::ChainOnly => "",
-        }
+        };
+        let has_formulas = matches!(self, Self::Flight(_)) && !model.definitions().is_empty();
+        if has_formulas { format!("{board},formulas") } else { board.to_owned() }
     }
 
     /// Settings of cargo's on top of the profile. The benchmark compares filters, each as fast as the compiler makes it; the
@@ -149,7 +151,7 @@ pub fn build(program: Program, model: &Model, planted: Option<PlantedError>) -> 
     let images = target_directory.join("images");
     fs::create_dir_all(&images).map_err(FlyError::io(images.display().to_string()))?;
 
-    let board = program.features();
+    let board = program.features(model);
     let planted_name = planted.map_or("", PlantedError::name);
     let image = images.join(format!("{}-{board}-{fingerprint:016x}-{planted_name}.elf", program.binary()));
     let settings = [&[&*compiler, &generated, program.package()], program.settings()].concat();
@@ -173,7 +175,7 @@ pub fn build(program: Program, model: &Model, planted: Option<PlantedError>) -> 
     cargo
         .current_dir(&root)
         .args(["build", "--quiet", "--package", program.package(), "--bin", program.binary()])
-        .args(["--profile", "firmware", "--target", TARGET, "--features", program.features()])
+        .args(["--profile", "firmware", "--target", TARGET, "--features", &board])
         .args(program.settings())
         .arg("--target-dir")
         .arg(&target_directory)
