@@ -92,7 +92,7 @@ fn add_learns_from_what_is_of_use_in_a_folder_and_strict_refuses() {
     let output = pylon(path, &add);
     let said = errors(&output);
     assert!(output.status.success(), "{said}");
-    assert!(said.contains("skipped 1 of 2 flights (--strict refuses instead):\n  cut.csv: "), "{said}");
+    assert!(said.contains("skipped 1 of 2 flights (--strict fails instead):\n  cut.csv: "), "{said}");
 }
 
 #[test]

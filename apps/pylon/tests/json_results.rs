@@ -10,8 +10,8 @@ use common::Recipe;
 use common::json::checked;
 use common::program::stdout;
 use pylon::results::{
-    Addition, Comparison, DiagnoseResult, EffectsResult, ExportResult, ImportResult, Ladder, Overview,
-    ReportResult, SimulateResult, schemas,
+    Addition, Comparison, DiagnoseResult, Discovery, EffectsResult, ExportResult, ImportResult, Ladder,
+    Overview, ReportResult, SimulateResult, schemas,
 };
 
 const WRITE: &str = "PYLON_WRITE_SCHEMAS";
@@ -68,6 +68,8 @@ fn what_a_command_prints_is_what_its_schema_says() {
     assert!(one.together.is_some() && one.one_by_one.is_none());
     let several: DiagnoseResult = checked("diagnose", here, &["made.csv", "other.csv"]);
     assert_eq!(several.one_by_one.unwrap().by_flight.len(), 2);
+    let searched: Discovery = checked("discover", here, &["made.csv"]);
+    assert!(searched.laws.len() <= 5);
     let arguments = ["baro.drift", "--model", "ours.toml", "--from", "made.csv", "--force"];
     let added: Addition = checked("add", here, &arguments);
     assert_eq!(added.effect, "baro.drift");

@@ -15,4 +15,4 @@ mod trial;
 pub use logs::{Half, Log, logs};
 pub use reliability::reliability;
 pub use score::{Score, table};
-pub use trial::{Case, Outcome, of_log};
+pub use trial::{Case, Outcome, of_log, part};

@@ -1,5 +1,6 @@
 //! What is tried with each log, and what was said of it.
 
+use std::ops::Range;
 use std::time::Instant;
 
 use kf_core::effect::EffectId;
@@ -163,24 +164,28 @@ fn said_of(diagnosis: &Diagnosis) -> Vec<&'static str> {
 /// The two halves of what a diagnosis works on.
 fn halves(flight: &Flight, track: &Track) -> [Flight; 2] {
     let middle = usize::midpoint(track.used.start, track.used.end);
-    [track.used.start..middle, middle..track.used.end].map(|rows| {
-        let cut = |column: &Column| {
-            let mut part = Column::with_capacity(rows.len());
-            for row in rows.clone() {
-                part.push(column.get(row));
-            }
-            part
-        };
-        Flight {
-            header: flight.header.clone(),
-            time_s: flight.time_s[rows.clone()].to_vec(),
-            channels: flight
-                .channels
-                .iter()
-                .filter(|(channel, _)| *channel != Channel::Launch)
-                .map(|(channel, column)| (*channel, cut(column)))
-                .collect(),
-            extra: flight.extra.iter().map(|(name, column)| (name.clone(), cut(column))).collect(),
+    [track.used.start..middle, middle..track.used.end].map(|rows| part(flight, rows))
+}
+
+/// These rows of a flight, as a log that was never launched.
+#[must_use]
+pub fn part(flight: &Flight, rows: Range<usize>) -> Flight {
+    let cut = |column: &Column| {
+        let mut part = Column::with_capacity(rows.len());
+        for row in rows.clone() {
+            part.push(column.get(row));
         }
-    })
+        part
+    };
+    Flight {
+        header: flight.header.clone(),
+        time_s: flight.time_s[rows.clone()].to_vec(),
+        channels: flight
+            .channels
+            .iter()
+            .filter(|(channel, _)| *channel != Channel::Launch)
+            .map(|(channel, column)| (*channel, cut(column)))
+            .collect(),
+        extra: flight.extra.iter().map(|(name, column)| (name.clone(), cut(column))).collect(),
+    }
 }

@@ -78,6 +78,10 @@ pub fn text(diagnosis: &Diagnosis, colour: bool) -> String {
         .map(|(name, (sigma_m, time_s))| format!("{name} wanders by {sigma_m:.2} m over {time_s:.1} s"))
         .collect();
     put!(out, "{}.", own.join(", "));
+    if noise.slow_wander_m > 0.0 {
+        let (sigma_m, minutes) = (noise.slow_wander_m, noise.slow_time_s / 60.0);
+        put!(out, "Their difference wanders by another {sigma_m:.2} m over {minutes:.0} minutes.");
+    }
     for untested in diagnosis.untested.iter().filter(|untested| untested.reason.is_none()) {
         put!(out, "not tested: {} (needs {})", untested.effect, untested.needs.join(", "));
     }

@@ -15,6 +15,7 @@ pub use fly::{
 
 pub use crate::batch::DiagnoseResult;
 pub use crate::compare::Comparison;
+pub use crate::discover::Discovery;
 pub use crate::learn::{Addition, Ladder};
 pub use crate::overview::Overview;
 
@@ -28,6 +29,7 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
         ("add", schema::<Addition>("add")),
         ("compare", schema::<Comparison>("compare")),
         ("diagnose", schema::<DiagnoseResult>("diagnose")),
+        ("discover", schema::<Discovery>("discover")),
         ("effects", schema::<EffectsResult>("effects")),
         ("export", schema::<ExportResult>("export")),
         ("fly", schema::<FlyResult>("fly")),

@@ -49,9 +49,15 @@ export async function openSample(page, name) {
 
 /** Chooses files by the button, as a user does. */
 export async function choose(page, files) {
-  const chooser = page.waitForEvent("filechooser");
-  await page.getByRole("button", { name: /^(Choose a log|Open)…$/ }).first().click();
-  await (await chooser).setFiles(files);
+  // The page may exchange the button for another while it starts: a click that met the old one is made again.
+  const [chooser] = await Promise.all([
+    page.waitForEvent("filechooser"),
+    page.getByRole("button", { name: /^(Choose a log|Open)…$/ }).first().click(),
+  ]).catch(() => Promise.all([
+    page.waitForEvent("filechooser"),
+    page.getByRole("button", { name: /^(Choose a log|Open)…$/ }).first().click(),
+  ]));
+  await chooser.setFiles(files);
 }
 
 /** Drops a file on the page. */

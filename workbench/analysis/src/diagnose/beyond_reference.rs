@@ -107,6 +107,8 @@ mod tests {
         let noise = NoiseFacts {
             reference_wander_m: 2.0,
             reference_time_s: 60.0,
+            slow_wander_m: 0.0,
+            slow_time_s: 0.0,
             sensor_wander: BTreeMap::from([("baro".into(), (0.5, 600.0)), ("imu_slave".into(), (1.0, 20.0))]),
             ..NoiseFacts::default()
         };

@@ -201,6 +201,13 @@ pub struct NoiseFacts {
     pub reference_wander_m: f64,
     /// Its correlation time, s.
     pub reference_time_s: f64,
+    /// A second, slower wander of the difference of the altitudes, the reference's or a sensor's: sigma, m; 0 where the climb rate is
+    /// measured, which needs none.
+    #[serde(default)]
+    pub slow_wander_m: f64,
+    /// Its correlation time, s.
+    #[serde(default)]
+    pub slow_time_s: f64,
     /// White noise of one fix, m.
     pub fix_sigma_m: f64,
     /// Each sensor's own wander (captive flight): sigma, m, and correlation time, s.

@@ -44,15 +44,13 @@ pub fn id(law: &FoundLaw, signals: &[String]) -> String {
 /// # Errors
 /// See [`DefinitionError`].
 pub fn with_definition(text: &str, id: &str, law: &FoundLaw) -> Result<String, DefinitionError> {
-    let mut document: DocumentMut =
+    let document: DocumentMut =
         text.parse().map_err(|error: toml_edit::TomlError| DefinitionError::Syntax(error.to_string()))?;
-    let definitions = document
-        .entry("effect_definition")
-        .or_insert_with(|| Item::ArrayOfTables(ArrayOfTables::new()))
-        .as_array_of_tables_mut()
-        .ok_or(DefinitionError::NotTables)?;
-    if definitions.iter().any(|table| table.get("id").and_then(Item::as_str) == Some(id)) {
-        return Err(DefinitionError::Taken(id.to_owned()));
+    if let Some(definitions) = document.get("effect_definition") {
+        let definitions = definitions.as_array_of_tables().ok_or(DefinitionError::NotTables)?;
+        if definitions.iter().any(|table| table.get("id").and_then(Item::as_str) == Some(id)) {
+            return Err(DefinitionError::Taken(id.to_owned()));
+        }
     }
     let mut table = Table::new();
     table.insert("id", value(id));
@@ -69,6 +67,15 @@ pub fn with_definition(text: &str, id: &str, law: &FoundLaw) -> Result<String, D
         "about",
         value(format!("a law that pylon discover proposed, with a probability of {:.2}", law.probability)),
     );
+    let mut definitions = ArrayOfTables::new();
     definitions.push(table);
-    Ok(document.to_string())
+    let mut added = DocumentMut::new();
+    added.insert("effect_definition", Item::ArrayOfTables(definitions));
+    // Behind the text rather than into its document: a comment at the text's end stays where it is.
+    let gap = match text {
+        "" => "",
+        text if text.ends_with('\n') => "\n",
+        _ => "\n\n",
+    };
+    Ok(format!("{text}{gap}{added}"))
 }

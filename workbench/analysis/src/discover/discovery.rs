@@ -1,12 +1,13 @@
 //! What a search for laws found: the keys of `pylon discover --json`.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::diagnose::Verdict;
 use crate::name::Name;
 
 /// What was found.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Discovery {
     /// Version of what these keys mean: a new one where a key changes its meaning or goes.
     pub version: u32,
@@ -46,7 +47,7 @@ impl Discovery {
 }
 
 /// Why a law was not proposed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Why {
     /// It does not pay for its length and for the size of the search.
@@ -62,7 +63,7 @@ pub enum Why {
 }
 
 /// A law that was not proposed.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Rejected {
     /// What it acts on.
     pub on: Name,
@@ -75,7 +76,7 @@ pub struct Rejected {
 }
 
 /// A law.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FoundLaw {
     /// What it acts on: a sensor, or `gps`.
     pub on: Name,
@@ -112,7 +113,7 @@ pub struct FoundLaw {
 }
 
 /// What a law is equal to on these flights.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Equal {
     /// The law, or the id of the catalogue's effect.
     pub law: String,

@@ -1351,6 +1351,15 @@ reference_wander_m: number,
  */
 reference_time_s: number, 
 /**
+ * A second, slower wander of the difference of the altitudes, the reference's or a sensor's: sigma, m; 0 where the climb rate is
+ * measured, which needs none.
+ */
+slow_wander_m: number, 
+/**
+ * Its correlation time, s.
+ */
+slow_time_s: number, 
+/**
  * White noise of one fix, m.
  */
 fix_sigma_m: number, 

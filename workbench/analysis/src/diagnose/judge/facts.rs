@@ -166,6 +166,8 @@ impl Judge<'_> {
         NoiseFacts {
             reference_wander_m: noise.reference.sigma_m,
             reference_time_s: noise.reference.time_s,
+            slow_wander_m: noise.slow.sigma_m,
+            slow_time_s: noise.slow.time_s,
             fix_sigma_m: noise.fix_sigma_m,
             sensor_wander: sensors
                 .map(|sensor| {
