@@ -3,7 +3,7 @@
 //! `model::formula` turns the text into a [`Program`]; this module runs it, on the aircraft, in QEMU, at the desk and in a browser, with
 //! the same bits: f32, IEEE-754 operations and `libm`, no heap, no clock, a bounded number of operations and of state.
 //!
-//! At every tick a [`Frame`] takes what is new, [`step`] runs the program over it and keeps what the program remembers (integrals, low
+//! At every tick a [`Frame`] takes what is new, [`step()`] runs the program over it and keeps what the program remembers (integrals, low
 //! passes, delays, means) in a slice of [`Program::state_words`] numbers. A [`Evaluation`] is both together.
 //!
 //! What is no number (a signal that has not been seen, a division by zero, the root of a negative, an overflow) makes the effect silent

@@ -93,7 +93,7 @@ pub enum Op {
     },
     /// `a` as it was `b` seconds ago, from sixteen samples over that time with straight lines between them; silent until then.
     Delay {
-        /// [`super::delay::WORDS`] words.
+        /// `delay::WORDS` words.
         at: u8,
     },
     /// Mean of `a` over the samples of the calibration (before it: of all so far), and that of captive flight after launch.
