@@ -110,6 +110,7 @@ fn a_drift_is_named_and_the_temperature_that_was_not_recorded_is_said() {
         let baro = &diagnosis.sensors["baro"];
         let drift = baro.candidates.iter().find(|candidate| candidate.effect == "baro.drift").unwrap();
         let probability = drift.probability.unwrap();
+        // Four tries at three sigma: one false alarm in a hundred choices of seeds.
         assert!((drift.coefficient - 0.015).abs() < 3.0 * drift.sigma, "{drift:?}");
         let others = baro.candidates.iter().filter(|candidate| candidate.effect != "baro.drift");
         assert!(others.clone().all(|other| other.probability < Some(0.5)), "{baro:?}");
