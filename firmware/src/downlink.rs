@@ -6,7 +6,7 @@ use kf_core::latch::LatchRecord;
 use kf_core::mission::Counters;
 use kf_core::output::Phase;
 use survival::RestartReport;
-use telemetry::{ComputerStatus, FrameQueue, Link, Rates, Said, Telemetry};
+use telemetry::{ComputerStatus, FrameQueue, Link, Rates, Telemetry, TickReport};
 
 use crate::board;
 
@@ -18,21 +18,21 @@ const RATES: Rates = match Rates::for_line(BAUD) {
     Err(_) => panic!("PYLON_TELEMETRY_BAUD is too slow for any rate table"),
 };
 
-/// The frames between what tells of the ticks and the line.
+/// The frames between telemetry and the line.
 pub type Frames = FrameQueue;
 
-/// The teller's end of them.
+/// The end of the task that makes telemetry.
 pub type FramesIn = Producer<'static, telemetry::Frame>;
 
 /// The line's.
 pub type FramesOut = Consumer<'static, telemetry::Frame>;
 
-/// Ticks that wait to be told of, one slot of which stays empty: the task that tells them has all of the time between two.
+/// Ticks that wait for telemetry, one slot of which stays empty: the task that takes them has all of the time between two.
 const TICKS: usize = 3;
 
-/// What there is to tell of a tick.
-pub struct Told {
-    /// What it took and said.
+/// What telemetry needs of a tick.
+pub struct QueuedTick {
+    /// Its inputs and outputs.
     pub step: Step,
     /// What the mission had counted by its end.
     pub counters: Counters,
@@ -40,8 +40,8 @@ pub struct Told {
     pub computer: ComputerStatus,
 }
 
-/// The ticks between themselves and the task that tells of them. It has no lock: neither holds the other up.
-pub type ToldQueue = Queue<Told, TICKS>;
+/// Ticks on their way from the tick to telemetry. It has no lock: neither side waits for the other.
+pub type TickQueue = Queue<QueuedTick, TICKS>;
 
 /// What makes the messages, below the tick.
 pub struct Downlink {
@@ -62,8 +62,8 @@ impl Downlink {
     }
 
     /// Whether the calibration has been latched by the end of that tick and is not known here.
-    pub fn lacks_latch(&self, told: &Told) -> bool {
-        self.latch.is_none() && told.step.output.phase == Phase::FreeFlight
+    pub fn lacks_latch(&self, tick: &QueuedTick) -> bool {
+        self.latch.is_none() && tick.step.output.phase == Phase::FreeFlight
     }
 
     /// The latched calibration, which never changes.
@@ -71,13 +71,14 @@ impl Downlink {
         self.latch = latch;
     }
 
-    /// Tells of a tick.
-    pub fn tell(&mut self, told: &Told) {
+    /// Reports a tick.
+    pub fn tell(&mut self, tick: &QueuedTick) {
         if let Some(report) = self.start.take() {
             self.telemetry.note_start(&report);
         }
-        let Told { step, counters, computer } = told;
-        let said = Said { input: &step.input, output: &step.output, latch: self.latch.as_ref(), counters };
-        self.telemetry.tick(&said, computer);
+        let QueuedTick { step, counters, computer } = tick;
+        let report =
+            TickReport { input: &step.input, output: &step.output, latch: self.latch.as_ref(), counters };
+        self.telemetry.tick(&report, computer);
     }
 }

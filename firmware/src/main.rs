@@ -36,7 +36,7 @@ use survival::{MarkWriter, PAYLOAD_BYTES, RestartReport, Supervised, Supervisor}
 use telemetry::ComputerStatus;
 
 use board::{Board, CostClock, Feeder, Line, Next, Sensors, Sink, Source, Storage, Watchdog};
-use downlink::{Downlink, Frames, FramesOut, Told, ToldQueue};
+use downlink::{Downlink, Frames, FramesOut, QueuedTick, TickQueue};
 use flown_mission::{Flown, FlownMission};
 use meter::{Costs, TickMeter};
 use mutation::Mutated;
@@ -136,8 +136,8 @@ mod app {
         results_in: Producer<'static, TickRecord>,
         results_out: Consumer<'static, TickRecord>,
         sink: Sink,
-        told_in: Producer<'static, Told>,
-        told_out: Consumer<'static, Told>,
+        ticks_in: Producer<'static, QueuedTick>,
+        ticks_out: Consumer<'static, QueuedTick>,
         downlink: Downlink,
         line: Line,
         frames_out: FramesOut,
@@ -155,7 +155,7 @@ mod app {
         storage: Storage = Storage::new(),
         mission: MaybeUninit<FlownMission> = MaybeUninit::uninit(),
         results: Queue<TickRecord, RESULTS> = Queue::new(),
-        told: ToldQueue = ToldQueue::new(),
+        ticks: TickQueue = TickQueue::new(),
         frames: Frames = Frames::new(),
         snapshot_bytes: [u8; PAYLOAD_BYTES] = [0; PAYLOAD_BYTES],
         due: MaybeUninit<Snapshot> = MaybeUninit::uninit(),
@@ -214,7 +214,7 @@ mod app {
             Err(_) => board::exit(ExitStatus::Configuration),
         };
         let (results_in, results_out) = cx.local.results.split();
-        let (told_in, told_out) = cx.local.told.split();
+        let (ticks_in, ticks_out) = cx.local.ticks.split();
         let (frames_in, frames_out) = cx.local.frames.split();
         rtic::pend(FEED);
         (
@@ -229,8 +229,8 @@ mod app {
                 results_in,
                 results_out,
                 sink,
-                told_in,
-                told_out,
+                ticks_in,
+                ticks_out,
                 downlink: Downlink::new(frames_in, report),
                 line,
                 frames_out,
@@ -257,13 +257,13 @@ mod app {
     #[task(
         binds = TIM2,
         priority = 3,
-        local = [timer, source, results_in, told_in, marks, marks_memory, watchdog],
+        local = [timer, source, results_in, ticks_in, marks, marks_memory, watchdog],
         shared = [computer, counts],
     )]
     fn tick(cx: tick::Context) {
         let begun = CostClock::time();
         let tick::LocalResources {
-            timer, source, results_in, told_in, marks, marks_memory, watchdog, ..
+            timer, source, results_in, ticks_in, marks, marks_memory, watchdog, ..
         } = cx.local;
         let mut computer = cx.shared.computer;
         let mut counts = cx.shared.counts;
@@ -283,24 +283,24 @@ mod app {
                     let step = computer.tick_measured(now_us, &mut |part| meter.lap(part));
                     let sensor_faults = computer.sensors.faults().count;
                     let wire = computer.onboard.as_ref().map(|onboard| onboard.launch().wire());
-                    let told = Told {
+                    let tick = QueuedTick {
                         step: step.clone(),
                         counters: *computer.mission.0.counters(),
                         computer: ComputerStatus { wire, sensor_faults, ..computer_status },
                     };
-                    let is_told = told_in.enqueue(told).is_ok();
+                    let is_queued = ticks_in.enqueue(tick).is_ok();
                     meter.lap(Part::Telemetry);
                     keep_mark(marks, marks_memory, computer.mission.0, &step, CostClock::time(), wire);
                     meter.lap(Part::Mark);
                     strike::strike(now_us);
-                    Ok((meter, step, sensor_faults, is_told))
+                    Ok((meter, step, sensor_faults, is_queued))
                 }
                 otherwise => Err(otherwise),
             });
         match stepped {
-            Ok((meter, Step { input, output }, sensor_faults, is_told)) => {
+            Ok((meter, Step { input, output }, sensor_faults, is_queued)) => {
                 counts.lock(|counts| {
-                    counts.untold = counts.untold.saturating_add(u32::from(!is_told));
+                    counts.untold = counts.untold.saturating_add(u32::from(!is_queued));
                     counts.longest = counts.longest.max(meter.total());
                     counts.ticks = counts.ticks.saturating_add(1);
                     counts.costs.take(&meter);
@@ -324,20 +324,20 @@ mod app {
     }
 
     /// Makes the telemetry's messages of what the ticks said.
-    #[task(binds = EXTI2, priority = 2, local = [told_out, downlink], shared = [computer, counts])]
+    #[task(binds = EXTI2, priority = 2, local = [ticks_out, downlink], shared = [computer, counts])]
     fn tell(cx: tell::Context) {
-        let tell::LocalResources { told_out, downlink, .. } = cx.local;
+        let tell::LocalResources { ticks_out, downlink, .. } = cx.local;
         let mut computer = cx.shared.computer;
         let mut counts = cx.shared.counts;
         SUPERVISOR.is_alive(Supervised::Tell);
-        while let Some(told) = told_out.peek() {
+        while let Some(tick) = ticks_out.peek() {
             let begun = CostClock::now();
-            if downlink.lacks_latch(told) {
+            if downlink.lacks_latch(tick) {
                 downlink.take_latch(computer.lock(|computer| computer.mission.0.latch().cloned()));
             }
-            downlink.tell(told);
+            downlink.tell(tick);
             // It has been looked at where it lies.
-            drop(told_out.dequeue());
+            drop(ticks_out.dequeue());
             let took = CostClock::now().wrapping_sub(begun);
             counts.lock(|counts| counts.costs.take_below(Part::Messages, took));
             rtic::pend(TRANSMIT);

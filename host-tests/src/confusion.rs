@@ -9,7 +9,7 @@ use crate::blind::{Kind, Trial};
 
 /// What is said of a trial as a whole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Said {
+enum TrialAnswer {
     Identified,
     SetWithIt,
     SetWithoutIt,
@@ -19,7 +19,7 @@ enum Said {
     Quiet,
 }
 
-impl Said {
+impl TrialAnswer {
     const ALL: [(Self, &'static str); 7] = [
         (Self::Identified, "identified"),
         (Self::SetWithIt, "set with it"),
@@ -72,17 +72,17 @@ fn hidden(trial: &Trial) -> String {
 /// The table: rows are what was hidden, columns what was said.
 #[must_use]
 pub fn confusion(trials: &[Trial]) -> String {
-    let mut counts: BTreeMap<String, BTreeMap<Said, usize>> = BTreeMap::new();
+    let mut counts: BTreeMap<String, BTreeMap<TrialAnswer, usize>> = BTreeMap::new();
     for trial in trials {
-        *counts.entry(hidden(trial)).or_default().entry(Said::of(trial)).or_default() += 1;
+        *counts.entry(hidden(trial)).or_default().entry(TrialAnswer::of(trial)).or_default() += 1;
     }
     let mut text = format!("{:<50}", "hidden");
-    for (_, name) in Said::ALL {
+    for (_, name) in TrialAnswer::ALL {
         let _ = write!(text, " {name:>11}");
     }
     for (hidden, row) in counts {
         let _ = write!(text, "\n{hidden:<50}");
-        for (said, _) in Said::ALL {
+        for (said, _) in TrialAnswer::ALL {
             let count = row.get(&said).map_or_else(|| "-".to_owned(), usize::to_string);
             let _ = write!(text, " {count:>11}");
         }

@@ -6,7 +6,7 @@
 
 use kf_core::effect::EffectId;
 use model::Model;
-use pylon::diagnose::{NamedReplay, Verdict, Wish, diagnose};
+use pylon::diagnose::{NamedReplay, Verdict, WantedEffect, diagnose};
 use pylon::flight::Flight;
 use pylon::fly::{FlyOptions, fly};
 use pylon::learn::{Addition, Request, add, pooled_rms_m, score};
@@ -77,7 +77,7 @@ fn flight(plan: &str, effect: EffectId, coefficient: f64, seed: u64) -> Flight {
 fn added(text: &str, effect: EffectId, learning: &Flight, held_out: &Flight, estimate: bool) -> Addition {
     let request = Request {
         text,
-        wish: Wish { effect, time_constant_s: None, since: None },
+        wanted: WantedEffect { effect, time_constant_s: None, since: None },
         estimate,
         date: Date::from_calendar_date(2026, Month::November, 21).unwrap(),
         learning: vec![("first.csv".to_owned(), learning)],

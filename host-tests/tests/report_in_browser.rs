@@ -175,19 +175,19 @@ fn the_ladder_shows_every_revision_and_its_flags() {
     assert_eq!(names, json!(["at first", "1: baro.dynamic_pressure", "2: baro.dynamic_pressure"]));
     let label = |at: usize| format!("{LADDER}.plot.series[{at}].label");
     let baro = (1..3).find(|at| sheet.value(&label(*at)) == json!("baro")).unwrap();
-    let rms_m = |rung: usize| sheet.number(&format!("{LADDER}.plot.data[{baro}][{}]", rung + 1));
+    let rms_m = |revision: usize| sheet.number(&format!("{LADDER}.plot.data[{baro}][{}]", revision + 1));
     assert!(rms_m(0) > rms_m(1) && rms_m(1) > rms_m(2), "{} {} {}", rms_m(0), rms_m(1), rms_m(2));
     // The table says the same, the bars to scale, and a strip is as long as the flight.
-    let row = |rung: usize| {
-        let rows = "[...document.querySelectorAll('.rungs tbody tr')]";
-        format!("{rows}.filter((row) => row.cells[1].textContent === 'baro')[{rung}]")
+    let row = |revision: usize| {
+        let rows = "[...document.querySelectorAll('.revisions tbody tr')]";
+        format!("{rows}.filter((row) => row.cells[1].textContent === 'baro')[{revision}]")
     };
-    let bar = |rung: usize| {
-        sheet.number(&format!("{}.querySelector('.length').getBoundingClientRect().width", row(rung)))
+    let bar = |revision: usize| {
+        sheet.number(&format!("{}.querySelector('.length').getBoundingClientRect().width", row(revision)))
     };
     assert!((bar(2) / bar(0) - rms_m(2) / rms_m(0)).abs() < 0.02, "{} {}", bar(2), bar(0));
-    for rung in 0..3 {
-        let strip = format!("{}.querySelector('.strip')", row(rung));
+    for revision in 0..3 {
+        let strip = format!("{}.querySelector('.strip')", row(revision));
         let parts = sheet.number(&format!(
             "[...{strip}.children].reduce((sum, part) => sum + part.getBoundingClientRect().width, 0)"
         ));

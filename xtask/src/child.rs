@@ -7,7 +7,7 @@ use std::thread;
 
 /// What a child said.
 #[derive(Debug, Default)]
-pub struct Said {
+pub struct ChildOutput {
     /// On its standard output.
     pub stdout: String,
     /// On both streams. Lines of different streams may have changed places, unless it was run by
@@ -34,17 +34,21 @@ pub enum Failure {
         /// Its exit code or signal.
         status: ExitStatus,
         /// All that it said.
-        said: Said,
+        output: ChildOutput,
     },
 }
 
 /// Runs a child to its end, without input. With `echo` everything it says goes to standard error as well.
-pub fn run(command: &mut Command, echo: bool) -> Result<Said, Failure> {
+pub fn run(command: &mut Command, echo: bool) -> Result<ChildOutput, Failure> {
     run_heard(command, echo, &|_| ())
 }
 
 /// As [`run`]; `hear` gets every line of its standard error as it comes.
-pub fn run_heard(command: &mut Command, echo: bool, hear: &(dyn Fn(&str) + Sync)) -> Result<Said, Failure> {
+pub fn run_heard(
+    command: &mut Command,
+    echo: bool,
+    hear: &(dyn Fn(&str) + Sync),
+) -> Result<ChildOutput, Failure> {
     let name = shown(command);
     if echo {
         eprintln!("$ {name}");
@@ -56,19 +60,23 @@ pub fn run_heard(command: &mut Command, echo: bool, hear: &(dyn Fn(&str) + Sync)
         .stderr(Stdio::piped())
         .spawn()
         .map_err(not_started)?;
-    let said = Mutex::new(Said::default());
+    let output = Mutex::new(ChildOutput::default());
     let (stdout, stderr) = (child.stdout.take(), child.stderr.take());
     thread::scope(|scope| {
-        scope.spawn(|| stdout.map(|stream| listen(stream, true, echo, &said, &mut |_| ())));
-        scope.spawn(|| stderr.map(|stream| listen(stream, false, echo, &said, &mut |line| hear(line))));
+        scope.spawn(|| stdout.map(|stream| listen(stream, true, echo, &output, &mut |_| ())));
+        scope.spawn(|| stderr.map(|stream| listen(stream, false, echo, &output, &mut |line| hear(line))));
     });
     let status = child.wait().map_err(not_started)?;
-    ended(name, status, said)
+    ended(name, status, output)
 }
 
 /// As [`run`], with both streams as one, in the order in which they were written: standard output is empty. `hear` gets every
 /// line as it comes.
-pub fn run_in_order(command: &mut Command, echo: bool, hear: &mut dyn FnMut(&str)) -> Result<Said, Failure> {
+pub fn run_in_order(
+    command: &mut Command,
+    echo: bool,
+    hear: &mut dyn FnMut(&str),
+) -> Result<ChildOutput, Failure> {
     let name = shown(command);
     if echo {
         eprintln!("$ {name}");
@@ -83,19 +91,25 @@ pub fn run_in_order(command: &mut Command, echo: bool, hear: &mut dyn FnMut(&str
         child.map(|child| (reader, child))
     };
     let (reader, mut child) = start().map_err(not_started)?;
-    let said = Mutex::new(Said::default());
-    listen(reader, false, echo, &said, hear);
+    let output = Mutex::new(ChildOutput::default());
+    listen(reader, false, echo, &output, hear);
     let status = child.wait().map_err(not_started)?;
-    ended(name, status, said)
+    ended(name, status, output)
 }
 
-fn ended(command: String, status: ExitStatus, said: Mutex<Said>) -> Result<Said, Failure> {
-    let said = said.into_inner().unwrap_or_else(PoisonError::into_inner);
-    if status.success() { Ok(said) } else { Err(Failure::Ended { command, status, said }) }
+fn ended(command: String, status: ExitStatus, output: Mutex<ChildOutput>) -> Result<ChildOutput, Failure> {
+    let output = output.into_inner().unwrap_or_else(PoisonError::into_inner);
+    if status.success() { Ok(output) } else { Err(Failure::Ended { command, status, output }) }
 }
 
 /// Keeps what comes down a stream until it closes.
-fn listen(stream: impl Read, is_stdout: bool, echo: bool, said: &Mutex<Said>, hear: &mut dyn FnMut(&str)) {
+fn listen(
+    stream: impl Read,
+    is_stdout: bool,
+    echo: bool,
+    output: &Mutex<ChildOutput>,
+    hear: &mut dyn FnMut(&str),
+) {
     let mut reader = BufReader::new(stream);
     let mut line = Vec::new();
     loop {
@@ -109,10 +123,10 @@ fn listen(stream: impl Read, is_stdout: bool, echo: bool, said: &Mutex<Said>, he
         }
         let text = String::from_utf8_lossy(&line);
         hear(&text);
-        let mut said = said.lock().unwrap_or_else(PoisonError::into_inner);
-        said.all.push_str(&text);
+        let mut output = output.lock().unwrap_or_else(PoisonError::into_inner);
+        output.all.push_str(&text);
         if is_stdout {
-            said.stdout.push_str(&text);
+            output.stdout.push_str(&text);
         }
     }
 }
@@ -150,19 +164,19 @@ mod tests {
 
     #[test]
     fn keeps_both_streams_apart_and_together() {
-        let said = run(&mut shell("echo result; echo progress >&2"), false).unwrap();
-        assert_eq!(said.stdout, "result\n");
-        assert_eq!(said.all.len(), "result\nprogress\n".len());
-        assert!(said.all.contains("progress\n"), "{}", said.all);
+        let output = run(&mut shell("echo result; echo progress >&2"), false).unwrap();
+        assert_eq!(output.stdout, "result\n");
+        assert_eq!(output.all.len(), "result\nprogress\n".len());
+        assert!(output.all.contains("progress\n"), "{}", output.all);
     }
 
     #[test]
     fn keeps_the_order_of_the_streams() {
         let script = "for i in 1 2 3 4 5; do echo out $i; echo err $i >&2; done";
         let mut heard = String::new();
-        let said = run_in_order(&mut shell(script), false, &mut |line| heard += line).unwrap();
+        let output = run_in_order(&mut shell(script), false, &mut |line| heard += line).unwrap();
         let expected: String = (1..=5).map(|i| format!("out {i}\nerr {i}\n")).collect();
-        assert_eq!((&said.all, &said.stdout), (&expected, &String::new()));
+        assert_eq!((&output.all, &output.stdout), (&expected, &String::new()));
         assert_eq!(heard, expected);
     }
 
@@ -170,8 +184,8 @@ mod tests {
     fn a_failure_says_the_command_and_keeps_the_output() {
         let failure = run(&mut shell("echo why >&2; exit 3"), false).unwrap_err();
         assert_eq!(failure.to_string(), "`sh -c 'echo why >&2; exit 3'` ended with exit status: 3");
-        let Failure::Ended { said, .. } = failure else { panic!("{failure}") };
-        assert_eq!(said.all, "why\n");
+        let Failure::Ended { output, .. } = failure else { panic!("{failure}") };
+        assert_eq!(output.all, "why\n");
     }
 
     #[test]

@@ -145,7 +145,7 @@ impl Demo {
     }
 
     /// Runs a command as a step.
-    fn run(&mut self, name: &str, mut command: Command) -> anyhow::Result<child::Said> {
+    fn run(&mut self, name: &str, mut command: Command) -> anyhow::Result<child::ChildOutput> {
         let echo = self.echo;
         self.stages.run(name, |news| Ok(child::run_heard(&mut command, echo, &|line| news.hear(line))?))
     }

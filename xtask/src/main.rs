@@ -49,8 +49,8 @@ fn main() -> ExitCode {
     match run(job, verbose) {
         Ok(code) => code,
         Err(error) => {
-            if let Some(child::Failure::Ended { said, .. }) = error.downcast_ref() {
-                eprintln!("{}", said.all.trim_end());
+            if let Some(child::Failure::Ended { output, .. }) = error.downcast_ref() {
+                eprintln!("{}", output.all.trim_end());
             }
             eprintln!("error: {error:#}");
             failed

@@ -85,8 +85,8 @@ impl Steps {
                 true
             }
             Err(error) => {
-                if let Some(Failure::Ended { said, .. }) = error.downcast_ref::<Failure>() {
-                    eprintln!("\n{}", said.all.trim_end());
+                if let Some(Failure::Ended { output, .. }) = error.downcast_ref::<Failure>() {
+                    eprintln!("\n{}", output.all.trim_end());
                 }
                 eprintln!("FAILED, {}: {error:#}", seconds(took));
                 add(Outcome::Failed(format!("{error:#}")), Vec::new());

@@ -163,10 +163,10 @@ fn tests(echo: bool) -> anyhow::Result<Done> {
         }
     };
     let report = match child::run_in_order(&mut cargo, echo, &mut show) {
-        Ok(said) => TestReport::read(&said.all),
+        Ok(output) => TestReport::read(&output.all),
         Err(failure) => {
             let report = match &failure {
-                Failure::Ended { said, .. } => TestReport::read(&said.all),
+                Failure::Ended { output, .. } => TestReport::read(&output.all),
                 Failure::NotStarted { .. } => TestReport::default(),
             };
             let counts = format!("{} tests passed, {} failed", report.passed(), report.failed);

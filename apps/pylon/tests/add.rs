@@ -9,7 +9,7 @@ use std::path::Path;
 use common::program::{files, pylon, refusal, run, stdout};
 use kf_core::effect::EffectId;
 use model::Model;
-use pylon::diagnose::{NamedReplay, Wish, study};
+use pylon::diagnose::{NamedReplay, WantedEffect, study};
 use pylon::flight::Flight;
 use pylon::learn::{learn, score};
 use pylon::replay::Replay;
@@ -38,8 +38,8 @@ fn named<'a>(flights: &'a [Flight], model: &Model) -> Vec<NamedReplay<'a>> {
     flights.iter().map(named).collect()
 }
 
-const fn wish(effect: EffectId) -> Wish {
-    Wish { effect, time_constant_s: None, since: None }
+const fn wanted(effect: EffectId) -> WantedEffect {
+    WantedEffect { effect, time_constant_s: None, since: None }
 }
 
 /// The core's filter in single precision and the diagnosis' normal equations in double are two ways to one
@@ -66,10 +66,10 @@ fn the_cores_filter_learns_what_the_diagnosis_estimates() {
         let scenario = quickstart(effects);
         let flights: Vec<Flight> = seeds.iter().map(|seed| simulate(&scenario, *seed).unwrap().0).collect();
         let model = Model::parse(model).unwrap();
-        let (_, lesson) = study(&named(&flights, &model), &[], wish(effect), &mut || ());
-        let lesson = lesson.unwrap();
-        let learned = learn(&lesson).unwrap();
-        let facts = &lesson.facts;
+        let (_, problem) = study(&named(&flights, &model), &[], wanted(effect), &mut || ());
+        let problem = problem.unwrap();
+        let learned = learn(&problem).unwrap();
+        let facts = &problem.facts;
         // Single precision, and a prior that is wide but not infinite.
         let apart = (learned.coefficient - facts.coefficient).abs();
         assert!(apart < 0.03 * learned.filter_sigma, "{}: {learned:?} {facts:?}", effect.name());
@@ -90,12 +90,13 @@ fn the_cores_filter_knows_the_wind() {
         flight.channels.retain(|(channel, _)| channel.name() != "tas_mps");
     }
     let model = Model::default();
-    let (_, lesson) = study(&named(&flights, &model), &[], wish(EffectId::BaroDynamicPressure), &mut || ());
-    let lesson = lesson.unwrap();
-    assert!(lesson.wind.is_some());
-    let learned = learn(&lesson).unwrap();
-    let apart = (learned.coefficient - lesson.facts.coefficient).abs();
-    assert!(apart < 0.03 * learned.filter_sigma, "{learned:?} {:?}", lesson.facts);
+    let (_, problem) =
+        study(&named(&flights, &model), &[], wanted(EffectId::BaroDynamicPressure), &mut || ());
+    let problem = problem.unwrap();
+    assert!(problem.wind.is_some());
+    let learned = learn(&problem).unwrap();
+    let apart = (learned.coefficient - problem.facts.coefficient).abs();
+    assert!(apart < 0.03 * learned.filter_sigma, "{learned:?} {:?}", problem.facts);
     assert!((learned.coefficient - 0.12).abs() < 4.0 * learned.sigma, "{learned:?}");
 }
 
@@ -103,9 +104,9 @@ fn the_cores_filter_knows_the_wind() {
 fn an_effect_without_movement_or_signal_has_no_lesson() {
     let (mut flight, _) = simulate(&quickstart(&[]), 1).unwrap();
     flight.channels.retain(|(channel, _)| channel.name() != "throttle");
-    let (diagnosis, lesson) =
-        study(&named(&[flight], &Model::default()), &[], wish(EffectId::BaroPropwash), &mut || ());
-    assert!(lesson.is_none());
+    let (diagnosis, problem) =
+        study(&named(&[flight], &Model::default()), &[], wanted(EffectId::BaroPropwash), &mut || ());
+    assert!(problem.is_none());
     assert!(diagnosis.untested.iter().any(|untested| untested.effect == "baro.propwash"));
 }
 
@@ -205,7 +206,7 @@ fn an_effect_is_learned_written_and_laddered() {
     let rms = |revision: usize, flight: usize| {
         revisions[revision]["flights"][flight]["sensors"]["baro"]["free_flight_rms_m"].as_f64().unwrap()
     };
-    // The rungs are what was measured when the revisions were made.
+    // Its figures are those measured when the revisions were made.
     assert!((rms(0, 1) - number("rms_before_m")).abs() < 1e-9);
     assert!((rms(1, 1) - number("rms_after_m")).abs() < 1e-9);
     assert!(rms(0, 0) > rms(1, 0));

@@ -9,7 +9,7 @@ use std::sync::OnceLock;
 
 use kf_core::effect::EffectId;
 use model::Model;
-use pylon::diagnose::Wish;
+use pylon::diagnose::WantedEffect;
 use pylon::flight::Flight;
 use pylon::learn::{Addition, HeldOutVerdict, JudgedOn, Request, add, score};
 use pylon::replay::Replay;
@@ -52,7 +52,7 @@ fn flight(injected: Option<(scenario::EffectId, f64)>, seed: u64) -> Flight {
 fn added(effect: EffectId, learning: &Flight, held_out: Option<&Flight>) -> Addition {
     let request = Request {
         text: "",
-        wish: Wish { effect, time_constant_s: None, since: None },
+        wanted: WantedEffect { effect, time_constant_s: None, since: None },
         estimate: false,
         date: Date::from_calendar_date(2026, Month::November, 21).unwrap(),
         learning: vec![("first.csv".to_owned(), learning)],

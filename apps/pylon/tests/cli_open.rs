@@ -92,8 +92,8 @@ fn every_command_leaves_out_what_follows_the_landing_and_says_so() {
         found.pointer(path).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path}: {found}"))
     };
     assert!(rms_m(&["compare", "glider.csv", "--json"], "/sensors/baro/free_flight_rms_m") < 2.0);
-    let rung = "/revisions/0/flights/0/sensors/baro/free_flight_rms_m";
-    assert!(rms_m(&["ladder", "--model", "ours.toml", "glider.csv", "--json"], rung) < 2.0);
+    let revision = "/revisions/0/flights/0/sensors/baro/free_flight_rms_m";
+    assert!(rms_m(&["ladder", "--model", "ours.toml", "glider.csv", "--json"], revision) < 2.0);
     let unused = rms_m(&["diagnose", "glider.csv", "--json"], "/flights/0/unused/0/share");
     assert!((unused - 0.5).abs() < 0.02, "{unused}");
     let refused = refusal(directory, &["compare", "glider.csv", "--calibrate", "900..1000"]);

@@ -195,8 +195,8 @@ fn several_flights_share_a_page_and_a_model_shows_its_history() {
         let baro = chart["lines"].as_array().unwrap().iter().find(|line| line["name"] == "baro").unwrap();
         let drawn = numbers(&baro["y"]);
         assert_eq!(drawn.len(), 2);
-        for (rung, drawn) in drawn.iter().enumerate() {
-            let score = &ladder["revisions"][rung]["flights"][flight]["sensors"]["baro"];
+        for (revision, drawn) in drawn.iter().enumerate() {
+            let score = &ladder["revisions"][revision]["flights"][flight]["sensors"]["baro"];
             let rms_m = score["free_flight_rms_m"].as_f64().unwrap();
             assert!((drawn - rms_m).abs() < 1e-3, "{drawn} {rms_m}");
         }

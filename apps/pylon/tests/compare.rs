@@ -6,7 +6,7 @@ mod common;
 
 use common::{MODEL, ROWS_PER_FIX, ROWS_PER_S, Recipe, dive_mps};
 use model::Model;
-use pylon::compare::{Comparison, Manoeuvre, Options, RuleWishes, compare};
+use pylon::compare::{Comparison, Manoeuvre, Options, RuleRequirements, compare};
 use pylon::flight::Flight;
 use pylon::replay::Replay;
 
@@ -159,8 +159,8 @@ fn the_rule_that_is_recommended_holds_on_other_flights() {
     let flight = recipe(1).make();
     let model = model();
     let replay = Replay::new(&flight, &model, None).unwrap();
-    let wishes = RuleWishes { false_alarms_per_hour: 2.0, ..RuleWishes::default() };
-    let options = Options { wishes, ..Options::default() };
+    let requirements = RuleRequirements { false_alarms_per_hour: 2.0, ..RuleRequirements::default() };
+    let options = Options { requirements, ..Options::default() };
     let rules = compare(&replay, &options, &mut |_| {}).unwrap().0.rules;
     let advice = rules["baro"].recommended.as_ref().unwrap();
     assert!((advice.quality.false_alarms_per_hour / 2.0).ln().abs() < 0.4, "{advice:?}");

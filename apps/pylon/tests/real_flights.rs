@@ -116,13 +116,13 @@ fn check(file: &Path, row: &[String]) -> Result<(), String> {
         return says("duration", overview.duration_s.to_string());
     }
     let expected_flights: Vec<&str> = flights.split(' ').filter(|word| *word != "none").collect();
-    let agrees = expected_flights.len() == overview.outings.len()
-        && expected_flights.iter().zip(&overview.outings).all(|(expected, found)| {
+    let agrees = expected_flights.len() == overview.airborne.len()
+        && expected_flights.iter().zip(&overview.airborne).all(|(expected, found)| {
             let (take_off, landing) = expected.split_once("..").unwrap();
             is_at(found.take_off_s, take_off) && is_at(found.landing_s, landing)
         });
     if !agrees {
-        return says("flights", format!("{:?}", overview.outings));
+        return says("flights", format!("{:?}", overview.airborne));
     }
     if sensors(&overview) != *expected {
         return says("sensors", sensors(&overview));
@@ -139,7 +139,8 @@ fn check(file: &Path, row: &[String]) -> Result<(), String> {
     let model = Model::default();
     for replay in [Replay::new, Replay::calibrated_or_not, Replay::to_diagnose] {
         let replay = replay(&flight, &model, None).unwrap();
-        let landing_s = replay.extent().outing().and_then(|outing| outing.landing_s).unwrap_or(f64::INFINITY);
+        let landing_s =
+            replay.extent().interval().and_then(|interval| interval.landing_s).unwrap_or(f64::INFINITY);
         let last_us = replay.inputs().map(|input| input.time_us).max().unwrap();
         let calibrated_s = replay.source().window().map_or(0.0, |window| window.end_s);
         // Times of ticks are rounded to microseconds.

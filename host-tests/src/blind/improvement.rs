@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use anyhow::Context as _;
 use kf_core::effect::{EffectId, EffectSubject};
 use model::Model;
-use pylon::diagnose::Wish;
+use pylon::diagnose::WantedEffect;
 use pylon::flight::Flight;
 use pylon::learn::{Request, add, pooled_rms_m, score};
 use pylon::replay::Replay;
@@ -51,7 +51,7 @@ pub fn improvement(
         let effect = EffectId::from_name(name).with_context(|| format!("{name} is not in the catalogue"))?;
         let request = Request {
             text: &text,
-            wish: Wish { effect, time_constant_s: None, since: None },
+            wanted: WantedEffect { effect, time_constant_s: None, since: None },
             estimate: false,
             date: Date::from_calendar_date(2026, Month::November, 21)?,
             learning: vec![("first".to_owned(), learning)],

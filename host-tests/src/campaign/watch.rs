@@ -8,7 +8,7 @@ use kf_core::mission::Counters;
 use kf_core::output::{Phase, TickOutput, Trust};
 use kf_core::sensor::{SENSORS, Sensor};
 use survival::{RestartReport, Start};
-use telemetry::{ComputerStatus, FrameQueue, Link, Rates, Said, Telemetry};
+use telemetry::{ComputerStatus, FrameQueue, Link, Rates, Telemetry, TickReport};
 
 /// The reference's bit among those of [`Seen::fresh`], after the sensors'.
 pub const REFERENCE: usize = SENSORS;
@@ -127,15 +127,15 @@ impl Watched {
         let mut fresh = u8::from(input.gps.is_some() && output.gps_rejection.is_none()) << REFERENCE;
         for sensor in Sensor::ALL {
             let i = sensor.index();
-            let said = &output.sensors[i];
-            if let (Some(reading_m), None) = (readings_m[i], said.rejection) {
+            let report = &output.sensors[i];
+            if let (Some(reading_m), None) = (readings_m[i], report.rejection) {
                 fresh |= 1 << i;
-                let error_m = reading_m - said.bias_m - altitude_m;
+                let error_m = reading_m - report.bias_m - altitude_m;
                 let (smooth_m, last) = self.smooth[i].unwrap_or((error_m, tick));
                 let share = (((tick - last) as f32 * 0.005) / SMOOTH_S).clamp(0.0, 1.0);
                 self.smooth[i] = Some((smooth_m + share * (error_m - smooth_m), tick));
             }
-            if said.trust == Trust::Untrustworthy && self.flagged[i].is_none() {
+            if report.trust == Trust::Untrustworthy && self.flagged[i].is_none() {
                 let true_error_m = self.smooth[i].map_or(0.0, |(error_m, _)| error_m);
                 self.flagged[i] = Some(Flagged { tick, true_error_m });
             }
@@ -217,8 +217,8 @@ fn is_told(report: &RestartReport, steps: &[(Step, Counters)], latch: Option<&La
     telemetry.note_start(report);
     let words: &[&[u8]] = &[b"restart", b"cold start", b"standby"];
     for (step, counters) in steps {
-        let said = Said { input: &step.input, output: &step.output, latch, counters };
-        telemetry.tick(&said, &ComputerStatus::default());
+        let report = TickReport { input: &step.input, output: &step.output, latch, counters };
+        telemetry.tick(&report, &ComputerStatus::default());
         while let Some(frame) = line.dequeue() {
             let bytes = frame.bytes();
             if words.iter().any(|word| bytes.windows(word.len()).any(|part| part == *word)) {

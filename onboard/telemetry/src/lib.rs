@@ -29,7 +29,7 @@ pub use link::{FRAMES, FrameQueue, Link, LinkCounts, MessageKind, Priority};
 pub use rates::{Rates, RatesError};
 pub use standby::standby;
 pub use status::ComputerStatus;
-pub use telemetry::{Said, Telemetry};
+pub use telemetry::{Telemetry, TickReport};
 
 /// MAVLink's system id of the vehicle.
 pub const SYSTEM_ID: u8 = 1;

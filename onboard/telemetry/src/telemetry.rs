@@ -35,9 +35,9 @@ const FIX_LIFE_MS: u32 = 2_000;
 /// Inertial unit and barometer, two inertial altitudes, the receiver.
 const SOURCES: u8 = 4;
 
-/// What a tick of the mission took and said.
+/// What a tick of the mission took in and put out.
 #[derive(Clone, Copy, Debug)]
-pub struct Said<'a> {
+pub struct TickReport<'a> {
     /// What went into the tick.
     pub input: &'a TickInput,
     /// What came out.
@@ -139,30 +139,30 @@ impl<'a> Telemetry<'a> {
     /// Takes what a tick said and queues what is due. A tick that was out of order brings nothing but its
     /// count.
     #[inline(never)]
-    pub fn tick(&mut self, said: &Said<'_>, computer: &ComputerStatus) {
-        let now_us = said.input.time_us;
-        if said.output.out_of_order {
+    pub fn tick(&mut self, report: &TickReport<'_>, computer: &ComputerStatus) {
+        let now_us = report.input.time_us;
+        if report.output.out_of_order {
             return;
         }
         let now_ms = boot_ms(now_us);
-        self.hold(said, now_ms);
-        self.note_events(said, now_us);
+        self.hold(report, now_ms);
+        self.note_events(report, now_us);
         self.note_wire(computer.wire, now_us);
         // In turn, or on a full line the first of them would have all of it.
         for k in 0..SOURCES {
-            self.send_source((self.first_source + k) % SOURCES, said, now_us, now_ms);
+            self.send_source((self.first_source + k) % SOURCES, report, now_us, now_ms);
         }
         self.first_source = (self.first_source + 1) % SOURCES;
         let Some(slot) = self.schedule.next(now_us, |slot| self.has(slot)) else { return };
-        let wait_us = if self.send_slot(slot, said, computer, now_ms) { self.period_us(slot) } else { 0 };
+        let wait_us = if self.send_slot(slot, report, computer, now_ms) { self.period_us(slot) } else { 0 };
         self.schedule.sent(slot, now_us, wait_us);
     }
 
     /// Keeps what may be sent later.
-    fn hold(&mut self, said: &Said<'_>, now_ms: u32) {
-        let Said { input, output, .. } = said;
+    fn hold(&mut self, report: &TickReport<'_>, now_ms: u32) {
+        let TickReport { input, output, .. } = report;
         let signals = &input.signals;
-        self.watch.take(said, now_ms);
+        self.watch.take(report, now_ms);
         self.barometer.take(now_ms, input.baro);
         let rates_radps = input.imu.as_ref().map(|imu| imu.gyro_radps);
         self.attitude.take(now_ms, signals.attitude_rad.map(|attitude_rad| (attitude_rad, rates_radps)));
@@ -179,13 +179,13 @@ impl<'a> Telemetry<'a> {
         }
     }
 
-    fn send_source(&mut self, source: u8, said: &Said<'_>, now_us: u64, now_ms: u32) {
-        let input = said.input;
+    fn send_source(&mut self, source: u8, report: &TickReport<'_>, now_us: u64, now_ms: u32) {
+        let input = report.input;
         match source {
             0 => self.send_samples(input, now_us),
             1 => self.send_inertial_altitude(0, named::ALTITUDE_MASTER, input.imu_master_altitude_m, now_us),
             2 => self.send_inertial_altitude(1, named::ALTITUDE_SLAVE, input.imu_slave_altitude_m, now_us),
-            _ => self.send_fix(said, now_us, now_ms),
+            _ => self.send_fix(report, now_us, now_ms),
         }
     }
 
@@ -210,9 +210,9 @@ impl<'a> Telemetry<'a> {
     }
 
     /// A fix that was not held and is a number, even if the filter refused it.
-    fn send_fix(&mut self, said: &Said<'_>, now_us: u64, now_ms: u32) {
-        let Some(fix) = &said.input.gps else { return };
-        let is_none = matches!(said.output.gps_rejection, Some(Rejection::Held | Rejection::NotFinite));
+    fn send_fix(&mut self, report: &TickReport<'_>, now_us: u64, now_ms: u32) {
+        let Some(fix) = &report.input.gps else { return };
+        let is_none = matches!(report.output.gps_rejection, Some(Rejection::Held | Rejection::NotFinite));
         if is_none || !fix.altitude_m.is_finite() {
             return;
         }
@@ -257,10 +257,16 @@ impl<'a> Telemetry<'a> {
     /// Sends a slot's message; says whether it is done with, sent or dropped. What is said once and found no
     /// room is not.
     #[inline(never)]
-    fn send_slot(&mut self, slot: Slot, said: &Said<'_>, computer: &ComputerStatus, now_ms: u32) -> bool {
+    fn send_slot(
+        &mut self,
+        slot: Slot,
+        report: &TickReport<'_>,
+        computer: &ComputerStatus,
+        now_ms: u32,
+    ) -> bool {
         match slot {
             Slot::Launch => {
-                let launched = if said.input.launch { 1.0 } else { 0.0 };
+                let launched = if report.input.launch { 1.0 } else { 0.0 };
                 let message = message::named_value_float(now_ms, named::LAUNCH, launched);
                 return self.link.offer(MessageKind::NamedValueFloat, &message);
             }
@@ -275,17 +281,17 @@ impl<'a> Telemetry<'a> {
             }
             Slot::Heartbeat => {
                 let untrustworthy = self.trust.contains(&Trust::Untrustworthy);
-                let message = message::heartbeat(said.output.phase, untrustworthy);
+                let message = message::heartbeat(report.output.phase, untrustworthy);
                 self.link.send(MessageKind::Heartbeat, Priority::Status, &message);
             }
-            Slot::SysStatus => self.send_status(said, computer, now_ms),
+            Slot::SysStatus => self.send_status(report, computer, now_ms),
             Slot::Attitude => {
                 if let Some((time_ms, (attitude_rad, rates_radps))) = self.attitude.send() {
                     let message = message::attitude(time_ms, attitude_rad, rates_radps);
                     self.link.send(MessageKind::Attitude, Priority::Turn, &message);
                 }
             }
-            Slot::Altitude => self.send_altitude(said, now_ms),
+            Slot::Altitude => self.send_altitude(report, now_ms),
             Slot::Airspeed => send_sample(&mut self.link, named::TRUE_AIRSPEED, &mut self.airspeed),
             Slot::AngleOfAttack => {
                 send_sample(&mut self.link, named::ANGLE_OF_ATTACK, &mut self.angle_of_attack);
@@ -293,27 +299,27 @@ impl<'a> Telemetry<'a> {
             Slot::Sideslip => send_sample(&mut self.link, named::SIDESLIP, &mut self.sideslip),
             Slot::Throttle => send_sample(&mut self.link, named::THROTTLE, &mut self.throttle),
             Slot::OutsideAir => send_sample(&mut self.link, named::OUTSIDE_AIR, &mut self.outside_air),
-            Slot::Error => self.send_in_turn(0, said, now_ms),
-            Slot::Slow => self.send_in_turn(1, said, now_ms),
+            Slot::Error => self.send_in_turn(0, report, now_ms),
+            Slot::Slow => self.send_in_turn(1, report, now_ms),
         }
         true
     }
 
-    fn send_altitude(&mut self, said: &Said<'_>, now_ms: u32) {
+    fn send_altitude(&mut self, report: &TickReport<'_>, now_ms: u32) {
         let baro_m = self.barometer.latest().and_then(|(_, reading)| match reading {
             BaroReading::PressurePa(pressure_pa) => pressure_altitude_m(pressure_pa),
             BaroReading::AltitudeM(altitude_m) => Some(altitude_m),
         });
         let fix_m = self.fix_m.latest().filter(|(at_ms, _)| now_ms.wrapping_sub(*at_ms) <= FIX_LIFE_MS);
-        let reference_m = fix_m.map(|(_, fix_m)| match said.output.phase {
+        let reference_m = fix_m.map(|(_, fix_m)| match report.output.phase {
             Phase::FreeFlight => fix_m,
-            Phase::Settling | Phase::Calibrating => said.output.altitude_m,
+            Phase::Settling | Phase::Calibrating => report.output.altitude_m,
         });
-        let message = message::altitude(said.input.time_us, baro_m, reference_m);
+        let message = message::altitude(report.input.time_us, baro_m, reference_m);
         self.link.send(MessageKind::Altitude, Priority::Turn, &message);
     }
 
-    fn send_status(&mut self, said: &Said<'_>, computer: &ComputerStatus, now_ms: u32) {
+    fn send_status(&mut self, report: &TickReport<'_>, computer: &ComputerStatus, now_ms: u32) {
         let counts = *self.link.counts();
         let since = &self.counts_at_status;
         let dropped = counts.all_dropped().saturating_sub(since.all_dropped());
@@ -324,8 +330,8 @@ impl<'a> Telemetry<'a> {
             sensors: SensorBits { present, healthy },
             drop_rate: per_ten_thousand as u16,
             dropped: counts.all_dropped(),
-            refused: watch::refused(said.counters),
-            out_of_order: said.counters.out_of_order,
+            refused: watch::refused(report.counters),
+            out_of_order: report.counters.out_of_order,
             computer: *computer,
         };
         self.link.send(MessageKind::SysStatus, Priority::Status, &message::sys_status(&status));

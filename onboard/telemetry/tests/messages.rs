@@ -14,7 +14,7 @@ use kf_core::output::{
 use mavlink::dialects::common::*;
 use mavlink::{MAVLinkV2MessageRaw, MavlinkVersion, Message};
 use survival::{Cause, Refusal, RestartReport, Start};
-use telemetry::{ComputerStatus, Frame, FrameQueue, Link, Rates, Said, Telemetry};
+use telemetry::{ComputerStatus, Frame, FrameQueue, Link, Rates, Telemetry, TickReport};
 
 /// A tick with everything in it.
 fn input(time_us: u64) -> TickInput {
@@ -121,8 +121,8 @@ impl<'a> Flight<'a> {
     }
 
     fn tick(&mut self, input: &TickInput, output: &TickOutput) {
-        let said = Said { input, output, latch: self.latch.as_ref(), counters: &self.counters };
-        self.telemetry.tick(&said, &self.computer);
+        let report = TickReport { input, output, latch: self.latch.as_ref(), counters: &self.counters };
+        self.telemetry.tick(&report, &self.computer);
     }
 
     fn drain(&mut self, at_most: usize) {
@@ -406,11 +406,11 @@ fn phases_flags_and_failed_checks_are_said_with_time_and_cause() {
     let severity = |number: u8| {
         move |(severity, text): &(MavSeverity, String)| (*severity as u8 == number).then(|| text.clone())
     };
-    let said = |number: u8| flight.texts().iter().filter_map(severity(number)).collect::<Vec<_>>();
-    assert_eq!(said(6), ["c_0 is baro.dynamic_pressure"]);
-    assert_eq!(said(5), ["t=12.000 imu_slave monitored again"]);
+    let report = |number: u8| flight.texts().iter().filter_map(severity(number)).collect::<Vec<_>>();
+    assert_eq!(report(6), ["c_0 is baro.dynamic_pressure"]);
+    assert_eq!(report(5), ["t=12.000 imu_slave monitored again"]);
     assert_eq!(
-        said(4),
+        report(4),
         [
             "t=8.000 latched degraded, 2 checks failed",
             "t=8.000 failed check settled",
@@ -419,7 +419,7 @@ fn phases_flags_and_failed_checks_are_said_with_time_and_cause() {
             "t=11.000 imu_slave unmonitored: no reference",
         ]
     );
-    assert_eq!(said(3), ["t=10.500 baro untrustworthy -3.1>3.0m"]);
+    assert_eq!(report(3), ["t=10.500 baro untrustworthy -3.1>3.0m"]);
 
     let modes = flight.all(|message| match message {
         MavMessage::HEARTBEAT(heartbeat) => Some((heartbeat.custom_mode, heartbeat.system_status as u8)),
@@ -601,9 +601,9 @@ fn an_internal_clock_is_said_from_the_start_on_and_again() {
     for k in 0..70 {
         second(&mut flight, START_US + k * 1_000_000, |_, _| ());
     }
-    let said: Vec<String> = flight.texts().into_iter().map(|(_, text)| text).collect();
-    assert_eq!(said[0], "t=7.000 no crystal: clock 1% to 4% off");
-    assert!(said.iter().filter(|text| text.contains("no crystal")).count() >= 2, "{said:?}");
+    let report: Vec<String> = flight.texts().into_iter().map(|(_, text)| text).collect();
+    assert_eq!(report[0], "t=7.000 no crystal: clock 1% to 4% off");
+    assert!(report.iter().filter(|text| text.contains("no crystal")).count() >= 2, "{report:?}");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use kf_core::input::TickInput;
 use kf_core::output::TickOutput;
 use model::Model;
 use survival::RestartReport;
-use telemetry::{ComputerStatus, Frame, FrameQueue, Link, Rates, Said, Telemetry};
+use telemetry::{ComputerStatus, Frame, FrameQueue, Link, Rates, Telemetry, TickReport};
 
 use replay::AnyMission;
 
@@ -39,8 +39,8 @@ impl<'a> Downlink<'a> {
         mission: &dyn AnyMission,
         computer: &ComputerStatus,
     ) {
-        let said = Said { input, output, latch: mission.latch(), counters: mission.counters() };
-        self.telemetry.tick(&said, computer);
+        let report = TickReport { input, output, latch: mission.latch(), counters: mission.counters() };
+        self.telemetry.tick(&report, computer);
         while let Some(frame) = self.line.dequeue() {
             self.bytes.extend_from_slice(frame.bytes());
         }

@@ -37,7 +37,9 @@ use telemetry::{ComputerStatus, FrameQueue, Rates};
 pub use agreement::{Agreement, SensorAgreement};
 pub use builder::{Board, PlantedError, Program, TARGET, build};
 pub use compare::Difference;
-pub use consequence::{AltitudeDifference, Beside, BiasBeside, CalibrationBeside, Consequence, FlagsBeside};
+pub use consequence::{
+    AltitudeDifference, BiasChange, CalibrationChange, CleanAndFaulty, Consequence, FlagsChange,
+};
 pub use debug_link::{DebugLink, TicksFlown};
 pub use emulator::{Emulation, emulate};
 pub use error::FlyError;

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::window::{CalibrationWindow, WindowError};
-use crate::airborne::{self, Outing};
+use crate::airborne::{self, AirborneInterval};
 use flight_data::Flight;
 
 /// Less than this is not worth a line: a block of a second or two at either end, seconds.
@@ -18,7 +18,7 @@ pub struct Extent {
     /// From when to when is analysed, seconds; a row at the end belongs to it.
     pub used_s: (f64, f64),
     /// Every time in the air; empty where the flight says itself when it was launched.
-    pub outings: Vec<Outing>,
+    pub airborne: Vec<AirborneInterval>,
     /// Which of them is analysed.
     pub chosen: Option<usize>,
 }
@@ -58,7 +58,7 @@ impl Extent {
         let times = || flight.time_s.iter().copied();
         let first_s = times().next().unwrap_or(0.0);
         let log_s = (first_s, times().fold(first_s, f64::max));
-        Self { log_s, used_s: log_s, outings: Vec::new(), chosen: None }
+        Self { log_s, used_s: log_s, airborne: Vec::new(), chosen: None }
     }
 
     /// The longest flight of a log, or the one that the user's window is in.
@@ -72,11 +72,12 @@ impl Extent {
             None => found.longest(),
             Some(window) => {
                 let around = found.around(window.start_s);
-                let landing_s =
-                    |outing: &Outing| outing.landing_s.filter(|landing_s| *landing_s < window.end_s);
-                let landed_s = match (around, found.outings.last()) {
-                    (Some((_, outing)), _) => landing_s(&outing),
-                    (None, last) => last.and_then(|outing| outing.landing_s),
+                let landing_s = |interval: &AirborneInterval| {
+                    interval.landing_s.filter(|landing_s| *landing_s < window.end_s)
+                };
+                let landed_s = match (around, found.airborne.last()) {
+                    (Some((_, interval)), _) => landing_s(&interval),
+                    (None, last) => last.and_then(|interval| interval.landing_s),
                 };
                 if let Some(landing_s) = landed_s {
                     return Err(WindowError::AfterLanding { window, landing_s });
@@ -84,29 +85,29 @@ impl Extent {
                 around
             }
         };
-        extent.outings = found.outings;
-        if let Some((place, outing)) = chosen {
+        extent.airborne = found.airborne;
+        if let Some((place, interval)) = chosen {
             extent.chosen = Some(place);
             let is_first = place == 0;
-            let from_s = match outing.ground_from_s {
+            let from_s = match interval.ground_from_s {
                 _ if is_first => extent.log_s.0,
                 Some(ground_s) => ground_s,
-                None => outing.from_s,
+                None => interval.from_s,
             };
-            extent.used_s = (from_s, outing.landing_s.unwrap_or(extent.end_s(place, &outing)));
+            extent.used_s = (from_s, interval.landing_s.unwrap_or(extent.end_s(place, &interval)));
         }
         Ok(extent)
     }
 
     /// Where a flight without a landing ends: the log's end, or where the next one begins.
-    fn end_s(&self, place: usize, outing: &Outing) -> f64 {
-        if place + 1 == self.outings.len() { self.log_s.1 } else { outing.to_s }
+    fn end_s(&self, place: usize, interval: &AirborneInterval) -> f64 {
+        if place + 1 == self.airborne.len() { self.log_s.1 } else { interval.to_s }
     }
 
     /// The flight that is analysed, if the log shows one.
     #[must_use]
-    pub fn outing(&self) -> Option<Outing> {
-        self.chosen.and_then(|chosen| self.outings.get(chosen)).copied()
+    pub fn interval(&self) -> Option<AirborneInterval> {
+        self.chosen.and_then(|chosen| self.airborne.get(chosen)).copied()
     }
 
     /// What is not analysed, if rows are skipped up to `start_s` (the calibration's beginning).
@@ -123,7 +124,7 @@ impl Extent {
         };
         let flights = |places: std::ops::Range<usize>| match places.len() {
             0 => String::new(),
-            _ if self.outings.len() == 2 => "the other flight of this log".to_owned(),
+            _ if self.airborne.len() == 2 => "the other flight of this log".to_owned(),
             1 => "another flight of this log".to_owned(),
             count => format!("{count} other flights of this log"),
         };
@@ -135,7 +136,7 @@ impl Extent {
             if earlier.is_empty() { "before this flight".to_owned() } else { earlier },
         );
         let skipped = part(self.used_s.0, start_s, "before the calibration".to_owned());
-        let later = flights(chosen + 1..self.outings.len().max(chosen + 1));
+        let later = flights(chosen + 1..self.airborne.len().max(chosen + 1));
         let after = match later.as_str() {
             "" => "on the ground after the landing".to_owned(),
             later => format!("after the landing: on the ground, and {later}"),
@@ -147,17 +148,17 @@ impl Extent {
     /// What a user should know of a log with several flights.
     #[must_use]
     pub fn several(&self) -> Option<String> {
-        let chosen = self.chosen.filter(|_| self.outings.len() > 1)?;
+        let chosen = self.chosen.filter(|_| self.airborne.len() > 1)?;
         Some(format!(
             "{} flights in this log: number {} is used, {}",
-            self.outings.len(),
+            self.airborne.len(),
             chosen + 1,
             if self.is_longest(chosen) { "the longest" } else { "the one that the calibration window is in" }
         ))
     }
 
     fn is_longest(&self, chosen: usize) -> bool {
-        let own_s = self.outings.get(chosen).map_or(0.0, Outing::duration_s);
-        self.outings.iter().all(|outing| outing.duration_s() <= own_s)
+        let own_s = self.airborne.get(chosen).map_or(0.0, AirborneInterval::duration_s);
+        self.airborne.iter().all(|interval| interval.duration_s() <= own_s)
     }
 }

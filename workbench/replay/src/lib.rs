@@ -227,7 +227,7 @@ impl<'a> Replay<'a> {
         // A stretch in the air would cost what was flown before it.
         if let CalibrationSource::Quiet(stretch) = replay.source
             && !stretch.is_on_ground
-            && replay.extent.outing().is_some()
+            && replay.extent.interval().is_some()
         {
             replay = Self::uncalibrated(flight, model)?;
         }
@@ -355,7 +355,7 @@ fn quiet_or_calmest(
     model: &Model,
     extent: &Extent,
 ) -> Result<CalibrationSource, ReplayError> {
-    let take_off = extent.outing().and_then(|outing| outing.take_off_s);
+    let take_off = extent.interval().and_then(|interval| interval.take_off_s);
     let on_ground = take_off
         .and_then(|take_off_s| quiet::find_on_ground(flight, &model.quality, (extent.used_s.0, take_off_s)));
     if let Some(stretch) = on_ground {

@@ -34,18 +34,18 @@ impl Usage {
     pub fn of(replay: &Replay<'_>) -> Self {
         let extent = replay.extent();
         let unused = replay.unused();
-        let outing = extent.outing();
+        let interval = extent.interval();
         let mut remarks: Vec<String> = extent.several().into_iter().collect();
-        if let (CalibrationSource::Calmest(_), Some(_)) = (replay.source(), outing) {
+        if let (CalibrationSource::Calmest(_), Some(_)) = (replay.source(), interval) {
             remarks.push("nowhere quiet: what the calibration is worth is said by its checks".to_owned());
         }
         remarks.extend(replay.wild().iter().map(WildCells::sentence));
         Self {
             has_launch: super::has_launch(replay.flight()),
-            flights: extent.outings.len(),
+            flights: extent.airborne.len(),
             flight: extent.chosen.map(|chosen| chosen + 1),
-            take_off_s: outing.and_then(|outing| outing.take_off_s),
-            landing_s: outing.and_then(|outing| outing.landing_s),
+            take_off_s: interval.and_then(|interval| interval.take_off_s),
+            landing_s: interval.and_then(|interval| interval.landing_s),
             used_share: 1.0 - unused.iter().map(|part| part.share).sum::<f64>(),
             unused,
             remarks,

@@ -52,7 +52,7 @@ mod tests {
     /// healthy launches ask for, metres.
     const FIGURES: [&str; 6] = ["step", "90 %", "ramp", "90 %", "doubt", "launch"];
 
-    /// What a set of draws recommends, with `compare`'s own wishes.
+    /// What a set of draws recommends, with `compare`'s own requirements.
     fn recommended(model: &ResidualModel, draws: DrawSet) -> (RuleChoice, [Option<f64>; FIGURES.len()]) {
         let sigma_m = model.variance().sqrt();
         let step = Fault::Step { size_m: 5.0 * sigma_m };

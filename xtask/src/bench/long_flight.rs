@@ -31,11 +31,11 @@ pub fn scenario(hours: u32) -> String {
         hours * CAPTIVE_S
     );
     for _ in 0..hours * ROUNDS {
-        for (manoeuvre, duration_s, wish) in ROUND {
+        for (manoeuvre, duration_s, wanted) in ROUND {
             // Writing to a string can not fail.
             let _ = write!(
                 text,
-                "\n[[free_flight]]\nmanoeuvre = \"{manoeuvre}\"\nduration_s = {duration_s}.0\n{wish}\n"
+                "\n[[free_flight]]\nmanoeuvre = \"{manoeuvre}\"\nduration_s = {duration_s}.0\n{wanted}\n"
             );
         }
     }

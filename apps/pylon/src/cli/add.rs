@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use kf_core::effect::{Clock, EffectId};
 use model::Model;
-use pylon::diagnose::Wish;
+use pylon::diagnose::WantedEffect;
 use pylon::flight::Flight;
 use pylon::learn::{Addition, Request, add, addition_text};
 use pylon::output_file::prepare;
@@ -130,7 +130,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let request = Request {
         text: &text,
-        wish: Wish {
+        wanted: WantedEffect {
             effect,
             time_constant_s: arguments.time_constant,
             since: arguments.since.map(|since| match since {

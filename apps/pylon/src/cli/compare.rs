@@ -4,7 +4,7 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
-use pylon::compare::{Comparison, Options, RuleWishes, Traces, compare, text};
+use pylon::compare::{Comparison, Options, RuleRequirements, Traces, compare, text};
 use pylon::plots;
 use pylon::replay::Replay;
 
@@ -34,7 +34,7 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
     /// False-alarm rate of the recommended monitor rule, per hour
-    #[arg(long, value_name = "PER_HOUR", default_value_t = RuleWishes::default().false_alarms_per_hour, value_parser = positive)]
+    #[arg(long, value_name = "PER_HOUR", default_value_t = RuleRequirements::default().false_alarms_per_hour, value_parser = positive)]
     false_alarms: f64,
     /// Step that a rule should detect, metres [default: 5 sigmas of the captive residual]
     #[arg(long, value_name = "METRES", value_parser = positive)]
@@ -61,7 +61,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let replay = Replay::new(&flight, &model, arguments.what.calibrate).map_err(|error| in_flight(&error))?;
     let options = Options {
         traces: arguments.plots.is_some(),
-        wishes: RuleWishes {
+        requirements: RuleRequirements {
             false_alarms_per_hour: arguments.false_alarms,
             step_m: arguments.step,
             ramp_mps: arguments.ramp,

@@ -37,10 +37,10 @@ pub(crate) fn diagnose_by(
 pub fn study(
     flights: &[NamedReplay<'_>],
     hold_outs: &[NamedReplay<'_>],
-    wish: Wish,
+    wanted: WantedEffect,
     progress: &mut dyn FnMut(),
-) -> (Diagnosis, Option<Lesson>) {
-    let found = analysis::diagnose::study(flights, hold_outs, wish, &mut endless(progress), &Threads);
+) -> (Diagnosis, Option<LearningProblem>) {
+    let found = analysis::diagnose::study(flights, hold_outs, wanted, &mut endless(progress), &Threads);
     found.unwrap_or_else(|_| unreachable!("it is never cancelled"))
 }
 

@@ -158,14 +158,14 @@ pub fn ladder_text(ladder: &Ladder) -> String {
     let heads =
         ["revision", "added", "flight", "sensor", "captive, m", "free, m", "doubtful", "untrustworthy"];
     let mut rows = table(&heads);
-    for rung in &ladder.revisions {
-        for flight in &rung.flights {
+    for revision in &ladder.revisions {
+        for flight in &revision.flights {
             for (name, score) in &flight.sensors {
                 let is_free = score.free_flight_rms_m.is_some();
                 let flag_of = |after_s: Option<f64>| if is_free { flag(after_s) } else { "-".to_owned() };
                 rows.add_row([
-                    rung.number.to_string(),
-                    rung.effect.as_deref().unwrap_or("-").to_owned(),
+                    revision.number.to_string(),
+                    revision.effect.as_deref().unwrap_or("-").to_owned(),
                     flight.file.clone(),
                     name.to_string(),
                     number(score.captive_rms_m, 2),

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{Aloft, Overview, SensorState};
+use super::{AirborneTime, Overview, SensorState};
 use crate::replay::clock;
 
 /// Writing a line to a string, which can not fail.
@@ -87,14 +87,14 @@ fn flights(out: &mut String, overview: &Overview) {
         put!(out, "  launch     none: the launch column is never 1");
         return;
     }
-    let several = overview.outings.len() > 1;
-    for (place, outing) in overview.outings.iter().enumerate() {
+    let several = overview.airborne.len() > 1;
+    for (place, interval) in overview.airborne.iter().enumerate() {
         let number = if several { format!("{} ", place + 1) } else { String::new() };
         let is_used = several && overview.usage.flight == Some(place + 1);
         let used = if is_used { "; this one is used" } else { "" };
-        put!(out, "  flight {number:<4}{}{used}", ends(outing));
+        put!(out, "  flight {number:<4}{}{used}", ends(interval));
     }
-    if overview.outings.is_empty() {
+    if overview.airborne.is_empty() {
         put!(out, "  flight     no take-off or landing in this log: treated as one flight");
     }
     if let Some(seconds) = overview.ground_before_s {
@@ -105,16 +105,16 @@ fn flights(out: &mut String, overview: &Overview) {
     }
 }
 
-fn ends(outing: &Aloft) -> String {
-    let take_off = outing.take_off_s.map_or_else(
+fn ends(interval: &AirborneTime) -> String {
+    let take_off = interval.take_off_s.map_or_else(
         || "in the air when the log begins (or just about to take off)".to_owned(),
         |at_s| format!("take-off at {}", clock(at_s)),
     );
-    let landing = outing.landing_s.map_or_else(
+    let landing = interval.landing_s.map_or_else(
         || "in the air when it ends (or just landed)".to_owned(),
         |at_s| format!("landing at {}", clock(at_s)),
     );
-    format!("{take_off}, {landing}, {} in the air", duration(outing.duration_s))
+    format!("{take_off}, {landing}, {} in the air", duration(interval.duration_s))
 }
 
 fn duration(seconds: f64) -> String {

@@ -4,7 +4,7 @@ use kf_core::sensor::Sensor;
 
 use super::chart::{Chart, Role, Values};
 use super::table::rounded;
-use crate::learn::{Ladder, Rung, SensorScore};
+use crate::learn::{Ladder, LadderRevision, SensorScore};
 
 /// With more revisions than this their names would run into each other.
 const MOST_NAMES: usize = 6;
@@ -12,7 +12,7 @@ const MOST_NAMES: usize = 6;
 const MARGIN: f64 = 0.3;
 
 /// A revision, and the scores of those sensors that flew free.
-pub(super) type Step<'a> = (&'a Rung, Vec<(&'a str, &'a SensorScore)>);
+pub(super) type Step<'a> = (&'a LadderRevision, Vec<(&'a str, &'a SensorScore)>);
 
 /// One flight of the ladder.
 #[derive(Clone, Debug)]
@@ -36,10 +36,10 @@ pub(super) fn flights(ladder: &Ladder) -> Vec<LadderFlight<'_>> {
             let steps: Vec<Step<'_>> = ladder
                 .revisions
                 .iter()
-                .filter_map(|rung| {
-                    let scores = rung.flights.get(at)?.sensors.iter();
+                .filter_map(|revision| {
+                    let scores = revision.flights.get(at)?.sensors.iter();
                     let free = scores.filter(|(_, score)| score.free_flight_rms_m.is_some());
-                    Some((rung, free.map(|(name, score)| (&**name, score)).collect()))
+                    Some((revision, free.map(|(name, score)| (&**name, score)).collect()))
                 })
                 .collect();
             LadderFlight { file: &flight.file, chart: chart(at, &steps), steps }
@@ -48,8 +48,8 @@ pub(super) fn flights(ladder: &Ladder) -> Vec<LadderFlight<'_>> {
 }
 
 /// What a revision is called.
-pub(super) fn name(rung: &Rung) -> String {
-    match (rung.number, &rung.effect) {
+pub(super) fn name(revision: &LadderRevision) -> String {
+    match (revision.number, &revision.effect) {
         (0, _) => "at first".to_owned(),
         (number, Some(effect)) => format!("{number}: {effect}"),
         (number, None) => number.to_string(),
@@ -74,8 +74,8 @@ fn chart(flight: usize, steps: &[Step<'_>]) -> Option<Chart> {
         Chart::new(id, String::new(), "revision of the model", "rms error in free flight, m".to_owned(), x);
     chart.x_ticks = places
         .zip(steps)
-        .map(|(place, (rung, _))| {
-            let name = if steps.len() > MOST_NAMES { rung.number.to_string() } else { name(rung) };
+        .map(|(place, (revision, _))| {
+            let name = if steps.len() > MOST_NAMES { revision.number.to_string() } else { name(revision) };
             (place, name)
         })
         .collect();
@@ -100,14 +100,14 @@ fn chart(flight: usize, steps: &[Step<'_>]) -> Option<Chart> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::learn::RungFlight;
+    use crate::learn::RevisionFlight;
 
-    fn rung(number: u32, effect: Option<&'static str>, rms_m: [Option<f64>; 2]) -> Rung {
+    fn revision(number: u32, effect: Option<&'static str>, rms_m: [Option<f64>; 2]) -> LadderRevision {
         let flight = |file: &str, rms_m: Option<f64>| {
             let score = SensorScore { free_flight_rms_m: rms_m, ..SensorScore::default() };
-            RungFlight { file: file.to_owned(), sensors: [("baro".into(), score)].into() }
+            RevisionFlight { file: file.to_owned(), sensors: [("baro".into(), score)].into() }
         };
-        Rung {
+        LadderRevision {
             number,
             effect: effect.map(Into::into),
             date: None,
@@ -122,9 +122,9 @@ mod tests {
             version: Ladder::VERSION,
             model: "ours.toml".to_owned(),
             revisions: vec![
-                rung(0, None, [Some(4.0), None]),
-                rung(1, Some("baro.lag"), [Some(3.0), None]),
-                rung(3, None, [Some(1.0), None]),
+                revision(0, None, [Some(4.0), None]),
+                revision(1, Some("baro.lag"), [Some(3.0), None]),
+                revision(3, None, [Some(1.0), None]),
             ],
         };
         let [a, b] = &flights(&ladder)[..] else { panic!("two flights") };

@@ -1,7 +1,7 @@
 //! Autocorrelation and cross-correlation of block means.
 
 use crate::curve::{Curve, Flown, curve};
-use crate::engine::{Beside, Engine, Progress, Refused, refused};
+use crate::engine::{Attachments, Engine, Progress, Refused, refused};
 use crate::protocol::{Correlated, CorrelationRequest};
 
 /// Lags up to the longest one, at most.
@@ -16,7 +16,7 @@ const BAND_SIGMAS: f64 = 2.576;
 pub fn correlate(
     engine: &mut Engine,
     request: &CorrelationRequest,
-    beside: &mut Beside,
+    attachments: &mut Attachments,
     progress: &mut Progress<'_>,
 ) -> Result<Correlated, Refused> {
     if !(request.longest_lag_s.is_finite() && request.longest_lag_s > 0.0) {
@@ -46,8 +46,8 @@ pub fn correlate(
     let longest = found.longest as i64;
     let first = if with.is_some() { -longest } else { 0 };
     Ok(Correlated {
-        lag_s: beside.put((first..=longest).map(|lag| lag as f64 * block_s)),
-        correlation: beside.put(found.correlation),
+        lag_s: attachments.put((first..=longest).map(|lag| lag as f64 * block_s)),
+        correlation: attachments.put(found.correlation),
         band: found.band,
         block_s,
         blocks: found.blocks as u32,

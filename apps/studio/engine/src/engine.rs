@@ -48,13 +48,13 @@ pub struct Reply {
 
 /// What an answer is put together in.
 #[derive(Debug, Default)]
-pub(crate) struct Beside {
+pub(crate) struct Attachments {
     numbers: Vec<f64>,
     pub(crate) bytes: Vec<u8>,
 }
 
-impl Beside {
-    /// Puts an array beside the answer.
+impl Attachments {
+    /// Attaches an array to the answer.
     pub(crate) fn put(&mut self, values: impl IntoIterator<Item = f64>) -> Numbers {
         let start = self.numbers.len();
         self.numbers.extend(values);
@@ -93,18 +93,20 @@ impl Engine {
         Self { flights: BTreeMap::new(), opened: 0, recordings: Vec::new(), curves: Vec::new(), executor }
     }
 
-    /// Answers a request; `bytes` are what comes beside it.
+    /// Answers a request; `bytes` are what comes with it.
     pub fn ask(&mut self, request: &[u8], bytes: &[u8], progress: &mut Progress<'_>) -> Reply {
-        let mut beside = Beside::default();
+        let mut attachments = Attachments::default();
         // By way of a `Value`: a request told by its tag loses numbers where a dependency has `serde_json` keep their digits.
         let json = serde_json::from_slice::<serde_json::Value>(request)
             .and_then(serde_json::from_value)
             .map_err(|error| refused(format!("the request is none of this engine's: {error}")))
-            .and_then(|request| self.answer(request, bytes, &mut beside, progress));
+            .and_then(|request| self.answer(request, bytes, &mut attachments, progress));
         match json {
-            Ok(json) => {
-                Reply { json: format!("{{\"ok\":{json}}}"), numbers: beside.numbers, bytes: beside.bytes }
-            }
+            Ok(json) => Reply {
+                json: format!("{{\"ok\":{json}}}"),
+                numbers: attachments.numbers,
+                bytes: attachments.bytes,
+            },
             Err(Refused(why)) => {
                 Reply { json: serde_json::json!({ "error": why }).to_string(), ..Reply::default() }
             }
@@ -115,7 +117,7 @@ impl Engine {
         &mut self,
         request: Request,
         bytes: &[u8],
-        beside: &mut Beside,
+        attachments: &mut Attachments,
         progress: &mut Progress<'_>,
     ) -> Result<String, Refused> {
         match request {
@@ -136,15 +138,15 @@ impl Engine {
             Request::Presets(_) => json(&catalogue::presets()),
             Request::Model(of) => json(&catalogue::facts(&parsed(&of.model)?)),
             Request::Effects(_) => json(&catalogue::effects()),
-            Request::Series(of) => json(&series::series(self, of, beside, progress)?),
-            Request::Ribbons(of) => json(&ribbons::ribbons(self, &of, beside, progress)?),
-            Request::Scatter(of) => json(&pairs::pairs(self, &of, beside, progress)?),
-            Request::Correlation(of) => json(&correlate::correlate(self, &of, beside, progress)?),
+            Request::Series(of) => json(&series::series(self, of, attachments, progress)?),
+            Request::Ribbons(of) => json(&ribbons::ribbons(self, &of, attachments, progress)?),
+            Request::Scatter(of) => json(&pairs::pairs(self, &of, attachments, progress)?),
+            Request::Correlation(of) => json(&correlate::correlate(self, &of, attachments, progress)?),
             Request::Compare(of) => json(&results::compared(self, &of, progress)?),
             Request::Diagnose(of) => json(&results::diagnosed(self, &of, progress)?),
             Request::Add(of) => json(&results::added(self, of, progress)?),
             Request::Ladder(of) => json(&results::ladder(self, &of, progress)?),
-            Request::Export(of) => json(&results::exported(self, of.export, beside, progress)?),
+            Request::Export(of) => json(&results::exported(self, of.export, attachments, progress)?),
         }
     }
 

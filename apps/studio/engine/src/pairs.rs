@@ -1,14 +1,14 @@
 //! One signal over another.
 
 use crate::curve::{Curve, Flown, curve};
-use crate::engine::{Beside, Engine, Progress, Refused, refused};
+use crate::engine::{Attachments, Engine, Progress, Refused, refused};
 use crate::protocol::{Paired, ScatterRequest};
 
 /// The points of one signal over another.
 pub fn pairs(
     engine: &mut Engine,
     request: &ScatterRequest,
-    beside: &mut Beside,
+    attachments: &mut Attachments,
     progress: &mut Progress<'_>,
 ) -> Result<Paired, Refused> {
     if request.at_most == 0 {
@@ -23,9 +23,9 @@ pub fn pairs(
     let every = points.len().div_ceil(request.at_most as usize).max(1);
     let shown = || points.iter().step_by(every);
     Ok(Paired {
-        time_s: beside.put(shown().map(|[time_s, ..]| *time_s)),
-        x: beside.put(shown().map(|[_, x, _]| *x)),
-        y: beside.put(shown().map(|[_, _, y]| *y)),
+        time_s: attachments.put(shown().map(|[time_s, ..]| *time_s)),
+        x: attachments.put(shown().map(|[_, x, _]| *x)),
+        y: attachments.put(shown().map(|[_, _, y]| *y)),
         x_unit: x.unit.to_owned(),
         y_unit: y.unit.to_owned(),
         of: points.len() as u32,

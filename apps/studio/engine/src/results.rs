@@ -4,14 +4,14 @@ use std::sync::Mutex;
 
 use analysis::batch::{DiagnoseResult, batch};
 use analysis::compare::{Comparison, Options, compare};
-use analysis::diagnose::{NamedReplay, Wish, diagnose};
+use analysis::diagnose::{NamedReplay, WantedEffect, diagnose};
 use analysis::learn::{Ladder, NamedFlight, Request, add};
 use kf_core::effect::Clock;
 use replay::Replay;
 use serde::Serialize;
 use time::{Date, Month};
 
-use crate::engine::{Beside, Engine, Progress, Refused, counting, parsed, refused, replay, window};
+use crate::engine::{Attachments, Engine, Progress, Refused, counting, parsed, refused, replay, window};
 use crate::headline;
 use crate::protocol::{
     AddRequest, Added, CompareRequest, Compared, DiagnoseRequest, Diagnosed, Exported, Exports,
@@ -137,7 +137,7 @@ pub fn added(engine: &Engine, request: AddRequest, progress: &mut Progress<'_>) 
     let text = &request.model.text;
     let of = Request {
         text,
-        wish: Wish { effect, time_constant_s, since },
+        wanted: WantedEffect { effect, time_constant_s, since },
         estimate: request.estimate,
         date: date(&request.date)?,
         learning: named(engine, &request.flights)?,
@@ -178,29 +178,29 @@ pub fn ladder(
     Ok(ladder)
 }
 
-/// A file of a result, beside the answer.
+/// A file of a result, with the answer.
 pub fn exported(
     engine: &Engine,
     export: Exports,
-    beside: &mut Beside,
+    attachments: &mut Attachments,
     progress: &mut Progress<'_>,
 ) -> Result<Exported, Refused> {
     let (name, media) = match export {
         Exports::Compare(request) => {
-            beside.bytes = pretty(&comparison(engine, &request, progress)?)?;
+            attachments.bytes = pretty(&comparison(engine, &request, progress)?)?;
             ("comparison.json", "application/json")
         }
         Exports::Diagnose(request) => {
-            beside.bytes = pretty(&results(engine, &request, progress)?)?;
+            attachments.bytes = pretty(&results(engine, &request, progress)?)?;
             ("diagnosis.json", "application/json")
         }
         Exports::Ladder(request) => {
-            beside.bytes = pretty(&ladder(engine, &request, progress)?)?;
+            attachments.bytes = pretty(&ladder(engine, &request, progress)?)?;
             ("ladder.json", "application/json")
         }
         Exports::Flight { flight } => {
             let open = engine.flight(&flight)?;
-            flight_data::to_writer(&mut beside.bytes, &open.flight).map_err(refused)?;
+            flight_data::to_writer(&mut attachments.bytes, &open.flight).map_err(refused)?;
             ("flight.csv", "text/csv")
         }
     };

@@ -3,14 +3,14 @@
 use analysis::compare::{Manoeuvre, Motion};
 use kf_core::sensor::Sensor;
 
-use crate::engine::{Beside, Engine, Progress, Refused};
+use crate::engine::{Attachments, Engine, Progress, Refused};
 use crate::protocol::{CompareRequest, MotionNumbers, Ribbons, Span};
 
 /// The ribbons of a flight.
 pub fn ribbons(
     engine: &mut Engine,
     request: &CompareRequest,
-    beside: &mut Beside,
+    attachments: &mut Attachments,
     progress: &mut Progress<'_>,
 ) -> Result<Ribbons, Refused> {
     let recording = engine.recording(&request.flight, &request.model, request.window, progress)?;
@@ -34,14 +34,14 @@ pub fn ribbons(
     let motion = &recording.motion;
     let start_s = motion.start_us as f64 * 1e-6;
     let mut put = |quantity: fn(&Motion) -> Option<f64>| {
-        beside.put(motion.motions.iter().map(|motion| quantity(motion).unwrap_or(f64::NAN)))
+        attachments.put(motion.motions.iter().map(|motion| quantity(motion).unwrap_or(f64::NAN)))
     };
     let numbers = MotionNumbers {
         climb_rate_mps: put(|motion| motion.climb_rate_mps),
         speed_mps: put(|motion| motion.speed_mps),
         load_factor: put(|motion| motion.load_factor),
         turn_rate_radps: put(|motion| motion.turn_rate_radps),
-        time_s: beside.put((0..motion.motions.len()).map(|second| start_s + second as f64 + 0.5)),
+        time_s: attachments.put((0..motion.motions.len()).map(|second| start_s + second as f64 + 0.5)),
     };
     Ok(Ribbons {
         phases: spans(&recording.phases),

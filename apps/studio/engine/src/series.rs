@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::rc::Rc;
 
 use crate::curve::{Curve, Flown, curve};
-use crate::engine::{Beside, Engine, Progress, Refused, refused};
+use crate::engine::{Attachments, Engine, Progress, Refused, refused};
 use crate::protocol::{Drawn, Series, SeriesRequest};
 
 /// Rows that are looked at before it is asked whether there are too many values to draw each.
@@ -27,7 +27,7 @@ pub struct OnAxis {
 pub fn series(
     engine: &mut Engine,
     request: SeriesRequest,
-    beside: &mut Beside,
+    attachments: &mut Attachments,
     progress: &mut Progress<'_>,
 ) -> Result<Series, Refused> {
     let SeriesRequest { flight, model, window, signals, from_s, to_s, pixels } = request;
@@ -45,20 +45,20 @@ pub fn series(
         signals.iter().map(|signal| curve(engine, &flown, signal, progress)).collect();
     let curves = curves?;
     let axis = Axis::new(&curves, (from_s, to_s), pixels);
-    let time_s = beside.put(axis.times());
+    let time_s = attachments.put(axis.times());
     let drawn = signals.into_iter().zip(&curves).map(|(signal, curve)| {
         let range = curve.range(from_s, to_s);
         let on_axis = axis.put(curve, range.clone());
         let (gaps_s, values) = gaps(curve, range, axis.width_s());
-        let least = beside.put(on_axis.least);
-        let greatest = if axis.is_thinned() { beside.put(on_axis.greatest) } else { least };
+        let least = attachments.put(on_axis.least);
+        let greatest = if axis.is_thinned() { attachments.put(on_axis.greatest) } else { least };
         Drawn {
             signal,
             unit: curve.unit.to_owned(),
             least,
             greatest,
-            sigma: on_axis.sigma.map(|sigma| beside.put(sigma)),
-            gaps_s: beside.put(gaps_s),
+            sigma: on_axis.sigma.map(|sigma| attachments.put(sigma)),
+            gaps_s: attachments.put(gaps_s),
             values,
         }
     });

@@ -1,6 +1,6 @@
 //! The module's interface: numbers and memory, as WebAssembly has them.
 //!
-//! The caller asks for memory ([`allocate`]), writes a request's JSON and the bytes beside it there, and hands both over
+//! The caller asks for memory ([`allocate`]), writes a request's JSON and the bytes with it there, and hands both over
 //! ([`ask`]). What it gets is the place of six numbers: where the answer's JSON, its numbers (f64) and its bytes lie, and how many of
 //! each there are. They are there until the next call.
 
@@ -44,7 +44,7 @@ fn tell(what: &str, done: u64, of: u64) {
 #[cfg(not(target_arch = "wasm32"))]
 const fn tell(_: &str, _: u64, _: u64) {}
 
-/// Memory of so many bytes, for a request or what comes beside it; it is given back by [`ask`].
+/// Memory of so many bytes, for a request or what comes with it; it is given back by [`ask`].
 #[unsafe(no_mangle)]
 pub extern "C" fn allocate(size: usize) -> *mut u8 {
     Box::into_raw(vec![0_u8; size].into_boxed_slice()).cast()

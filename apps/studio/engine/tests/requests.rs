@@ -154,9 +154,11 @@ fn an_effect_is_found_added_and_the_error_falls_as_its_prediction_said() {
     assert!((found.array("/correlation")[0] - 1.0).abs() < 1e-12);
 
     let ladder = json!({ "flights": ["f"], "model": added["model"], "window": null });
-    let rungs = Answer::of(&mut engine, "ladder", ladder).json;
-    let rms_of = |rung: usize| {
-        rungs["revisions"][rung]["flights"][0]["sensors"]["baro"]["free_flight_rms_m"].as_f64().unwrap()
+    let revisions = Answer::of(&mut engine, "ladder", ladder).json;
+    let rms_of = |revision: usize| {
+        revisions["revisions"][revision]["flights"][0]["sensors"]["baro"]["free_flight_rms_m"]
+            .as_f64()
+            .unwrap()
     };
-    assert!(rms_of(1) < rms_of(0), "{rungs}");
+    assert!(rms_of(1) < rms_of(0), "{revisions}");
 }

@@ -82,7 +82,7 @@ export async function sentence(page) {
 /** The rms errors at the bottom, metres: of each revision those learned and held out. */
 export async function rungs(page) {
   const rows = await page.locator(".rung").evaluateAll((list) =>
-    list.map((rung) => [...rung.querySelectorAll(".rung-bar .number")].map((value) => Number.parseFloat(value.textContent ?? ""))));
+    list.map((rung) => [...rung.querySelectorAll(".revision-bar .number")].map((value) => Number.parseFloat(value.textContent ?? ""))));
   return rows;
 }
 

@@ -35,7 +35,7 @@ pub use sensors::Sensors;
 pub use watchdog::Watchdog;
 
 use break_wire::BreakWire;
-use sensors::{SensorStorage, SensorTeller};
+use sensors::{SensorHealthLog, SensorStorage};
 use wiring::Pins;
 
 use super::Board;
@@ -136,7 +136,7 @@ pub fn start(
 
     Ok(Board {
         source: Source::start(device.TIM5, pins.led, now_us),
-        feeder: Feeder { teller: storage.teller() },
+        feeder: Feeder { health_log: storage.health_log() },
         is_recording: false,
         sensors: sensors::suite(storage, receiver, barometer, imu, umbilical, break_wire),
         sink: Sink::start(device.USART6, pins.results, &mut rcc)?,
@@ -168,13 +168,13 @@ pub fn exit(_status: ExitStatus) -> ! {
 
 /// The chips feed themselves: what is left is to say in the log how they do.
 pub struct Feeder {
-    teller: SensorTeller,
+    health_log: SensorHealthLog,
 }
 
 impl Feeder {
     /// Called after every tick.
     pub fn feed(&mut self) {
-        self.teller.tell();
+        self.health_log.log_changes();
     }
 
     /// Nothing to add.

@@ -16,7 +16,7 @@ use super::absent::Absent;
 use super::break_wire::BreakWire;
 use super::spi::{BaroDevice, ImuDevice};
 use super::uart::{LineCounts, Port, Ring, ring};
-use super::watched::{Teller, Watch, Watched};
+use super::watched::{HealthLog, Watch, Watched};
 use super::wiring::{
     MOTHER_SHIP, RECEIVER_BAUD, RECEIVER_CHANNEL, RECEIVER_PERIOD_MS, ReceiverRx, ReceiverStream, ReceiverTx,
     ReceiverUart, UMBILICAL_BAUD, UMBILICAL_CHANNEL, UmbilicalRx, UmbilicalStream, UmbilicalTx,
@@ -55,7 +55,7 @@ const WATCHES: usize = 5;
 const LINES: usize = 2;
 
 /// What writes their outcomes to the log.
-pub type SensorTeller = Teller<WATCHES, LINES>;
+pub type SensorHealthLog = HealthLog<WATCHES, LINES>;
 
 /// What the log calls a device at the end of a line, and the line.
 const RECEIVER_NAME: &str = "satellite receiver";
@@ -99,9 +99,9 @@ impl SensorStorage {
     }
 
     /// What writes their outcomes to the log.
-    pub fn teller(&'static self) -> SensorTeller {
+    pub fn health_log(&'static self) -> SensorHealthLog {
         let Self { receiver, barometer, imu, umbilical, break_wire, .. } = self;
-        Teller::new(
+        HealthLog::new(
             [
                 (RECEIVER_NAME, receiver),
                 ("barometer", barometer),

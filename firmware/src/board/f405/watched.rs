@@ -127,23 +127,23 @@ impl LaunchDiscrete for Watched<BreakWire> {
     }
 }
 
-/// A device and what the log has said of it.
-struct Told {
+/// A device, and the outcome that the log gave last.
+struct LoggedDevice {
     name: &'static str,
     watch: &'static Watch,
     outcome: Outcome,
-    /// Ticks until the log may speak of it again: what changes with every tick is told once a second.
-    rest: u32,
+    /// Ticks until it may be logged again: what changes with every tick is logged once a second.
+    quiet_ticks: u32,
 }
 
-impl Told {
-    fn tell(&mut self) {
-        self.rest = self.rest.saturating_sub(1);
+impl LoggedDevice {
+    fn log_changes(&mut self) {
+        self.quiet_ticks = self.quiet_ticks.saturating_sub(1);
         let outcome = interrupt::free(|section| self.watch.0.borrow(section).get());
-        if self.rest > 0 || outcome == self.outcome {
+        if self.quiet_ticks > 0 || outcome == self.outcome {
             return;
         }
-        self.rest = TICK_HZ;
+        self.quiet_ticks = TICK_HZ;
         self.outcome = outcome;
         let name = self.name;
         match outcome {
@@ -159,24 +159,24 @@ impl Told {
     }
 }
 
-/// A line, and how many of its errors the log has told.
-struct ToldLine {
+/// A line, and the error counts that the log gave last.
+struct LoggedLine {
     name: &'static str,
     counts: &'static LineCounts,
-    told: [u32; 3],
-    rest: u32,
+    logged: [u32; 3],
+    quiet_ticks: u32,
 }
 
-impl ToldLine {
-    fn tell(&mut self) {
-        self.rest = self.rest.saturating_sub(1);
+impl LoggedLine {
+    fn log_changes(&mut self) {
+        self.quiet_ticks = self.quiet_ticks.saturating_sub(1);
         let LineCounts { broken, late, stopped } = self.counts;
         let counts = [broken, late, stopped].map(|counter: &AtomicU32| counter.load(Ordering::Relaxed));
-        if self.rest > 0 || counts == self.told {
+        if self.quiet_ticks > 0 || counts == self.logged {
             return;
         }
-        self.rest = TICK_HZ;
-        self.told = counts;
+        self.quiet_ticks = TICK_HZ;
+        self.logged = counts;
         let [broken, late, stopped] = counts;
         defmt::warn!(
             "{=str}'s line: {=u32} times broken bytes, {=u32} times read too late, {=u32} times stopped",
@@ -188,27 +188,32 @@ impl ToldLine {
     }
 }
 
-/// Writes it down, with what time is left.
-pub struct Teller<const DEVICES: usize, const LINES: usize> {
-    devices: [Told; DEVICES],
-    lines: [ToldLine; LINES],
+/// Logs what has changed about devices and lines.
+pub struct HealthLog<const DEVICES: usize, const LINES: usize> {
+    devices: [LoggedDevice; DEVICES],
+    lines: [LoggedLine; LINES],
 }
 
-impl<const DEVICES: usize, const LINES: usize> Teller<DEVICES, LINES> {
-    /// Nothing has been told.
+impl<const DEVICES: usize, const LINES: usize> HealthLog<DEVICES, LINES> {
+    /// Nothing has been logged.
     pub fn new(
         devices: [(&'static str, &'static Watch); DEVICES],
         lines: [(&'static str, &'static LineCounts); LINES],
     ) -> Self {
         Self {
-            devices: devices.map(|(name, watch)| Told { name, watch, outcome: Outcome::Silent, rest: 0 }),
-            lines: lines.map(|(name, counts)| ToldLine { name, counts, told: [0; 3], rest: 0 }),
+            devices: devices.map(|(name, watch)| LoggedDevice {
+                name,
+                watch,
+                outcome: Outcome::Silent,
+                quiet_ticks: 0,
+            }),
+            lines: lines.map(|(name, counts)| LoggedLine { name, counts, logged: [0; 3], quiet_ticks: 0 }),
         }
     }
 
-    /// Tells what has changed; called once a tick.
-    pub fn tell(&mut self) {
-        self.devices.iter_mut().for_each(Told::tell);
-        self.lines.iter_mut().for_each(ToldLine::tell);
+    /// Logs what has changed; called once a tick.
+    pub fn log_changes(&mut self) {
+        self.devices.iter_mut().for_each(LoggedDevice::log_changes);
+        self.lines.iter_mut().for_each(LoggedLine::log_changes);
     }
 }

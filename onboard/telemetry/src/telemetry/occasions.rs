@@ -7,7 +7,7 @@ use kf_core::quality::FailedChecks;
 use kf_core::sensor::Sensor;
 use survival::{Refusal, RestartReport, Start};
 
-use super::{Said, Telemetry};
+use super::{Telemetry, TickReport};
 use crate::event::Event;
 use crate::link::MessageKind;
 use crate::rates::Rates;
@@ -53,15 +53,15 @@ impl Telemetry<'_> {
     }
 
     /// What is said once.
-    pub(super) fn note_events(&mut self, said: &Said<'_>, now_us: u64) {
-        let output = said.output;
-        if self.launch != Some(said.input.launch) {
-            self.launch = Some(said.input.launch);
+    pub(super) fn note_events(&mut self, report: &TickReport<'_>, now_us: u64) {
+        let output = report.output;
+        if self.launch != Some(report.input.launch) {
+            self.launch = Some(report.input.launch);
             self.schedule.at_once(Slot::Launch);
         }
-        let doubt = said.input.launch_doubt;
+        let doubt = report.input.launch_doubt;
         if core::mem::replace(&mut self.launch_doubt, doubt) != doubt
-            && (doubt != LaunchDoubt::None || !said.input.launch)
+            && (doubt != LaunchDoubt::None || !report.input.launch)
         {
             self.note(now_us, Event::Launch(doubt));
         }
@@ -87,8 +87,8 @@ impl Telemetry<'_> {
                 self.note(now_us, Event::Failed(check));
             }
         }
-        self.note_trust(said, now_us);
-        self.note_cross_check(said, now_us);
+        self.note_trust(report, now_us);
+        self.note_cross_check(report, now_us);
     }
 
     /// A wire that is no witness of a launch any more, or is one again.
@@ -102,8 +102,8 @@ impl Telemetry<'_> {
         }
     }
 
-    fn note_trust(&mut self, said: &Said<'_>, now_us: u64) {
-        let output = said.output;
+    fn note_trust(&mut self, report: &TickReport<'_>, now_us: u64) {
+        let output = report.output;
         for sensor in Sensor::ALL {
             let i = sensor.index();
             let (Some(out), Some(before)) = (output.sensors.get(i), self.trust.get_mut(i)) else { continue };
@@ -116,7 +116,7 @@ impl Telemetry<'_> {
                     let beyond =
                         if out.trust == Trust::Untrustworthy { &self.averages } else { &self.errors };
                     let value_m = beyond.get(i).and_then(Sample::latest).map_or(f32::NAN, |(_, value)| value);
-                    let bound_m = said
+                    let bound_m = report
                         .latch
                         .and_then(|latch| latch.sensors.get(i))
                         .map_or(f32::NAN, |latch| latch.bound_m());
@@ -129,8 +129,8 @@ impl Telemetry<'_> {
     }
 
     /// The flag of the cross-check, which there is without a reference only.
-    fn note_cross_check(&mut self, said: &Said<'_>, now_us: u64) {
-        let Some(check) = said.output.cross_check else { return };
+    fn note_cross_check(&mut self, report: &TickReport<'_>, now_us: u64) {
+        let Some(check) = report.output.cross_check else { return };
         let agreement = check.agreement;
         if core::mem::replace(&mut self.agreement, agreement) == agreement {
             return;
@@ -139,7 +139,7 @@ impl Telemetry<'_> {
             Agreement::Disagree => check.moving_average_m,
             Agreement::Agree | Agreement::Doubtful => check.difference_m,
         };
-        let free = |sensor: Sensor| said.latch.and_then(|latch| latch.sensors.get(sensor.index()));
+        let free = |sensor: Sensor| report.latch.and_then(|latch| latch.sensors.get(sensor.index()));
         let bound_m = match (free(Sensor::ImuSlave), free(Sensor::Baro)) {
             (Some(slave), Some(baro)) => libm::sqrtf(slave.bound_m2 + baro.bound_m2),
             _ => f32::NAN,

@@ -4,7 +4,7 @@ use kf_core::config::MAX_ESTIMATED_EFFECTS;
 use kf_core::output::Phase;
 use kf_core::sensor::{SENSORS, Sensor};
 
-use super::{Said, Telemetry, send_value};
+use super::{Telemetry, TickReport, send_value};
 use crate::link::{MessageKind, Priority};
 use crate::named::{self, Name};
 
@@ -30,14 +30,14 @@ impl Turn {
 
 impl Telemetry<'_> {
     /// Sends the next value of a list that exists: 0 is the errors, 1 everything else.
-    pub(super) fn send_in_turn(&mut self, list: usize, said: &Said<'_>, now_ms: u32) {
+    pub(super) fn send_in_turn(&mut self, list: usize, report: &TickReport<'_>, now_ms: u32) {
         let Some(Turn { next, values }) = self.turns.get(list).copied() else { return };
         for step in 0..values {
             let index = (next + step) % values;
             let found = if list == 0 {
-                self.error_value(index, said, now_ms)
+                self.error_value(index, report, now_ms)
             } else {
-                self.slow_value(index, said, now_ms)
+                self.slow_value(index, report, now_ms)
             };
             if let Some((name, time_ms, value)) = found {
                 send_value(&mut self.link, Priority::Turn, time_ms, name, value);
@@ -49,13 +49,18 @@ impl Telemetry<'_> {
         }
     }
 
-    fn error_value(&mut self, index: usize, said: &Said<'_>, now_ms: u32) -> Option<(Name, u32, f32)> {
+    fn error_value(
+        &mut self,
+        index: usize,
+        report: &TickReport<'_>,
+        now_ms: u32,
+    ) -> Option<(Name, u32, f32)> {
         let sensor = *Sensor::ALL.get(index / 3)?;
         let sample = match index % 3 {
             0 => (named::of(&named::ERROR, sensor), self.errors.get_mut(sensor.index())?.send()?),
             1 => (named::of(&named::MOVING_AVERAGE, sensor), self.averages.get_mut(sensor.index())?.send()?),
             _ => {
-                let trust = said.output.sensors.get(sensor.index())?.trust;
+                let trust = report.output.sensors.get(sensor.index())?.trust;
                 (named::of(&named::TRUST, sensor), (now_ms, named::trust_number(trust)))
             }
         };
@@ -63,14 +68,14 @@ impl Telemetry<'_> {
         Some((name, time_ms, value))
     }
 
-    fn slow_value(&mut self, index: usize, said: &Said<'_>, now_ms: u32) -> Option<(Name, u32, f32)> {
-        let output = said.output;
+    fn slow_value(&mut self, index: usize, report: &TickReport<'_>, now_ms: u32) -> Option<(Name, u32, f32)> {
+        let output = report.output;
         let now = |name: &Name, value: f32| Some((*name, now_ms, value));
         match index {
             0..OF_SENSORS => {
                 let sensor = *Sensor::ALL.get(index / 4)?;
                 let out = output.sensors.get(sensor.index())?;
-                let latch = || said.latch.and_then(|latch| latch.sensors.get(sensor.index()));
+                let latch = || report.latch.and_then(|latch| latch.sensors.get(sensor.index()));
                 match index % 4 {
                     0 => now(&named::of(&named::BIAS, sensor), out.bias_m),
                     1 => now(&named::of(&named::BIAS_SIGMA, sensor), libm::sqrtf(out.bias_variance_m2)),
@@ -93,8 +98,10 @@ impl Telemetry<'_> {
                 }
                 0 => None,
                 1 => self.innovation.send().map(|(time_ms, value)| (named::FIX_INNOVATION, time_ms, value)),
-                2 => said.latch.and_then(|latch| now(&named::FAILED_CHECKS, f32::from(latch.failed_checks))),
-                3 => now(&named::TICKS, said.counters.ticks as f32),
+                2 => {
+                    report.latch.and_then(|latch| now(&named::FAILED_CHECKS, f32::from(latch.failed_checks)))
+                }
+                3 => now(&named::TICKS, report.counters.ticks as f32),
                 _ => now(&named::WIRE, named::wire_number(self.wire?)),
             },
             _ => {

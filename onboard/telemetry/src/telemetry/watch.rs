@@ -5,7 +5,7 @@ use kf_core::output::{Rejection, Trust};
 use kf_core::sensor::{SENSORS, Sensor};
 use mavlink::dialects::common::MavSysStatusSensor;
 
-use super::Said;
+use super::TickReport;
 
 /// A sensor that has been silent for longer is not well, milliseconds: the slowest, a receiver, delivers
 /// once a second.
@@ -48,8 +48,8 @@ impl Watch {
         Self { imu: Source::NONE, barometer: Source::NONE, receiver: Source::NONE, imu_slave: Source::NONE }
     }
 
-    pub fn take(&mut self, said: &Said<'_>, now_ms: u32) {
-        let (input, output) = (said.input, said.output);
+    pub fn take(&mut self, report: &TickReport<'_>, now_ms: u32) {
+        let (input, output) = (report.input, report.output);
         let [_, slave, baro] = &output.sensors;
         let is_finite = |axes: &[f32; 3]| axes.iter().all(|axis| axis.is_finite());
         let bad_imu =

@@ -19,7 +19,7 @@ use super::comparison::{
 use super::cross_check::CrossChecks;
 use super::flags::Flags;
 use super::phase_statistics::PhaseStatistics;
-use super::rules::{RuleWishes, SensorRules, judge};
+use super::rules::{RuleRequirements, SensorRules, judge};
 use super::timeline::Timeline;
 use super::traces::Traces;
 use super::warnings::warnings;
@@ -134,7 +134,7 @@ impl Comparator {
     pub fn finish(
         self,
         end: &MissionEnd<'_>,
-        wishes: &RuleWishes,
+        requirements: &RuleRequirements,
         executor: &dyn Executor,
     ) -> (Comparison, Option<Box<Traces>>) {
         let sensors = Sensor::ALL
@@ -155,7 +155,7 @@ impl Comparator {
             calibration: calibration(end.latch),
             effects: self.effects(end.model),
             monitor: monitor(&end.model.monitor),
-            rules: self.rules(end, wishes, executor),
+            rules: self.rules(end, requirements, executor),
             failures,
             ..Comparison::default()
         };
@@ -228,7 +228,7 @@ impl Comparator {
     fn rules(
         &self,
         end: &MissionEnd<'_>,
-        wishes: &RuleWishes,
+        requirements: &RuleRequirements,
         executor: &dyn Executor,
     ) -> BTreeMap<Name, SensorRules> {
         let (multiplier, window_s) =
@@ -243,7 +243,7 @@ impl Comparator {
                     .filter(|bound| *bound > 0.0);
                 Some((
                     sensor.name().into(),
-                    judge(residual, bound_m, multiplier, window_s, persistence_s, wishes),
+                    judge(residual, bound_m, multiplier, window_s, persistence_s, requirements),
                 ))
             }
         });

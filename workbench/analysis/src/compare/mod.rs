@@ -32,7 +32,7 @@ pub use manoeuvre::{Manoeuvre, Motion, without_minus_zero};
 pub use motion_track::MotionTrack;
 pub use phase_statistics::PhaseSummary;
 pub use remedies::{Remedy, RemedyFigures};
-pub use rules::{Recommendation, RuleWishes, SensorRules};
+pub use rules::{Recommendation, RuleRequirements, SensorRules};
 pub use run::{Options, compare};
 pub use timeline::{ErrorFigures, Failures, ManoeuvreErrors, Stretch};
 pub use traces::{EstimateTrace, Traces};

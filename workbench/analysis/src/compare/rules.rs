@@ -9,14 +9,14 @@ use statistics::{
 
 /// Shortest and longest moving average that is recommended, seconds.
 const WINDOWS_S: (f64, f64) = (0.1, 60.0);
-/// Without another wish, the step that is to be detected, in sigmas of the captive residual.
+/// Unless asked otherwise, the step that is to be detected, in sigmas of the captive residual.
 const STEP_SIGMAS: f64 = 5.0;
-/// Without another wish, the ramp: one sigma in this many seconds.
+/// Unless asked otherwise, the ramp: one sigma in this many seconds.
 const RAMP_SECONDS_PER_SIGMA: f64 = 10.0;
 
 /// What the rules are to be judged by.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RuleWishes {
+pub struct RuleRequirements {
     /// False alarms an hour that a recommended rule may cost.
     pub false_alarms_per_hour: f64,
     /// The step that is to be detected, metres; `None`: five sigmas of the captive residual.
@@ -25,7 +25,7 @@ pub struct RuleWishes {
     pub ramp_mps: Option<f64>,
 }
 
-impl Default for RuleWishes {
+impl Default for RuleRequirements {
     fn default() -> Self {
         Self { false_alarms_per_hour: 0.1, step_m: None, ramp_mps: None }
     }
@@ -39,10 +39,10 @@ pub struct SensorRules {
     pub residual: ResidualModel,
     /// The rule that flew.
     pub set: Option<RuleQuality>,
-    /// The rule that detects the step soonest at the false-alarm rate wished for.
+    /// The rule that detects the step soonest at the wanted false-alarm rate.
     pub recommended: Option<Recommendation>,
-    /// False alarms an hour that were wished for.
-    pub wished_false_alarms_per_hour: f64,
+    /// The wanted rate of false alarms, per hour.
+    pub wanted_false_alarms_per_hour: f64,
 }
 
 impl SensorRules {
@@ -87,13 +87,16 @@ pub(super) fn judge(
     multiplier: f64,
     window_s: f64,
     persistence_s: f64,
-    wishes: &RuleWishes,
+    requirements: &RuleRequirements,
 ) -> SensorRules {
     let sigma_m = residual.variance().sqrt();
-    let step = Fault::Step { size_m: wishes.step_m.unwrap_or(STEP_SIGMAS * sigma_m) };
-    let ramp = Fault::Ramp { rate_mps: wishes.ramp_mps.unwrap_or(sigma_m / RAMP_SECONDS_PER_SIGMA) };
-    let search =
-        RuleSearch { false_alarms_per_hour: wishes.false_alarms_per_hour, fault: step, windows_s: WINDOWS_S };
+    let step = Fault::Step { size_m: requirements.step_m.unwrap_or(STEP_SIGMAS * sigma_m) };
+    let ramp = Fault::Ramp { rate_mps: requirements.ramp_mps.unwrap_or(sigma_m / RAMP_SECONDS_PER_SIGMA) };
+    let search = RuleSearch {
+        false_alarms_per_hour: requirements.false_alarms_per_hour,
+        fault: step,
+        windows_s: WINDOWS_S,
+    };
     let mut windows_s = search.lengths_s(&residual);
     if bound_m.is_some() {
         windows_s.push(window_s);
@@ -112,5 +115,10 @@ pub(super) fn judge(
             quality: assess_rule(&launches, choice.rule, &[step, ramp])?.with_persistence(persistence_s),
         })
     });
-    SensorRules { residual, set, recommended, wished_false_alarms_per_hour: wishes.false_alarms_per_hour }
+    SensorRules {
+        residual,
+        set,
+        recommended,
+        wanted_false_alarms_per_hour: requirements.false_alarms_per_hour,
+    }
 }

@@ -8,7 +8,7 @@ use model::{Model, SECOND_CORRECTION_WANDER_M_PER_SQRT_S};
 use super::comparator::{Comparator, MissionEnd};
 use super::comparison::{Comparison, FlightFacts};
 use super::remedies::{Remedy, RemedyTally};
-use super::rules::RuleWishes;
+use super::rules::RuleRequirements;
 use super::traces::Traces;
 use super::warnings::{effect_warnings, input_warnings};
 use flight_data::Channel;
@@ -23,7 +23,7 @@ pub struct Options {
     /// Keep what figures are drawn from.
     pub traces: bool,
     /// What the monitor's rules are judged by.
-    pub wishes: RuleWishes,
+    pub requirements: RuleRequirements,
 }
 
 /// Flies the replay's model over its flight and compares; `progress` is told how many rows are done.
@@ -69,7 +69,7 @@ fn fly(
     })?;
     let end =
         MissionEnd { latch: summary.latch.as_ref(), counters: &summary.counters, model: replay.model() };
-    let (mut comparison, traces) = comparator.finish(&end, &options.wishes, executor);
+    let (mut comparison, traces) = comparator.finish(&end, &options.requirements, executor);
     comparison.flight = facts(replay);
     comparison.calibration.source = replay.source().to_string();
     let mut warnings = input_warnings(&summary);

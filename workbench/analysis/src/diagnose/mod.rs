@@ -14,9 +14,9 @@
 //! 4. `rivals`: what could act in its place.
 //! 5. `unknown`: what nothing in the catalogue explains.
 //! 6. `excitation`, `advice`: what the flight could not have shown, and what to fly.
-//! 7. `judge`: the verdicts, and the `lesson` that one effect's coefficient is learned from.
+//! 7. `judge`: the verdicts, and the `learning_problem` that one effect's coefficient is learned from.
 //!
-//! `study` is a diagnosis that ends in a lesson, for `crate::learn`.
+//! `study` is a diagnosis that ends in a learning problem, for `crate::learn`.
 
 mod advice;
 mod beyond_reference;
@@ -39,7 +39,7 @@ mod held_out_verdict;
 mod information;
 mod judge;
 mod latent_path;
-mod lesson;
+mod learning_problem;
 mod long_run;
 mod manoeuvres;
 mod matrix;
@@ -65,9 +65,9 @@ mod study;
 mod suspects;
 mod unknown;
 mod unknown_columns;
+mod wanted_effect;
 mod whitener;
 mod wind;
-mod wish;
 mod work;
 
 pub use beyond_reference::{ErrorSlot, reference_wander};
@@ -78,13 +78,13 @@ pub use dump::dump;
 pub use envelope::envelope_m;
 pub use evidence::{Evidence, Folds};
 pub use held_out_verdict::HeldOutVerdict;
-pub use lesson::{Lesson, Nuisance, Term};
+pub use learning_problem::{LearningProblem, Nuisance, Term};
 pub use named_replay::NamedReplay;
 pub use noise::{GaussMarkov, Noise, SensorNoise};
 pub use prediction::prediction;
 pub use series::{BySensor, Series};
 pub use study::study;
-pub use wish::Wish;
+pub use wanted_effect::WantedEffect;
 pub use work::diagnose;
 
 // What `crate::discover` works with as well.

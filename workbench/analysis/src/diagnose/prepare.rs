@@ -14,8 +14,8 @@ use super::problem::{Known, Problem};
 use super::roughness::{is_rough, scale};
 use super::series::Series;
 use super::suspects::{Regressors, Suspects};
+use super::wanted_effect::WantedEffect;
 use super::wind::wind;
-use super::wish::Wish;
 use replay::barometer;
 
 /// What a search works on.
@@ -39,18 +39,18 @@ pub(crate) struct Prepared {
 }
 
 impl Prepared {
-    /// `wish`: the one effect whose coefficient is wanted, with the time constants to try.
+    /// `wanted`: the one effect whose coefficient is wanted, with the time constants to try.
     pub(super) fn new(
         flights: &[NamedReplay<'_>],
         hold_outs: &[NamedReplay<'_>],
         model: &Model,
-        wish: Option<(Wish, &[f32])>,
+        wanted: Option<(WantedEffect, &[f32])>,
         executor: &dyn Executor,
     ) -> Self {
         let has_climb_rate = flights.iter().all(|named| measures_climb_rate(&named.replay));
         let mut candidates = catalogue(model, has_climb_rate);
-        if let Some((wish, time_constants_s)) = wish {
-            wish.narrow(&mut candidates, time_constants_s);
+        if let Some((wanted, time_constants_s)) = wanted {
+            wanted.narrow(&mut candidates, time_constants_s);
         }
         let known_ids: Vec<EffectId> = model.effects.iter().map(|effect| effect.term.regressor.id).collect();
         candidates.retain(|candidate| !known_ids.contains(&candidate.effect()));

@@ -1,17 +1,17 @@
-//! A diagnosis that ends in a lesson.
+//! A diagnosis that ends in a problem.
 
 use executor::Executor;
 use kf_core::effect::Regressor;
 
 use super::diagnosis::Diagnosis;
-use super::lesson::Lesson;
+use super::learning_problem::LearningProblem;
 use super::named_replay::NamedReplay;
-use super::wish::Wish;
+use super::wanted_effect::WantedEffect;
 use super::work::work;
 use crate::progress::{Cancelled, Progress};
 
 /// A diagnosis of flights with a model that lacks the effect, and what the effect's coefficient is to be
-/// learned from; no lesson where the flights lack its signals ([`Diagnosis::untested`]) or its regressor
+/// learned from; no problem where the flights lack its signals ([`Diagnosis::untested`]) or its regressor
 /// does not move in them.
 ///
 /// # Errors
@@ -19,17 +19,17 @@ use crate::progress::{Cancelled, Progress};
 pub fn study(
     flights: &[NamedReplay<'_>],
     hold_outs: &[NamedReplay<'_>],
-    wish: Wish,
+    wanted: WantedEffect,
     progress: &mut Progress<'_>,
     executor: &dyn Executor,
-) -> Result<(Diagnosis, Option<Lesson>), Cancelled> {
-    let wished: Vec<f32> = wish.time_constant_s.into_iter().collect();
-    let coarse = work(flights, hold_outs, Some((wish, &wished)), progress, executor)?;
-    let fitted = coarse.1.as_ref().and_then(|lesson| lesson.terms.first()).map(|term| term.regressor);
-    match fitted.filter(|_| wished.is_empty() && wish.effect.has_time_constant()) {
+) -> Result<(Diagnosis, Option<LearningProblem>), Cancelled> {
+    let time_constants_s: Vec<f32> = wanted.time_constant_s.into_iter().collect();
+    let coarse = work(flights, hold_outs, Some((wanted, &time_constants_s)), progress, executor)?;
+    let fitted = coarse.1.as_ref().and_then(|problem| problem.terms.first()).map(|term| term.regressor);
+    match fitted.filter(|_| time_constants_s.is_empty() && wanted.effect.has_time_constant()) {
         Some(Regressor { time_constant_s, since, .. }) => {
             let fine = FINER.map(|factor| factor * time_constant_s);
-            let there = Wish { since: Some(since), ..wish };
+            let there = WantedEffect { since: Some(since), ..wanted };
             work(flights, hold_outs, Some((there, &fine)), progress, executor)
         }
         None => Ok(coarse),

@@ -7,13 +7,13 @@ use super::candidates::Candidate;
 use super::diagnosis::{DiagnosedFlight, Diagnosis, Untested};
 use super::epochs::Epochs;
 use super::judge::{Findings, Judge};
-use super::lesson::Lesson;
+use super::learning_problem::LearningProblem;
 use super::named_replay::NamedReplay;
 use super::noise::NoisePrior;
 use super::prepare::Prepared;
 use super::problem::Problem;
 use super::search::{Explanation, Search};
-use super::wish::Wish;
+use super::wanted_effect::WantedEffect;
 use crate::progress::{Cancelled, Progress};
 use replay::{Usage, barometer};
 
@@ -36,17 +36,17 @@ pub fn diagnose(
 pub(super) fn work(
     flights: &[NamedReplay<'_>],
     hold_outs: &[NamedReplay<'_>],
-    wish: Option<(Wish, &[f32])>,
+    wanted: Option<(WantedEffect, &[f32])>,
     progress: &mut Progress<'_>,
     executor: &dyn Executor,
-) -> Result<(Diagnosis, Option<Lesson>), Cancelled> {
+) -> Result<(Diagnosis, Option<LearningProblem>), Cancelled> {
     let of = |judged: &mut Judged<'_, '_>, _: &mut Progress<'_>| {
-        let findings = judged.findings.take().zip(wish);
+        let findings = judged.findings.take().zip(wanted);
         Ok(findings
-            .and_then(|(findings, (wish, _))| judged.judge.lesson(judged.search, findings, wish.effect)))
+            .and_then(|(findings, (wanted, _))| judged.judge.problem(judged.search, findings, wanted.effect)))
     };
-    let (diagnosis, lesson) = judged(flights, hold_outs, wish, progress, executor, of)?;
-    Ok((diagnosis, lesson.flatten()))
+    let (diagnosis, problem) = judged(flights, hold_outs, wanted, progress, executor, of)?;
+    Ok((diagnosis, problem.flatten()))
 }
 
 /// A diagnosis, and what it rests on.
@@ -69,14 +69,14 @@ impl Judged<'_, '_> {
 pub(crate) fn judged<T>(
     flights: &[NamedReplay<'_>],
     hold_outs: &[NamedReplay<'_>],
-    wish: Option<(Wish, &[f32])>,
+    wanted: Option<(WantedEffect, &[f32])>,
     progress: &mut Progress<'_>,
     executor: &dyn Executor,
     then: impl FnOnce(&mut Judged<'_, '_>, &mut Progress<'_>) -> Result<T, Cancelled>,
 ) -> Result<(Diagnosis, Option<T>), Cancelled> {
     let Some(first) = flights.first() else { return Ok((Diagnosis::default(), None)) };
     let model = first.replay.model();
-    let prepared = Prepared::new(flights, hold_outs, model, wish, executor);
+    let prepared = Prepared::new(flights, hold_outs, model, wanted, executor);
     let Prepared { candidates, epochs, .. } = &prepared;
     let mut prior = NoisePrior::new(&prepared.series, &model.reference, &model.sensors);
     if !prepared.has_climb_rate {

@@ -14,7 +14,7 @@ use super::filter::{LearnError, learn};
 use crate::name::Name;
 
 use super::score::{Scores, SensorScore, pooled_rms_m, score};
-use crate::diagnose::{Diagnosis, HeldOutVerdict, NamedReplay, Verdict, Wish, envelope_m, study};
+use crate::diagnose::{Diagnosis, HeldOutVerdict, NamedReplay, Verdict, WantedEffect, envelope_m, study};
 use crate::progress::{Cancelled, Progress, step};
 use executor::Executor;
 use flight_data::Flight;
@@ -31,8 +31,8 @@ pub type NamedFlight<'a> = (String, &'a Flight);
 pub struct Request<'a> {
     /// The model file's text.
     pub text: &'a str,
-    /// What of the effect is wished for.
-    pub wish: Wish,
+    /// What is wanted of the effect.
+    pub wanted: WantedEffect,
     /// Whether the coefficient is to be a state of the filter; an effect that is one already stays one.
     pub estimate: bool,
     /// The day to write down.
@@ -189,7 +189,7 @@ pub fn add(
     progress: &mut Progress<'_>,
     executor: &dyn Executor,
 ) -> Result<Addition, AddError> {
-    let id = request.wish.effect;
+    let id = request.wanted.effect;
     let before = Model::parse(request.text)?;
     let old = before.effects.iter().find(|effect| effect.term.id() == id).cloned();
     for (file, flight) in request.learning.iter().chain(&request.held_out) {
@@ -208,14 +208,14 @@ pub fn add(
     // What `pylon diagnose` found on all of a flight is learned from all of it.
     let learning = replays(&request.learning, &without, request.window, Replay::to_diagnose)?;
     let held_out = replays(&request.held_out, &without, request.window, Replay::to_diagnose)?;
-    let (diagnosis, lesson) = study(&learning, &held_out, request.wish, progress, executor)?;
+    let (diagnosis, problem) = study(&learning, &held_out, request.wanted, progress, executor)?;
     let files = || {
         let names: Vec<&str> = request.learning.iter().map(|(file, _)| file.as_str()).collect();
         names.join(", ")
     };
-    let lesson = lesson.ok_or_else(|| AddError::NotExcited { effect: id.name(), files: files() })?;
-    let learned = learn(&lesson)?;
-    let regressor = lesson.terms.first().map_or_else(|| Regressor::new(id), |term| term.regressor);
+    let problem = problem.ok_or_else(|| AddError::NotExcited { effect: id.name(), files: files() })?;
+    let learned = learn(&problem)?;
+    let regressor = problem.terms.first().map_or_else(|| Regressor::new(id), |term| term.regressor);
 
     // Digits beyond a hundredth of sigma are noise.
     let term = EffectTerm {
@@ -242,9 +242,9 @@ pub fn add(
         ]
     };
     let learning_rms_m = rms(&learning);
-    let of_fit_m = [lesson.facts.rms_before_m, lesson.facts.rms_after_m];
-    let (judged_on, judged_m, verdict) = match &lesson.held_out {
-        None => (JudgedOn::HeldOutManoeuvres, of_fit_m, HeldOutVerdict::on_stretches(&lesson.folds)),
+    let of_fit_m = [problem.facts.rms_before_m, problem.facts.rms_after_m];
+    let (judged_on, judged_m, verdict) = match &problem.held_out {
+        None => (JudgedOn::HeldOutManoeuvres, of_fit_m, HeldOutVerdict::on_stretches(&problem.folds)),
         Some(evidence) => {
             let judged_m = if is_held_out_flown { rms(&held_out) } else { of_fit_m };
             let verdict = HeldOutVerdict::on_flights(evidence, f64::from(term.coefficient));
@@ -271,7 +271,7 @@ pub fn add(
         judged_on,
         held_out_verdict: verdict,
         learning_rms_m,
-        diagnosed: [lesson.facts.coefficient, lesson.facts.sigma],
+        diagnosed: [problem.facts.coefficient, problem.facts.sigma],
         time_constant_s: has_time.then(|| f64::from(regressor.time_constant_s)),
         since: has_time.then(|| regressor.since.name().into()),
         envelope_m: term.envelope_m,

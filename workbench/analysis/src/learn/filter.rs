@@ -8,7 +8,7 @@ use kf_core::sensor::SENSORS;
 use kf_core::ud::{NoiseVariance, Row, UdFilter};
 use thiserror::Error;
 
-use crate::diagnose::{BySensor, Lesson, Noise, Series, Term};
+use crate::diagnose::{BySensor, LearningProblem, Noise, Series, Term};
 
 /// First state of the sensors' wanders.
 const WANDER: usize = 3;
@@ -53,37 +53,37 @@ pub enum LearnError {
     },
 }
 
-/// Runs the filter over a lesson; its first term is the one that is learned.
+/// Runs the filter over a problem; its first term is the one that is learned.
 ///
 /// # Errors
 /// See [`LearnError`].
-pub fn learn(lesson: &Lesson) -> Result<Learned, LearnError> {
-    match lesson.terms.len() {
-        terms @ 1..=2 => sized::<{ COEFFICIENTS + 2 }>(lesson, terms),
-        terms @ 3..=6 => sized::<{ COEFFICIENTS + 6 }>(lesson, terms),
-        terms @ 7..=12 => sized::<{ COEFFICIENTS + 12 }>(lesson, terms),
-        terms => sized::<{ COEFFICIENTS + MOST_TERMS }>(lesson, terms),
+pub fn learn(problem: &LearningProblem) -> Result<Learned, LearnError> {
+    match problem.terms.len() {
+        terms @ 1..=2 => sized::<{ COEFFICIENTS + 2 }>(problem, terms),
+        terms @ 3..=6 => sized::<{ COEFFICIENTS + 6 }>(problem, terms),
+        terms @ 7..=12 => sized::<{ COEFFICIENTS + 12 }>(problem, terms),
+        terms => sized::<{ COEFFICIENTS + MOST_TERMS }>(problem, terms),
     }
 }
 
 /// With a filter of so many states, of which those without a term are known to be nothing.
-fn sized<const STATES: usize>(lesson: &Lesson, terms: usize) -> Result<Learned, LearnError> {
-    let (Some(term), true) = (lesson.terms.first(), COEFFICIENTS + terms <= STATES) else {
+fn sized<const STATES: usize>(problem: &LearningProblem, terms: usize) -> Result<Learned, LearnError> {
+    let (Some(term), true) = (problem.terms.first(), COEFFICIENTS + terms <= STATES) else {
         return Err(LearnError::TooMany(terms));
     };
     let mut filter =
-        start::<STATES>(&lesson.terms).map_err(|error| LearnError::Filter { block: 0, error })?;
-    for flight in &lesson.flights {
-        fly(&mut filter, flight, lesson)?;
+        start::<STATES>(&problem.terms).map_err(|error| LearnError::Filter { block: 0, error })?;
+    for flight in &problem.flights {
+        fly(&mut filter, flight, problem)?;
     }
     let unit = unit(term);
     let coefficient = f64::from(filter.tail()[COEFFICIENTS]) * unit;
     let variance = f64::from(filter.variance(COEFFICIENTS)) * unit * unit;
-    let (scale, unsteadiness) = (lesson.scale * coefficient, lesson.unsteadiness);
+    let (scale, unsteadiness) = (problem.scale * coefficient, problem.unsteadiness);
     Ok(Learned {
         coefficient,
         filter_sigma: variance.sqrt(),
-        sigma: (variance * lesson.inflation + scale * scale + unsteadiness * unsteadiness).sqrt(),
+        sigma: (variance * problem.inflation + scale * scale + unsteadiness * unsteadiness).sqrt(),
     })
 }
 
@@ -107,9 +107,9 @@ fn start<const STATES: usize>(terms: &[Term]) -> Result<UdFilter<0, STATES>, Fil
 fn fly<const STATES: usize>(
     filter: &mut UdFilter<0, STATES>,
     flight: &Series,
-    lesson: &Lesson,
+    problem: &LearningProblem,
 ) -> Result<(), LearnError> {
-    let Lesson { noise, terms, wind, .. } = lesson;
+    let LearningProblem { noise, terms, wind, .. } = problem;
     let wind_sigmas = wind.map_or([0.0; 2], |wind| wind.map(|nuisance| nuisance.sigma));
     // A bias is counted from the sensor's first reading: what is left is small enough for single precision.
     let first_m: BySensor = std::array::from_fn(|i| {

@@ -18,7 +18,7 @@ pub struct Ladder {
     /// The model's name.
     pub model: String,
     /// Its revisions, oldest first; the first is before all of them.
-    pub revisions: Vec<Rung>,
+    pub revisions: Vec<LadderRevision>,
 }
 
 impl Ladder {
@@ -29,7 +29,7 @@ impl Ladder {
 /// One revision.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
-pub struct Rung {
+pub struct LadderRevision {
     /// Its number; 0 is before all revisions.
     pub number: u32,
     /// The effect that it added or learned anew.
@@ -39,13 +39,13 @@ pub struct Rung {
     /// The effects of the model as it left it.
     pub effects: Vec<Name>,
     /// Every flight.
-    pub flights: Vec<RungFlight>,
+    pub flights: Vec<RevisionFlight>,
 }
 
 /// One flight with one revision.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
-pub struct RungFlight {
+pub struct RevisionFlight {
     /// The file.
     pub file: String,
     /// Every sensor by name.
@@ -67,21 +67,21 @@ pub fn ladder(
     for number in std::iter::once(0).chain(model.revision_numbers().into_iter().filter(|number| *number > 0))
     {
         let left = model.at_revision(number);
-        let mut rung = Vec::new();
+        let mut at_revision = Vec::new();
         for (file, flight) in flights {
             let sensors = Replay::new(flight, &left, window).and_then(|replay| score(&replay));
             let sensors = sensors.map_err(|error| (file.clone(), error))?;
-            rung.push(RungFlight { file: file.clone(), sensors });
+            at_revision.push(RevisionFlight { file: file.clone(), sensors });
             done += 1;
             progress(done);
         }
         let revision = model.revisions.iter().find(|revision| revision.number == number && number > 0);
-        revisions.push(Rung {
+        revisions.push(LadderRevision {
             number,
             effect: revision.and_then(|revision| revision.effect).map(|effect| effect.name().into()),
             date: revision.and_then(|revision| revision.date.clone()),
             effects: left.effects.iter().map(|effect| effect.term.id().name().into()).collect(),
-            flights: rung,
+            flights: at_revision,
         });
     }
     Ok(Ladder { version: Ladder::VERSION, model: String::new(), revisions })

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use flight_data::{Channel, Column, Flight, Note};
 use model::Model;
-use replay::airborne::{self, Outing};
+use replay::airborne::{self, AirborneInterval};
 use replay::barometer;
 use replay::{CalibrationWindow, Replay, Usage, has_launch};
 
@@ -40,7 +40,7 @@ pub struct Overview {
     /// The share of it that a diagnosis works on, which needs no calibration; null where it can not be analysed.
     pub diagnosed_share: Option<f64>,
     /// Every time in the air.
-    pub outings: Vec<Aloft>,
+    pub airborne: Vec<AirborneTime>,
     /// On the ground before the take-off of the flight that is analysed, seconds.
     pub ground_before_s: Option<f64>,
     /// After its landing, seconds.
@@ -64,7 +64,7 @@ pub struct Overview {
 /// One time in the air, seconds of the flight's own clock; null where the log does not show it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
-pub struct Aloft {
+pub struct AirborneTime {
     /// When it took off.
     pub take_off_s: Option<f64>,
     /// When it landed.
@@ -73,9 +73,13 @@ pub struct Aloft {
     pub duration_s: f64,
 }
 
-impl From<&Outing> for Aloft {
-    fn from(outing: &Outing) -> Self {
-        Self { take_off_s: outing.take_off_s, landing_s: outing.landing_s, duration_s: outing.duration_s() }
+impl From<&AirborneInterval> for AirborneTime {
+    fn from(interval: &AirborneInterval) -> Self {
+        Self {
+            take_off_s: interval.take_off_s,
+            landing_s: interval.landing_s,
+            duration_s: interval.duration_s(),
+        }
     }
 }
 
@@ -95,14 +99,14 @@ impl Overview {
         let first_s = flight.time_s.first().copied().unwrap_or(0.0);
         let last_s = flight.time_s.iter().copied().fold(first_s, f64::max);
         let replay = Replay::new(flight, &Model::default(), window);
-        let outings = airborne::find(flight).outings;
+        let airborne = airborne::find(flight).airborne;
         let (usage, calibration, window_s, refused, chosen) = match &replay {
             Ok(replay) => (
                 Usage::of(replay),
                 Some(replay.source().to_string()),
                 replay.source().window().map(|window| [window.start_s, window.end_s]),
                 None,
-                replay.extent().outing(),
+                replay.extent().interval(),
             ),
             Err(error) => (Usage::default(), None, None, Some(error.to_string()), None),
         };
@@ -120,9 +124,13 @@ impl Overview {
                 .filter(|_| refused.is_none())
                 .map(|replay| Usage::of(&replay).used_share),
             // A flight that says itself when it was launched is not searched for take-offs.
-            outings: if has_launch(flight) { Vec::new() } else { outings.iter().map(Aloft::from).collect() },
-            ground_before_s: chosen.and_then(|outing| Some(outing.take_off_s? - outing.ground_from_s?)),
-            after_landing_s: chosen.and_then(|outing| Some(last_s - outing.landing_s?)),
+            airborne: if has_launch(flight) {
+                Vec::new()
+            } else {
+                airborne.iter().map(AirborneTime::from).collect()
+            },
+            ground_before_s: chosen.and_then(|interval| Some(interval.take_off_s? - interval.ground_from_s?)),
+            after_landing_s: chosen.and_then(|interval| Some(last_s - interval.landing_s?)),
             calibration,
             calibration_window_s: window_s,
             next: next::next(file, refused.is_none()),

@@ -34,7 +34,7 @@ pub type Name = Cow<'static, str>;
 
 /// A value without the fault, and with it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Beside<T> {
+pub struct CleanAndFaulty<T> {
     /// Of the flight without the fault.
     pub clean: T,
     /// Of the flight with it.
@@ -45,11 +45,11 @@ pub struct Beside<T> {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Consequence {
     /// The calibration.
-    pub calibration: CalibrationBeside,
+    pub calibration: CalibrationChange,
     /// When the launch was decided, seconds of the flight's time; null without one.
-    pub launch_decided_s: Beside<Option<f64>>,
+    pub launch_decided_s: CleanAndFaulty<Option<f64>>,
     /// The flags, by sensor that flies free.
-    pub flags: BTreeMap<Name, FlagsBeside>,
+    pub flags: BTreeMap<Name, FlagsChange>,
     /// The reference altitude as estimated in captive flight; null where both flights have none.
     pub captive_altitude: Option<AltitudeDifference>,
     /// Each sensor's altitude in free flight, as calibrated: reading less latched bias.
@@ -57,52 +57,52 @@ pub struct Consequence {
     /// For how long each source delivered nothing while it did without the fault, seconds.
     pub not_delivering_s: BTreeMap<Name, f64>,
     /// Readings that the estimator refused, by sensor, `gps` among them.
-    pub readings_refused: BTreeMap<Name, Beside<u32>>,
+    pub readings_refused: BTreeMap<Name, CleanAndFaulty<u32>>,
     /// Polls of sensors that failed.
-    pub polls_failed: Beside<u32>,
+    pub polls_failed: CleanAndFaulty<u32>,
     /// Ticks at which what the flight computer saw or said has other bits.
     pub ticks_that_differ: usize,
 }
 
 /// Two calibrations.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct CalibrationBeside {
+pub struct CalibrationChange {
     /// When they were latched: the launch's first edge, seconds of the flight's time; null without a launch.
-    pub latched_s: Beside<Option<f64>>,
+    pub latched_s: CleanAndFaulty<Option<f64>>,
     /// `good`, `degraded`, or null when nothing was latched.
-    pub quality: Beside<Option<Name>>,
+    pub quality: CleanAndFaulty<Option<Name>>,
     /// Names of the checks that failed.
-    pub failed_checks: Beside<Vec<Name>>,
+    pub failed_checks: CleanAndFaulty<Vec<Name>>,
     /// The biases of the sensors that were calibrated in both.
-    pub sensors: BTreeMap<Name, BiasBeside>,
+    pub sensors: BTreeMap<Name, BiasChange>,
 }
 
 /// A sensor's calibration, twice.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct BiasBeside {
+pub struct BiasChange {
     /// Latched bias, metres.
-    pub bias_m: Beside<f64>,
+    pub bias_m: CleanAndFaulty<f64>,
     /// What the fault moved it by, metres.
     pub difference_m: f64,
     /// That, in standard deviations of the bias with the fault, as the filter states them.
     pub difference_in_sigmas: f64,
     /// Standard deviation of the bias, metres.
-    pub bias_sigma_m: Beside<f64>,
+    pub bias_sigma_m: CleanAndFaulty<f64>,
     /// The monitor's alarm limit, metres.
-    pub bound_m: Beside<f64>,
+    pub bound_m: CleanAndFaulty<f64>,
     /// Readings used.
-    pub readings: Beside<u32>,
+    pub readings: CleanAndFaulty<u32>,
 }
 
 /// A sensor's flags, twice: seconds after the launch's first edge, or null.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct FlagsBeside {
+pub struct FlagsChange {
     /// When it became doubtful.
-    pub doubtful_after_s: Beside<Option<f64>>,
+    pub doubtful_after_s: CleanAndFaulty<Option<f64>>,
     /// When it became untrustworthy.
-    pub untrustworthy_after_s: Beside<Option<f64>>,
+    pub untrustworthy_after_s: CleanAndFaulty<Option<f64>>,
     /// For how long of the free flight it was not monitored, seconds.
-    pub unmonitored_s: Beside<f64>,
+    pub unmonitored_s: CleanAndFaulty<f64>,
 }
 
 /// How far two altitudes are apart, over the ticks that have both.
@@ -280,7 +280,7 @@ fn beside(clean: &Flown, with_fault: &Flown) -> Consequence {
     let names = ["gps"].into_iter().chain(Sensor::ALL.map(Sensor::name));
     let refused = clean.refused.iter().zip(&with_fault.refused);
     Consequence {
-        calibration: CalibrationBeside {
+        calibration: CalibrationChange {
             latched_s: both(clean, with_fault, |flown| {
                 flown.latch.as_ref().map(|latch| latch.time_us as f64 / 1e6)
             }),
@@ -297,19 +297,19 @@ fn beside(clean: &Flown, with_fault: &Flown) -> Consequence {
         not_delivering_s: silent.collect(),
         readings_refused: names
             .map(Name::from)
-            .zip(refused.map(|(clean, with_fault)| Beside { clean: *clean, with_fault: *with_fault }))
+            .zip(refused.map(|(clean, with_fault)| CleanAndFaulty { clean: *clean, with_fault: *with_fault }))
             .collect(),
         polls_failed: both(clean, with_fault, |flown| flown.polls_failed),
         ticks_that_differ: pairs().filter(|(one, other)| one.check != other.check).count(),
     }
 }
 
-fn both<T>(clean: &Flown, with_fault: &Flown, of: impl Fn(&Flown) -> T) -> Beside<T> {
-    Beside { clean: of(clean), with_fault: of(with_fault) }
+fn both<T>(clean: &Flown, with_fault: &Flown, of: impl Fn(&Flown) -> T) -> CleanAndFaulty<T> {
+    CleanAndFaulty { clean: of(clean), with_fault: of(with_fault) }
 }
 
-fn flags(clean: &Flown, with_fault: &Flown, sensor: usize) -> FlagsBeside {
-    FlagsBeside {
+fn flags(clean: &Flown, with_fault: &Flown, sensor: usize) -> FlagsChange {
+    FlagsChange {
         doubtful_after_s: both(clean, with_fault, |flown| flown.after_s(flown.doubtful_us[sensor])),
         untrustworthy_after_s: both(clean, with_fault, |flown| flown.after_s(flown.untrustworthy_us[sensor])),
         unmonitored_s: both(clean, with_fault, |flown| {
@@ -318,7 +318,7 @@ fn flags(clean: &Flown, with_fault: &Flown, sensor: usize) -> FlagsBeside {
     }
 }
 
-fn biases(clean: &Flown, with_fault: &Flown) -> BTreeMap<Name, BiasBeside> {
+fn biases(clean: &Flown, with_fault: &Flown) -> BTreeMap<Name, BiasChange> {
     let (Some(clean), Some(with_fault)) = (&clean.latch, &with_fault.latch) else { return BTreeMap::new() };
     let pairs = Sensor::ALL.into_iter().zip(clean.sensors.iter().zip(&with_fault.sensors));
     pairs
@@ -326,17 +326,20 @@ fn biases(clean: &Flown, with_fault: &Flown) -> BTreeMap<Name, BiasBeside> {
         .map(|(sensor, (clean, with_fault))| {
             let difference_m = f64::from(with_fault.bias_m) - f64::from(clean.bias_m);
             let sigma_m = |variance_m2: f32| f64::from(variance_m2).sqrt();
-            let bias_sigma_m = Beside {
+            let bias_sigma_m = CleanAndFaulty {
                 clean: sigma_m(clean.bias_variance_m2),
                 with_fault: sigma_m(with_fault.bias_variance_m2),
             };
-            let bias = BiasBeside {
-                bias_m: Beside { clean: clean.bias_m.into(), with_fault: with_fault.bias_m.into() },
+            let bias = BiasChange {
+                bias_m: CleanAndFaulty { clean: clean.bias_m.into(), with_fault: with_fault.bias_m.into() },
                 difference_m,
                 difference_in_sigmas: difference_m / bias_sigma_m.with_fault,
                 bias_sigma_m,
-                bound_m: Beside { clean: clean.bound_m().into(), with_fault: with_fault.bound_m().into() },
-                readings: Beside { clean: clean.readings, with_fault: with_fault.readings },
+                bound_m: CleanAndFaulty {
+                    clean: clean.bound_m().into(),
+                    with_fault: with_fault.bound_m().into(),
+                },
+                readings: CleanAndFaulty { clean: clean.readings, with_fault: with_fault.readings },
             };
             (sensor.name().into(), bias)
         })

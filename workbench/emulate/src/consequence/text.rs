@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Write as _};
 
-use super::{AltitudeDifference, Beside, BiasBeside, Consequence, Name};
+use super::{AltitudeDifference, BiasChange, CleanAndFaulty, Consequence, Name};
 
 /// Width of the names on the left.
 const NAME: usize = 19;
@@ -46,7 +46,7 @@ fn instead(with_fault: &str, clean: &str) -> String {
     }
 }
 
-fn polls(polls: &Beside<u32>) -> String {
+fn polls(polls: &CleanAndFaulty<u32>) -> String {
     format!("{} polls failed, {} without the fault", polls.with_fault, polls.clean)
 }
 
@@ -165,7 +165,7 @@ impl Consequence {
     }
 }
 
-fn bias_words(bias: &BiasBeside) -> String {
+fn bias_words(bias: &BiasChange) -> String {
     let moved = if bias.difference_m == 0.0 {
         "not moved".to_owned()
     } else {
@@ -187,50 +187,50 @@ fn bias_words(bias: &BiasBeside) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{CalibrationBeside, FlagsBeside};
+    use super::super::{CalibrationChange, FlagsChange};
     use super::*;
 
-    fn same<T: Clone>(value: T) -> Beside<T> {
-        Beside { clean: value.clone(), with_fault: value }
+    fn same<T: Clone>(value: T) -> CleanAndFaulty<T> {
+        CleanAndFaulty { clean: value.clone(), with_fault: value }
     }
 
     fn consequence() -> Consequence {
-        let bias = BiasBeside {
-            bias_m: Beside { clean: 13.5, with_fault: 13.75 },
+        let bias = BiasChange {
+            bias_m: CleanAndFaulty { clean: 13.5, with_fault: 13.75 },
             difference_m: 0.25,
             difference_in_sigmas: 0.5,
             bias_sigma_m: same(0.5),
-            bound_m: Beside { clean: 4.0, with_fault: 4.125 },
+            bound_m: CleanAndFaulty { clean: 4.0, with_fault: 4.125 },
             readings: same(6_000),
         };
-        let still = BiasBeside {
+        let still = BiasChange {
             bias_m: same(-7.5),
             difference_m: 0.0,
             difference_in_sigmas: 0.0,
             bound_m: same(6.0),
             ..bias
         };
-        let flags = FlagsBeside {
+        let flags = FlagsChange {
             doubtful_after_s: same(Some(4.25)),
-            untrustworthy_after_s: Beside { clean: Some(6.0), with_fault: Some(7.5) },
-            unmonitored_s: Beside { clean: 0.0, with_fault: 2.0 },
+            untrustworthy_after_s: CleanAndFaulty { clean: Some(6.0), with_fault: Some(7.5) },
+            unmonitored_s: CleanAndFaulty { clean: 0.0, with_fault: 2.0 },
         };
-        let lost = FlagsBeside {
-            doubtful_after_s: Beside { clean: Some(9.0), with_fault: None },
-            ..FlagsBeside::default()
+        let lost = FlagsChange {
+            doubtful_after_s: CleanAndFaulty { clean: Some(9.0), with_fault: None },
+            ..FlagsChange::default()
         };
         let moved = AltitudeDifference { rms_m: 0.125, peak_m: 1.5, peak_s: 70.25, ticks: 100 };
         Consequence {
-            calibration: CalibrationBeside {
+            calibration: CalibrationChange {
                 latched_s: same(Some(120.0)),
-                quality: Beside { clean: Some("good".into()), with_fault: Some("degraded".into()) },
-                failed_checks: Beside {
+                quality: CleanAndFaulty { clean: Some("good".into()), with_fault: Some("degraded".into()) },
+                failed_checks: CleanAndFaulty {
                     clean: vec![],
                     with_fault: vec!["sensors_alive".into(), "biases_stationary".into()],
                 },
                 sensors: [("baro".into(), bias), ("imu_slave".into(), still)].into(),
             },
-            launch_decided_s: Beside { clean: Some(120.25), with_fault: Some(120.5) },
+            launch_decided_s: CleanAndFaulty { clean: Some(120.25), with_fault: Some(120.5) },
             flags: [("baro".into(), flags), ("imu_slave".into(), lost)].into(),
             captive_altitude: Some(AltitudeDifference { rms_m: 0.000_02, ..moved }),
             free_flight_altitude: [
@@ -239,9 +239,12 @@ mod tests {
             ]
             .into(),
             not_delivering_s: [("baro".into(), 5.0), ("imu".into(), 0.0)].into(),
-            readings_refused: [("baro".into(), Beside { clean: 0, with_fault: 3 }), ("gps".into(), same(1))]
-                .into(),
-            polls_failed: Beside { clean: 0, with_fault: 84 },
+            readings_refused: [
+                ("baro".into(), CleanAndFaulty { clean: 0, with_fault: 3 }),
+                ("gps".into(), same(1)),
+            ]
+            .into(),
+            polls_failed: CleanAndFaulty { clean: 0, with_fault: 84 },
             ticks_that_differ: 9_000,
         }
     }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::Outing;
+use super::AirborneInterval;
 use super::blocks::{Block, Blocks, median};
 
 /// Faster than this nobody walks or runs with a parked vehicle, m/s: the 15 km/h by which scoring programs tell a flight.
@@ -44,7 +44,7 @@ enum Kind {
 }
 
 /// The times in the air.
-pub(super) fn outings(blocks: &Blocks) -> Vec<Outing> {
+pub(super) fn airborne(blocks: &Blocks) -> Vec<AirborneInterval> {
     let all = &blocks.blocks;
     let kinds: Vec<Kind> = all.iter().map(|block| kind(blocks, block)).collect();
     let stands = grounds(blocks, &kinds);
@@ -57,13 +57,13 @@ pub(super) fn outings(blocks: &Blocks) -> Vec<Outing> {
     }
     bounds.push(from..all.len());
     let pieces = bounds.into_iter().flat_map(|range| parted(all, range));
-    let mut found: Vec<Outing> = Vec::new();
+    let mut found: Vec<AirborneInterval> = Vec::new();
     for piece in pieces {
         let before = stands.iter().find(|stand| stand.end == piece.start);
         let after = stands.iter().find(|stand| stand.start == piece.end);
-        let landed_s = found.last().and_then(|outing| outing.landing_s);
-        if let Some(outing) = outing(blocks, &kinds, piece, [before, after], landed_s) {
-            found.push(outing);
+        let landed_s = found.last().and_then(|interval| interval.landing_s);
+        if let Some(interval) = interval(blocks, &kinds, piece, [before, after], landed_s) {
+            found.push(interval);
         }
     }
     found
@@ -230,13 +230,13 @@ fn parted(all: &[Block], range: Range<usize>) -> Vec<Range<usize>> {
 }
 
 /// What happened between two stands, or between one and the log's end: a flight, if there is enough of it.
-fn outing(
+fn interval(
     blocks: &Blocks,
     kinds: &[Kind],
     piece: Range<usize>,
     [before, after]: [Option<&Range<usize>>; 2],
     landed_s: Option<f64>,
-) -> Option<Outing> {
+) -> Option<AirborneInterval> {
     let all = &blocks.blocks;
     let flying = |place: &usize| kinds.get(*place) == Some(&Kind::Flying);
     piece.clone().find(flying)?;
@@ -263,7 +263,7 @@ fn outing(
     let landing_s =
         ground_m[1].map(|own| inside.iter().rev().find(leaves(own)).unwrap_or(last).time_s + blocks.length_s);
     let log_from_s = all.first()?.time_s;
-    Some(Outing {
+    Some(AirborneInterval {
         take_off_s,
         landing_s,
         from_s: take_off_s.unwrap_or(first.time_s),

@@ -22,7 +22,7 @@ pub use grouping::EDGE_S;
 
 /// One time in the air, by the flight's own clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Outing {
+pub struct AirborneInterval {
     /// When it took off, seconds; `None`: it was in the air already when the log began, or (in a log with a long gap) went on.
     pub take_off_s: Option<f64>,
     /// When it landed, seconds; `None`: it was still in the air when the log ended.
@@ -36,7 +36,7 @@ pub struct Outing {
     pub ground_from_s: Option<f64>,
 }
 
-impl Outing {
+impl AirborneInterval {
     /// How long it was in the air, seconds.
     #[must_use]
     pub fn duration_s(&self) -> f64 {
@@ -48,7 +48,7 @@ impl Outing {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outings {
     /// In order of time; none for a log that never leaves the ground, or never moves enough to tell.
-    pub outings: Vec<Outing>,
+    pub airborne: Vec<AirborneInterval>,
     /// What the heights are those of; `None` without any.
     pub heights: Option<Heights>,
     /// Whether there was a speed to go by.
@@ -58,18 +58,19 @@ pub struct Outings {
 impl Outings {
     /// The longest of them, and its place.
     #[must_use]
-    pub fn longest(&self) -> Option<(usize, Outing)> {
-        let all = self.outings.iter().copied().enumerate();
+    pub fn longest(&self) -> Option<(usize, AirborneInterval)> {
+        let all = self.airborne.iter().copied().enumerate();
         // Of two that are equally long, the first.
         all.rev().max_by(|one, other| one.1.duration_s().total_cmp(&other.1.duration_s()))
     }
 
     /// The one that a moment belongs to: on the ground before it, or in the air. `None` after the last landing.
     #[must_use]
-    pub fn around(&self, time_s: f64) -> Option<(usize, Outing)> {
-        let landed_later =
-            |outing: &Outing| outing.landing_s.map_or(outing.to_s >= time_s, |landing_s| landing_s > time_s);
-        self.outings.iter().copied().enumerate().find(|(_, outing)| landed_later(outing))
+    pub fn around(&self, time_s: f64) -> Option<(usize, AirborneInterval)> {
+        let landed_later = |interval: &AirborneInterval| {
+            interval.landing_s.map_or(interval.to_s >= time_s, |landing_s| landing_s > time_s)
+        };
+        self.airborne.iter().copied().enumerate().find(|(_, interval)| landed_later(interval))
     }
 }
 
@@ -78,7 +79,7 @@ impl Outings {
 pub fn find(flight: &Flight) -> Outings {
     let Some(blocks) = blocks::Blocks::new(flight) else { return Outings::default() };
     Outings {
-        outings: grouping::outings(&blocks),
+        airborne: grouping::airborne(&blocks),
         heights: Some(blocks.heights),
         has_speed: blocks.has_speed(),
     }

@@ -55,7 +55,7 @@ fn glider() -> Track {
 
 fn ends(flight: &Flight) -> Vec<(Option<f64>, Option<f64>)> {
     let rounded = |time_s: Option<f64>| time_s.map(f64::round);
-    find(flight).outings.iter().map(|o| (rounded(o.take_off_s), rounded(o.landing_s))).collect()
+    find(flight).airborne.iter().map(|o| (rounded(o.take_off_s), rounded(o.landing_s))).collect()
 }
 
 /// One time in the air, with both ends within some seconds.
@@ -71,7 +71,7 @@ fn a_glider_takes_off_after_its_roll_and_lands() {
     assert_one(&flight, 80.0, 680.0);
     let found = find(&flight);
     assert_eq!(found.heights, Some(Heights::Barometer));
-    assert_eq!(found.outings[0].ground_from_s, Some(0.0));
+    assert_eq!(found.airborne[0].ground_from_s, Some(0.0));
 }
 
 #[test]
@@ -153,10 +153,10 @@ fn several_flights_are_told_apart_and_the_longest_is_found() {
         .then(600, -1.5, 30.0)
         .then(90, 0.0, 0.0);
     let found = find(&twice.flight());
-    assert_eq!(found.outings.len(), 2, "{found:?}");
+    assert_eq!(found.airborne.len(), 2, "{found:?}");
     let (place, longest) = found.longest().unwrap();
     assert_eq!(place, 1);
-    let landed_s = found.outings[0].landing_s.unwrap();
+    let landed_s = found.airborne[0].landing_s.unwrap();
     assert_eq!(longest.ground_from_s, Some(landed_s));
     // A moment belongs to the flight that it is in, or on the ground before.
     assert_eq!(found.around(100.0).unwrap().0, 0);

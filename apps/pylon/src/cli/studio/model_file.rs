@@ -35,7 +35,7 @@ pub struct NamedText {
     pub text: String,
 }
 
-/// What came of a wish to write.
+/// What came of asking to write.
 #[derive(Debug)]
 pub enum Saved {
     /// It was written.

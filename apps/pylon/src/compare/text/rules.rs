@@ -33,8 +33,8 @@ pub(super) fn write(out: &mut String, comparison: &Comparison, colour: bool) {
     row(&mut sheet, "rule", &|_| rule(monitor.multiplier, monitor.window_s));
     quality_rows(&mut sheet, &columns, |rules| rules.set.as_ref());
 
-    let wished = columns.first().map(|rules| rules.wished_false_alarms_per_hour);
-    sheet.section(&format!("recommended at {}", per_hour(wished)));
+    let wanted = columns.first().map(|rules| rules.wanted_false_alarms_per_hour);
+    sheet.section(&format!("recommended at {}", per_hour(wanted)));
     row(&mut sheet, "rule", &|rules| {
         rules
             .recommended

@@ -44,17 +44,17 @@ fn of_flight(flight: &LadderFlight<'_>, has_history: bool) -> Markup {
         } @else {
             @if let Some(chart) = &flight.chart { (place(chart, false)) }
             div.scroll {
-                table.rungs {
+                table.revisions {
                     thead { tr {
                         th scope="col" { @if has_history { "revision" } @else { "model" } } th scope="col" { "sensor" }
                         th scope="col" { "rms error in free flight" }
                         th scope="col" { "trusted for how long, of " (seconds(Some(longest_s))) " of free flight" }
                     } }
                     tbody {
-                        @for (rung, scores) in &flight.steps {
+                        @for (revision, scores) in &flight.steps {
                             @for (sensor, score) in scores {
                                 tr {
-                                    th scope="row" { @if has_history { (name(rung)) } @else { "as it is" } }
+                                    th scope="row" { @if has_history { (name(revision)) } @else { "as it is" } }
                                     td { (sensor) }
                                     td { @if let Some(rms_m) = score.free_flight_rms_m { (bar(rms_m, greatest)) } }
                                     td { (trust(score, longest_s)) }

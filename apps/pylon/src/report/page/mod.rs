@@ -26,12 +26,12 @@ const UPLOT_LICENCE: &str = include_str!(concat!(env!("OUT_DIR"), "/uplot-licens
 
 pub(super) fn page(report: &Report<'_>) -> String {
     let title = title(report);
-    let mut rungs = super::ladder::flights(report.ladder);
-    let undrawn = |rung: &LadderFlight<'_>| {
-        report.flights.iter().any(|flight| !flight.is_drawn && flight.comparison.flight.file == rung.file)
+    let mut revisions = super::ladder::flights(report.ladder);
+    let undrawn = |revision: &LadderFlight<'_>| {
+        report.flights.iter().any(|flight| !flight.is_drawn && flight.comparison.flight.file == revision.file)
     };
-    for rung in rungs.iter_mut().filter(|rung| undrawn(rung)) {
-        rung.chart = None;
+    for revision in revisions.iter_mut().filter(|revision| undrawn(revision)) {
+        revision.chart = None;
     }
     html! {
         (DOCTYPE)
@@ -66,12 +66,12 @@ pub(super) fn page(report: &Report<'_>) -> String {
                             (diagnosis::section(report.diagnosis))
                         }
                     }
-                    (ladder::section(report.model, report.model_name, &rungs))
+                    (ladder::section(report.model, report.model_name, &revisions))
                     @for found in report.flights.iter().filter(|flight| flight.is_drawn) { (flight::section(found)) }
                     (glossary::section())
                 }
                 (footer())
-                script #chart-data type="application/json" { (PreEscaped(data(report, &rungs))) }
+                script #chart-data type="application/json" { (PreEscaped(data(report, &revisions))) }
                 script { (PreEscaped(UPLOT)) }
                 script { (PreEscaped(CHARTS)) }
                 script { (PreEscaped(PAGE)) }
@@ -161,12 +161,12 @@ fn footer() -> Markup {
 }
 
 /// The diagrams' data, such that no text in them can end the element that they stand in.
-fn data(report: &Report<'_>, rungs: &[LadderFlight<'_>]) -> String {
+fn data(report: &Report<'_>, revisions: &[LadderFlight<'_>]) -> String {
     let charts: BTreeMap<&str, &Chart> = report
         .flights
         .iter()
         .flat_map(super::FlightReport::charts)
-        .chain(rungs.iter().filter_map(|flight| flight.chart.as_ref()))
+        .chain(revisions.iter().filter_map(|flight| flight.chart.as_ref()))
         .map(|chart| (chart.id.as_str(), chart))
         .collect();
     // Numbers and text only: nothing in them can fail to be written.

@@ -23,7 +23,7 @@ macro_rules! calls {
 }
 
 calls! {
-    /// Opens a log; its bytes come beside the request.
+    /// Opens a log; its bytes come with the request.
     Open "open" (OpenRequest) -> "Opened",
     /// The flights that come with Pylon.
     Samples "samples" (SamplesRequest) -> "Array<Sample>",

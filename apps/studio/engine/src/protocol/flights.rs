@@ -13,7 +13,7 @@ pub struct Window {
     pub end_s: f64,
 }
 
-/// Opens the log whose bytes come beside the request: any format that Pylon imports, told by its content. An error is the importer's own line.
+/// Opens the log whose bytes come with the request: any format that Pylon imports, told by its content. An error is the importer's own line.
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct OpenRequest {

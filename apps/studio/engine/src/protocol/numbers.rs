@@ -1,8 +1,8 @@
-//! Numbers beside an answer.
+//! Numbers with an answer.
 
 use serde::Serialize;
 
-/// Where an array lies in the numbers that are handed over beside an answer: f64, in the machine's own order.
+/// Where an array lies in the numbers that are handed over with an answer: f64, in the machine's own order.
 ///
 /// NaN stands for: no value here.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]

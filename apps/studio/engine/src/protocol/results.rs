@@ -104,7 +104,7 @@ pub struct LadderRequest {
     pub window: Option<Window>,
 }
 
-/// Makes a file of a result. Its bytes come beside the answer: byte for byte what the command line writes.
+/// Makes a file of a result. Its bytes come with the answer: byte for byte what the command line writes.
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct ExportRequest {
@@ -130,7 +130,7 @@ pub enum Exports {
     },
 }
 
-/// A file, whose bytes are beside the answer.
+/// A file, whose bytes go with the answer.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Exported {

@@ -173,7 +173,7 @@ warnings: Array<string>, };
 /**
  * One time in the air, seconds of the flight's own clock; null where the log does not show it.
  */
-export type Aloft = { 
+export type AirborneTime = { 
 /**
  * When it took off.
  */
@@ -894,7 +894,7 @@ mean_m: number,
 rms_m: number, };
 
 /**
- * Makes a file of a result. Its bytes come beside the answer: byte for byte what the command line writes.
+ * Makes a file of a result. Its bytes come with the answer: byte for byte what the command line writes.
  */
 export type ExportRequest = { 
 /**
@@ -903,7 +903,7 @@ export type ExportRequest = {
 export: Exports, };
 
 /**
- * A file, whose bytes are beside the answer.
+ * A file, whose bytes go with the answer.
  */
 export type Exported = { 
 /**
@@ -1149,7 +1149,7 @@ model: string,
 /**
  * Its revisions, oldest first; the first is before all of them.
  */
-revisions: Array<Rung>, };
+revisions: Array<LadderRevision>, };
 
 /**
  * Flies every revision of a model over flights: `pylon ladder`. Answered by what `pylon ladder --json` prints.
@@ -1167,6 +1167,31 @@ model: ModelText,
  * Where to calibrate all of them, instead of where Pylon would.
  */
 window: Window | null, };
+
+/**
+ * One revision.
+ */
+export type LadderRevision = { 
+/**
+ * Its number; 0 is before all revisions.
+ */
+number: number, 
+/**
+ * The effect that it added or learned anew.
+ */
+effect: string | null, 
+/**
+ * The day.
+ */
+date: string | null, 
+/**
+ * The effects of the model as it left it.
+ */
+effects: Array<string>, 
+/**
+ * Every flight.
+ */
+flights: Array<RevisionFlight>, };
 
 /**
  * What the aircraft was doing.
@@ -1369,7 +1394,7 @@ fix_sigma_m: number,
 sensor_wander: { [key in string]: [number, number] }, };
 
 /**
- * Where an array lies in the numbers that are handed over beside an answer: f64, in the machine's own order.
+ * Where an array lies in the numbers that are handed over with an answer: f64, in the machine's own order.
  *
  * NaN stands for: no value here.
  */
@@ -1405,7 +1430,7 @@ sigma: number,
 p_value: number, };
 
 /**
- * Opens the log whose bytes come beside the request: any format that Pylon imports, told by its content. An error is the importer's own line.
+ * Opens the log whose bytes come with the request: any format that Pylon imports, told by its content. An error is the importer's own line.
  */
 export type OpenRequest = { 
 /**
@@ -1503,7 +1528,7 @@ diagnosed_share: number | null,
 /**
  * Every time in the air.
  */
-outings: Array<Aloft>, 
+airborne: Array<AirborneTime>, 
 /**
  * On the ground before the take-off of the flight that is analysed, seconds.
  */
@@ -1829,6 +1854,19 @@ effect: string | null,
 date: string | null, };
 
 /**
+ * One flight with one revision.
+ */
+export type RevisionFlight = { 
+/**
+ * The file.
+ */
+file: string, 
+/**
+ * Every sensor by name.
+ */
+sensors: { [key in string]: SensorScore }, };
+
+/**
  * The ribbons below a flight's curves.
  */
 export type Ribbons = { 
@@ -1892,44 +1930,6 @@ healthy_alarm_in_first_window: number,
  * Detection of the faults asked about.
  */
 delays: Array<Delay>, };
-
-/**
- * One revision.
- */
-export type Rung = { 
-/**
- * Its number; 0 is before all revisions.
- */
-number: number, 
-/**
- * The effect that it added or learned anew.
- */
-effect: string | null, 
-/**
- * The day.
- */
-date: string | null, 
-/**
- * The effects of the model as it left it.
- */
-effects: Array<string>, 
-/**
- * Every flight.
- */
-flights: Array<RungFlight>, };
-
-/**
- * One flight with one revision.
- */
-export type RungFlight = { 
-/**
- * The file.
- */
-file: string, 
-/**
- * Every sensor by name.
- */
-sensors: { [key in string]: SensorScore }, };
 
 /**
  * A flight that comes with Pylon: a scenario, simulated when it is opened.
@@ -2116,13 +2116,13 @@ residual: ResidualModel,
  */
 set: RuleQuality | null, 
 /**
- * The rule that detects the step soonest at the false-alarm rate wished for.
+ * The rule that detects the step soonest at the wanted false-alarm rate.
  */
 recommended: Recommendation | null, 
 /**
- * False alarms an hour that were wished for.
+ * The wanted rate of false alarms, per hour.
  */
-wished_false_alarms_per_hour: number, };
+wanted_false_alarms_per_hour: number, };
 
 /**
  * One sensor's errors on one flight (eq. 16), and its flags.

@@ -8,7 +8,7 @@ import { guides, ladder } from "../state/studio";
 import type { Judged } from "../state/studio";
 import { capital, sensorName } from "./words";
 
-interface Rung {
+interface LadderRevision {
   readonly number: number;
   readonly title: string;
   readonly learned: number | null;
@@ -16,8 +16,8 @@ interface Rung {
 }
 
 export function LadderPanel(): JSX.Element {
-  const rungs = ladder.answer.value && sensor.value !== null ? rungsOf(ladder.answer.value, sensor.value) : [];
-  const most = Math.max(...rungs.flatMap(({ learned, heldOut }) => [learned ?? 0, heldOut ?? 0]), 1e-9);
+  const revisions = ladder.answer.value && sensor.value !== null ? revisionsOf(ladder.answer.value, sensor.value) : [];
+  const most = Math.max(...revisions.flatMap(({ learned, heldOut }) => [learned ?? 0, heldOut ?? 0]), 1e-9);
   const hasHeldOut = holdOuts.value.length > 0;
   return (
     <section class="ladder" aria-label="Revisions of the model" data-tour="ladder">
@@ -29,15 +29,15 @@ export function LadderPanel(): JSX.Element {
         <p class="legend-entry"><span class="swatch area learned" aria-hidden="true" />learned</p>
         {hasHeldOut ? <p class="legend-entry"><span class="swatch area held-out" aria-hidden="true" />held out</p> : null}
       </div>
-      <ol class="rungs">
-        {rungs.map((rung, at) => (
-          <li key={rung.number} class={at === rungs.length - 1 ? "rung newest" : "rung"}>
-            <p class="rung-title" title={rung.title}><b>{rung.number}</b> {rung.title}</p>
-            <Bar kind="learned" value={rung.learned} most={most} />
-            {hasHeldOut ? <Bar kind="held-out" value={rung.heldOut} most={most} /> : null}
+      <ol class="revisions">
+        {revisions.map((revision, at) => (
+          <li key={revision.number} class={at === revisions.length - 1 ? "revision newest" : "revision"}>
+            <p class="revision-title" title={revision.title}><b>{revision.number}</b> {revision.title}</p>
+            <Bar kind="learned" value={revision.learned} most={most} />
+            {hasHeldOut ? <Bar kind="held-out" value={revision.heldOut} most={most} /> : null}
           </li>
         ))}
-        {rungs.length === 1 ? <li class="rung-hint faint">Add an effect: the next revision stands here, with its error.</li> : null}
+        {revisions.length === 1 ? <li class="revision-hint faint">Add an effect: the next revision stands here, with its error.</li> : null}
       </ol>
     </section>
   );
@@ -50,15 +50,15 @@ function learnersFly(): boolean {
 function Bar({ kind, value, most }: { readonly kind: "learned" | "held-out"; readonly value: number | null; readonly most: number }): JSX.Element | null {
   if (value === null) return null;
   return (
-    <p class="rung-bar">
+    <p class="revision-bar">
       <span class="hidden-text">{kind === "learned" ? "learned: " : "held out: "}</span>
-      <span class="rung-track" aria-hidden="true"><span class={kind} style={{ width: `${(100 * value) / most}%` }} /></span>
+      <span class="revision-track" aria-hidden="true"><span class={kind} style={{ width: `${(100 * value) / most}%` }} /></span>
       <span class="number">{metres(value)}</span>
     </p>
   );
 }
 
-function rungsOf({ ladder: { revisions }, learned }: Judged, name: string): Rung[] {
+function revisionsOf({ ladder: { revisions }, learned }: Judged, name: string): LadderRevision[] {
   return revisions.map(({ number, effect, flights }) => {
     const errors = (heldOut: boolean): number[] => flights
       .filter((_, place) => (place >= learned) === heldOut)

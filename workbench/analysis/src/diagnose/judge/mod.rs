@@ -2,7 +2,7 @@
 
 mod advise;
 mod facts;
-mod lesson;
+mod learning_problem;
 mod probable;
 mod pruning;
 

@@ -4,22 +4,22 @@ use kf_core::effect::EffectId;
 
 use super::{Findings, Judge};
 use crate::diagnose::evidence::{self, Fitted};
-use crate::diagnose::lesson::{Lesson, Nuisance, Term};
+use crate::diagnose::learning_problem::{LearningProblem, Nuisance, Term};
 use crate::diagnose::repeatability::repeatability;
 use crate::diagnose::roughness::{scale, unsteadiness};
 use crate::diagnose::search::{Explanation, Search};
 
 impl Judge<'_> {
-    /// The lesson for an effect. Whatever the diagnosis found to act stays beside it, but for what this
+    /// The problem for an effect. Whatever the diagnosis found to act stays beside it, but for what this
     /// effect could stand in the place of.
-    pub(in crate::diagnose) fn lesson(
+    pub(in crate::diagnose) fn problem(
         &self,
         search: &mut Search<'_>,
         findings: Findings,
         effect: EffectId,
-    ) -> Option<Lesson> {
-        let is_wished = |column: &usize| self.candidates[*column].effect() == effect;
-        let found = findings.explanation.columns.iter().copied().find(is_wished);
+    ) -> Option<LearningProblem> {
+        let is_wanted = |column: &usize| self.candidates[*column].effect() == effect;
+        let found = findings.explanation.columns.iter().copied().find(is_wanted);
         let (findings, column) = match found {
             Some(column) => (findings, column),
             None => self.beside_the_others(search, findings, effect)?,
@@ -45,7 +45,7 @@ impl Judge<'_> {
         let folds = evidence::of_folds(self.problem, &fitted);
         let held_out = self.held.map(|held| evidence::of_flights(held, &fitted));
         let free = std::iter::once(column).chain(others.iter().copied()).map(|column| term(column, None));
-        Some(Lesson {
+        Some(LearningProblem {
             flights: self.problem.flights.to_vec(),
             noise,
             terms: free.chain(known).collect(),
@@ -66,15 +66,15 @@ impl Judge<'_> {
         findings: Findings,
         effect: EffectId,
     ) -> Option<(Findings, usize)> {
-        let is_wished = |column: &usize| self.candidates[*column].effect() == effect;
+        let is_wanted = |column: &usize| self.candidates[*column].effect() == effect;
         let replaced = |column: &usize| {
             let of_column = findings.rivals.iter().filter(|rivals| rivals.column == *column);
             of_column.flat_map(|rivals| self.set(rivals)).any(|(other, _)| other == effect)
         };
         let others: Vec<usize> =
             findings.explanation.columns.iter().copied().filter(|column| !replaced(column)).collect();
-        let wished: Vec<usize> = self.suspects.usable().iter().copied().filter(is_wished).collect();
-        let fits = wished.into_iter().map(|column| {
+        let wanted: Vec<usize> = self.suspects.usable().iter().copied().filter(is_wanted).collect();
+        let fits = wanted.into_iter().map(|column| {
             let mut columns = others.clone();
             columns.push(column);
             columns.sort_unstable();

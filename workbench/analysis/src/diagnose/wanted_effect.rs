@@ -6,7 +6,7 @@ use super::candidates::Candidate;
 
 /// The effect whose coefficient is wanted.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wish {
+pub struct WantedEffect {
     /// Which.
     pub effect: EffectId,
     /// Its time constant, seconds; `None`: that of the grid that fits best.
@@ -15,8 +15,8 @@ pub struct Wish {
     pub since: Option<Clock>,
 }
 
-impl Wish {
-    /// Leaves only what is wished for of the effect's candidates, with these time constants if there are any.
+impl WantedEffect {
+    /// Keeps only what is wanted of the effect's candidates, with these time constants if there are any.
     pub(super) fn narrow(&self, candidates: &mut Vec<Candidate>, time_constants_s: &[f32]) {
         // The core has a lag in the catalogue's own shape only.
         candidates.retain(|candidate| candidate.effect() != self.effect || candidate.smoothing_s == 0.0);
@@ -34,7 +34,7 @@ impl Wish {
         let mut own: Vec<Candidate> =
             candidates.iter().copied().filter(|candidate| candidate.effect() == self.effect).collect();
         own.dedup_by_key(|candidate| candidate.regressor.since);
-        // In their place: the search takes an effect's columns for neighbours.
+        // In their place: the search expects an effect's columns side by side.
         let at = candidates.iter().position(|candidate| candidate.effect() == self.effect).unwrap_or(0);
         candidates.retain(|candidate| candidate.effect() != self.effect);
         let with = |candidate: Candidate, time_constant_s| Candidate {

@@ -30,7 +30,7 @@ pub struct Nuisance {
 
 /// What an effect's coefficient is learned from.
 #[derive(Clone, Debug)]
-pub struct Lesson {
+pub struct LearningProblem {
     /// The flights' block means.
     pub flights: Vec<Series>,
     /// The noise fitted beside the terms.
