@@ -80,15 +80,15 @@ export async function sentence(page) {
 }
 
 /** The rms errors at the bottom, metres: of each revision those learned and held out. */
-export async function rungs(page) {
-  const rows = await page.locator(".rung").evaluateAll((list) =>
-    list.map((rung) => [...rung.querySelectorAll(".revision-bar .number")].map((value) => Number.parseFloat(value.textContent ?? ""))));
+export async function revisions(page) {
+  const rows = await page.locator(".revision").evaluateAll((list) =>
+    list.map((revision) => [...revision.querySelectorAll(".revision-bar .number")].map((value) => Number.parseFloat(value.textContent ?? ""))));
   return rows;
 }
 
 export async function rungsAre(page, count) {
-  await page.waitForFunction((wanted) => document.querySelectorAll(".rung").length === wanted && !document.querySelector(".progress"), count);
-  return rungs(page);
+  await page.waitForFunction((wanted) => document.querySelectorAll(".revision").length === wanted && !document.querySelector(".progress"), count);
+  return revisions(page);
 }
 
 /** What axe finds, as lines. */
