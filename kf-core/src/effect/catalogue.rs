@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::definition::{Definition, Parts};
+use super::definition::{Defined, Parts, definition_of};
 use super::tracker::SignalTracker;
 use super::{Regressor, barometer, inertial_altitude, reference};
 use crate::sensor::Sensor;
@@ -84,7 +84,7 @@ macro_rules! catalogue {
         pub enum EffectId {
             $($(#[$doc])* $variant,)*
             /// One by formula, of a model.
-            Defined(&'static Definition),
+            Defined(Defined),
         }
 
         impl EffectId {
@@ -94,7 +94,7 @@ macro_rules! catalogue {
             pub(super) const fn row(self) -> &'static Row {
                 match self {
                     $(Self::$variant => &$row,)*
-                    Self::Defined(definition) => &definition.row,
+                    Self::Defined(defined) => &definition_of(defined).row,
                 }
             }
         }
@@ -160,7 +160,7 @@ impl EffectId {
     #[must_use]
     pub const fn formula(self) -> Option<&'static Parts> {
         match self {
-            Self::Defined(definition) => Some(definition.parts()),
+            Self::Defined(defined) => Some(definition_of(defined).parts()),
             _ => None,
         }
     }

@@ -50,6 +50,23 @@ pub struct Definition {
     pub(crate) machine: &'static Machine,
 }
 
+/// Which effect by formula an id means.
+#[cfg(feature = "formulas")]
+pub type Defined = &'static Definition;
+
+/// Which effect by formula an id means. In an image without the feature `formulas` there is none, so that an id takes one byte.
+#[cfg(not(feature = "formulas"))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Defined {}
+
+/// The definition that an id means.
+pub(super) const fn definition_of(defined: Defined) -> &'static Definition {
+    #[cfg(feature = "formulas")]
+    return defined;
+    #[cfg(not(feature = "formulas"))]
+    match defined {}
+}
+
 impl Definition {
     /// The effect of these parts.
     #[must_use]

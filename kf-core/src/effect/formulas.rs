@@ -1,6 +1,6 @@
 //! The formulas of a model, tick by tick.
 
-use super::definition::Machine;
+use super::definition::{Machine, definition_of};
 use super::{EffectId, EffectTerm, SignalTracker};
 use crate::config::{MAX_CONSTANT_EFFECTS, MAX_ESTIMATED_EFFECTS, MissionConfig};
 use crate::formula::{Frame, Silent};
@@ -26,17 +26,36 @@ pub const fn formula_words(estimated: usize) -> usize {
 /// What the formulas of a mission remember.
 pub(crate) type FormulaWords = heapless::Vec<f32, MAX_FORMULA_WORDS>;
 
-/// Signals, memory and values of a model's effects by formula; costs nothing but its room where there are none.
+/// Signals, memory and values of a model's effects by formula. In an image whose model has no formula it takes next to no memory.
 #[derive(Clone, Debug)]
 pub(crate) struct Formulas {
     machine: Option<&'static Machine>,
     used: u64,
+    /// One, or none without the feature `formulas`.
+    memory: [Memory; MEMORIES],
+    /// The integrals could not be continued over a restart.
+    integrals_lost: bool,
+}
+
+const MEMORIES: usize = cfg!(feature = "formulas") as usize;
+
+#[derive(Clone, Copy, Debug)]
+struct Memory {
     frame: Frame,
     state: [f32; MAX_FORMULA_WORDS],
     estimated_m: [Option<f32>; MAX_ESTIMATED_EFFECTS],
     constant_m: [Option<f32>; MAX_CONSTANT_EFFECTS],
-    /// The integrals could not be continued over a restart.
-    integrals_lost: bool,
+}
+
+impl Default for Memory {
+    fn default() -> Self {
+        Self {
+            frame: Frame::default(),
+            state: [0.0; MAX_FORMULA_WORDS],
+            estimated_m: [None; MAX_ESTIMATED_EFFECTS],
+            constant_m: [None; MAX_CONSTANT_EFFECTS],
+        }
+    }
 }
 
 impl core::fmt::Debug for Machine {
@@ -48,28 +67,23 @@ impl core::fmt::Debug for Machine {
 impl Formulas {
     /// Of a model's effects; `None` where they remember more than [`formula_words`].
     pub(crate) fn of<const E: usize>(config: &MissionConfig<E>) -> Option<Self> {
-        let mut formulas = Self {
-            machine: None,
-            used: 0,
-            frame: Frame::default(),
-            state: [0.0; MAX_FORMULA_WORDS],
-            estimated_m: [None; MAX_ESTIMATED_EFFECTS],
-            constant_m: [None; MAX_CONSTANT_EFFECTS],
-            integrals_lost: false,
-        };
+        let mut formulas =
+            Self { machine: None, used: 0, memory: [Memory::default(); MEMORIES], integrals_lost: false };
         for term in config.estimated_effects.iter().chain(&config.constant_effects) {
-            if let EffectId::Defined(definition) = term.id() {
+            if let EffectId::Defined(defined) = term.id() {
+                let definition = definition_of(defined);
                 formulas.machine = Some(definition.machine);
                 formulas.used |= definition.parts().program.signals();
             }
         }
-        let has_room = cfg!(feature = "formulas") || formulas.machine.is_none();
-        (has_room && words(config) <= formula_words(E)).then_some(formulas)
+        (words(config) <= formula_words(E)).then_some(formulas)
     }
 
     /// See [`SignalTracker::begin_calibration`].
     pub(crate) const fn begin_calibration(&mut self) {
-        self.frame.begin_calibration();
+        if let [memory, ..] = self.memory.as_mut_slice() {
+            memory.frame.begin_calibration();
+        }
     }
 
     /// See [`SignalTracker::lose_integrals`].
@@ -91,53 +105,40 @@ impl Formulas {
         fix: Option<&GpsFix>,
         tracker: &SignalTracker,
     ) -> u32 {
-        match self.machine {
-            None => 0,
-            Some(machine) => self.run(machine, config, input, fix, tracker),
-        }
-    }
-
-    fn run<const E: usize>(
-        &mut self,
-        machine: &Machine,
-        config: &MissionConfig<E>,
-        input: &TickInput,
-        fix: Option<&GpsFix>,
-        tracker: &SignalTracker,
-    ) -> u32 {
-        (machine.take)(&mut self.frame, self.used, input, fix, tracker);
+        let (Some(machine), [memory, ..]) = (self.machine, self.memory.as_mut_slice()) else { return 0 };
+        (machine.take)(&mut memory.frame, self.used, input, fix, tracker);
         let mut silent = 0_u32;
-        let mut left = self.state.as_mut_slice();
-        let terms = config.estimated_effects.iter().zip(&mut self.estimated_m);
-        for (term, value_m) in terms.chain(config.constant_effects.iter().zip(&mut self.constant_m)) {
-            let EffectId::Defined(definition) = term.id() else { continue };
-            let program = &definition.parts().program;
+        let mut left = memory.state.as_mut_slice();
+        let terms = config.estimated_effects.iter().zip(&mut memory.estimated_m);
+        for (term, value_m) in terms.chain(config.constant_effects.iter().zip(&mut memory.constant_m)) {
+            let EffectId::Defined(defined) = term.id() else { continue };
+            let program = &definition_of(defined).parts().program;
             let Some((state, rest)) = left.split_at_mut_checked(program.state_words()) else { break };
             left = rest;
-            let value = (machine.step)(program, state, &self.frame, term.regressor.time_constant_s);
+            let value = (machine.step)(program, state, &memory.frame, term.regressor.time_constant_s);
             silent += u32::from(value.is_err_and(|why| why != Silent::NotYet));
             let is_lost = self.integrals_lost && program.is_integrated();
             *value_m = value.ok().filter(|_| !is_lost);
         }
-        self.frame.end();
+        memory.frame.end();
         silent
     }
 
     /// Value of the estimated effect of that number, metres per unit of coefficient.
     #[inline]
     pub(crate) fn estimated_m(&self, effect: usize) -> Option<f32> {
-        self.estimated_m.get(effect).copied().flatten()
+        self.memory.first().and_then(|memory| memory.estimated_m.get(effect).copied().flatten())
     }
 
     /// Value of the constant effect of that number.
     #[inline]
     pub(crate) fn constant_m(&self, effect: usize) -> Option<f32> {
-        self.constant_m.get(effect).copied().flatten()
+        self.memory.first().and_then(|memory| memory.constant_m.get(effect).copied().flatten())
     }
 
     /// What is remembered, to be kept over a restart.
     pub(crate) fn kept<const E: usize>(&self, config: &MissionConfig<E>) -> FormulaWords {
-        self.state.iter().copied().take(words(config)).collect()
+        self.memory.iter().flat_map(|memory| memory.state).take(words(config)).collect()
     }
 
     /// Whether that is a memory of this model's formulas.
@@ -147,10 +148,11 @@ impl Formulas {
 
     /// Goes on from what was kept at a time: the next tick's step is from there.
     pub(crate) fn resume(&mut self, kept: &FormulaWords, last_us: u64) {
-        for (word, kept) in self.state.iter_mut().zip(kept) {
+        let [memory, ..] = self.memory.as_mut_slice() else { return };
+        for (word, kept) in memory.state.iter_mut().zip(kept) {
             *word = *kept;
         }
-        self.frame.resume(last_us);
+        memory.frame.resume(last_us);
     }
 }
 

@@ -21,7 +21,7 @@ pub(crate) use acting::ActingEffects;
 pub use barometer::dynamic_pressure_head_m;
 pub(crate) use catalogue::Uses;
 pub use catalogue::{EffectId, EffectSubject};
-pub use definition::{Definition, Parts};
+pub use definition::{Defined, Definition, Parts};
 pub(crate) use formulas::{FormulaWords, Formulas};
 pub use formulas::{MAX_FORMULA_WORDS, formula_words};
 pub use free_flight_integrals::AccelerationSource;
