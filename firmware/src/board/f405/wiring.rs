@@ -66,7 +66,7 @@ pub type UmbilicalUart = UART4;
 pub type UmbilicalStream = Stream2<DMA1>;
 /// See [`UmbilicalStream`].
 pub const UMBILICAL_CHANNEL: u8 = 4;
-/// UART4_TX: nothing: the UAV does not speak to the mother ship
+/// UART4_TX: nothing: the UAV sends nothing to the mother ship
 pub type UmbilicalTx = PA0;
 /// UART4_RX: mother ship's MAVLink output, TX
 pub type UmbilicalRx = PA1;
@@ -75,7 +75,7 @@ pub const UMBILICAL_BAUD: u32 = 115_200;
 /// Whose altitudes on it are the mother ship's.
 pub const MOTHER_SHIP: Sender = Sender::FIRST_AUTOPILOT;
 
-/// input, pulled up: umbilical's break-wire, whose other end is ground on the mother ship; open is launched
+/// input, pulled up: umbilical's break-wire, whose other end is ground on the mother ship; an open wire means launched
 pub type BreakWirePin<Mode = Input> = PA3<Mode>;
 
 /// The telemetry's UART.
