@@ -1,19 +1,16 @@
 //! `pylon diagnose`.
 
-use std::path::PathBuf;
 use std::sync::Mutex;
 
 use clap::Args;
 use pylon::batch;
 use pylon::contained::contained;
 use pylon::diagnose::{diagnose, text};
-use pylon::flight::Flight;
-use pylon::replay::{CalibrationWindow, Replay};
 use pylon::results::DiagnoseResult;
 
 use super::failure::Failure;
-use super::places::Places;
 use super::progress::Counter;
+use super::study::StudyArguments;
 use super::{load, terminal};
 
 const EXAMPLES: &str = "\
@@ -34,21 +31,8 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// Flights to learn from: flight CSVs, logs that `pylon import` reads, or folders of them
-    #[arg(value_name = "FLIGHT", required = true)]
-    flights: Vec<PathBuf>,
-    /// The model: a TOML file, `default` or `paper`
-    #[arg(long, value_name = "MODEL", default_value = "default")]
-    model: String,
-    /// Evaluate on this flight instead of on held-out manoeuvres (may be repeated)
-    #[arg(long, value_name = "FLIGHT")]
-    hold_out: Vec<PathBuf>,
-    /// Calibrate on this part of the flights, and take its end as launch; seconds of the flight's clock, as `pylon open` shows it
-    #[arg(long, value_name = "START..END")]
-    calibrate: Option<CalibrationWindow>,
-    /// Fail if one flight cannot be used, instead of skipping and naming it
-    #[arg(long)]
-    strict: bool,
+    #[command(flatten)]
+    study: StudyArguments,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -56,26 +40,10 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let model = load::model(&arguments.model)?;
-    let [given, held_files] = [Places::find(&arguments.flights)?, Places::find(&arguments.hold_out)?];
-    load::refuse_repeats(&given.files, &held_files.files)?;
-    let is_usable = |flight: &Flight| {
-        let replay = Replay::calibrated_or_not(flight, &model, arguments.calibrate);
-        replay.map(|_| ()).map_err(|error| error.to_string())
-    };
-    let [batch, held_out] =
-        [&given.files, &held_files.files].map(|files| load::Batch::read(files, arguments.strict, is_usable));
-    let (batch, held_out) = (batch?, held_out?);
-    let warnings = |files: &[PathBuf], flights: &[load::Read]| -> Vec<String> {
-        let pairs = files.iter().zip(flights);
-        pairs
-            .flat_map(|(file, (_, notes))| notes.iter().map(|note| format!("{}: {note}", file.display())))
-            .collect()
-    };
-    let warnings =
-        [warnings(&batch.files, &batch.flights), warnings(&held_out.files, &held_out.flights)].concat();
-    let learned = load::replays_to_diagnose(&batch.files, &batch.flights, &model, arguments.calibrate)?;
-    let held = load::replays_to_diagnose(&held_out.files, &held_out.flights, &model, arguments.calibrate)?;
+    let study = &arguments.study;
+    let model = load::model(&study.model)?;
+    let flights = study.find()?.read(&model, study)?;
+    let [learned, held] = flights.replays(&model)?;
     let mut counter = Counter::new("diagnosing", "fits");
     let together = contained(|| diagnose(&learned, &held, &mut || counter.step()));
     drop(counter);
@@ -92,15 +60,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Err(why) if one_by_one.is_none() => return Err(Failure::input(defect(&why))),
         Err(why) => Err(defect(&why)),
         Ok(mut diagnosis) => {
-            diagnosis.model.clone_from(&arguments.model);
-            diagnosis.warnings.splice(0..0, warnings);
+            diagnosis.model.clone_from(&study.model);
+            diagnosis.warnings.splice(0..0, flights.warnings());
             Ok(diagnosis)
         }
     };
-    given.write_notes();
-    held_files.write_notes();
-    batch.write_skipped();
-    held_out.write_skipped();
+    flights.write_left_out();
     if arguments.json {
         let (together, failed) = together.map_or_else(|why| (None, Some(why)), |found| (Some(found), None));
         terminal::put_json(&DiagnoseResult { together, failed, one_by_one })

@@ -1,19 +1,17 @@
 //! `pylon discover`.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use clap::Args;
 use pylon::contained::contained;
 use pylon::discover::{Discovery, discover, id, text, with_definition};
-use pylon::flight::Flight;
 use pylon::output_file::prepare;
-use pylon::replay::{CalibrationWindow, Replay};
 
 use super::failure::Failure;
 use super::model_lock::lock_model;
 use super::overwriting::{Role, refuse_overwriting};
-use super::places::Places;
 use super::progress::Counter;
+use super::study::StudyArguments;
 use super::{load, terminal};
 
 const EXAMPLES: &str = "\
@@ -31,27 +29,14 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// Flights to learn from: flights' CSV, logs that `pylon import` reads, or folders of them
-    #[arg(value_name = "FLIGHT", required = true)]
-    flights: Vec<PathBuf>,
-    /// The model: a TOML file, `default` or `paper`
-    #[arg(long, value_name = "MODEL", default_value = "default")]
-    model: String,
-    /// Judge laws on this flight as well, and the errors on it instead of on held-out manoeuvres (may be repeated)
-    #[arg(long, value_name = "FLIGHT")]
-    hold_out: Vec<PathBuf>,
-    /// Calibrate on this part of the flights (seconds of the flight's own clock, as `pylon open` shows it: an imported log's begins with its first record) and say launch at its end
-    #[arg(long, value_name = "START..END")]
-    calibrate: Option<CalibrationWindow>,
+    #[command(flatten)]
+    study: StudyArguments,
     /// Make law N, as this command numbers it, an effect definition of this model file
     #[arg(long, num_args = 2, value_names = ["MODEL.toml", "N"])]
     write: Option<Vec<String>>,
     /// The id of the definition that `--write` makes; without, what it acts on and its signals
     #[arg(long, value_name = "ID", requires = "write")]
     id: Option<String>,
-    /// Refuse all flights if one of them cannot be used, instead of skipping and naming it
-    #[arg(long)]
-    strict: bool,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -60,31 +45,16 @@ pub struct Arguments {
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let wanted = arguments.write.as_deref().map(target).transpose()?;
-    let model = load::model(&arguments.model)?;
-    let [given, held_files] = [Places::find(&arguments.flights)?, Places::find(&arguments.hold_out)?];
-    load::refuse_repeats(&given.files, &held_files.files)?;
+    let study = &arguments.study;
+    let model = load::model(&study.model)?;
+    let places = study.find()?;
     if let Some((file, _)) = wanted {
-        let flights: Vec<_> =
-            given.files.iter().chain(&held_files.files).map(|flight| Role::new(flight, "a flight")).collect();
+        let flights: Vec<_> = places.files().map(|flight| Role::new(flight, "a flight")).collect();
         refuse_overwriting(&flights, &[Role::new(file, "the model")])?;
         readable(file)?;
     }
-    let is_usable = |flight: &Flight| {
-        let replay = Replay::calibrated_or_not(flight, &model, arguments.calibrate);
-        replay.map(|_| ()).map_err(|error| error.to_string())
-    };
-    let [batch, held_out] =
-        [&given.files, &held_files.files].map(|files| load::Batch::read(files, arguments.strict, is_usable));
-    let (batch, held_out) = (batch?, held_out?);
-    let notes = |files: &[PathBuf], flights: &[load::Read]| -> Vec<String> {
-        let pairs = files.iter().zip(flights);
-        pairs
-            .flat_map(|(file, (_, notes))| notes.iter().map(|note| format!("{}: {note}", file.display())))
-            .collect()
-    };
-    let warnings = [notes(&batch.files, &batch.flights), notes(&held_out.files, &held_out.flights)].concat();
-    let learned = load::replays_to_diagnose(&batch.files, &batch.flights, &model, arguments.calibrate)?;
-    let held = load::replays_to_diagnose(&held_out.files, &held_out.flights, &model, arguments.calibrate)?;
+    let flights = places.read(&model, study)?;
+    let [learned, held] = flights.replays(&model)?;
     let mut counter = Counter::new("searching for laws", "fits");
     let found = contained(|| discover(&learned, &held, &mut || counter.step()));
     drop(counter);
@@ -93,12 +63,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             "the flights were not searched, by a defect of pylon; please report it: {why}"
         ))
     })?;
-    discovery.model.clone_from(&arguments.model);
-    discovery.warnings.splice(0..0, warnings);
-    given.write_notes();
-    held_files.write_notes();
-    batch.write_skipped();
-    held_out.write_skipped();
+    discovery.model.clone_from(&study.model);
+    discovery.warnings.splice(0..0, flights.warnings());
+    flights.write_left_out();
     let written = wanted.map(|(file, number)| write(file, number, arguments, &discovery)).transpose()?;
     if arguments.json {
         let mut json = serde_json::to_string_pretty(&discovery)?;
@@ -107,7 +74,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     } else if let Some(written) = written {
         terminal::put(&written)
     } else {
-        terminal::put(&text(&discovery, &command(arguments)))
+        terminal::put(&text(&discovery, &command(study)))
     }
 }
 
@@ -164,7 +131,7 @@ fn write(
 }
 
 /// The command that was run, to be pasted.
-fn command(arguments: &Arguments) -> String {
+fn command(arguments: &StudyArguments) -> String {
     let mut command = "pylon discover".to_owned();
     for flight in &arguments.flights {
         command += &format!(" {}", flight.display());

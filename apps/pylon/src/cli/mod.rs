@@ -23,6 +23,7 @@ mod progress;
 mod report;
 mod simulate;
 mod studio;
+mod study;
 mod terminal;
 
 use std::process::ExitCode;
