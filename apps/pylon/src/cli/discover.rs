@@ -1,5 +1,6 @@
 //! `pylon discover`.
 
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -7,6 +8,7 @@ use pylon::contained::contained;
 use pylon::discover::{Discovery, discover, id, text, with_definition};
 use pylon::flight::Flight;
 use pylon::output_file::prepare;
+use pylon::plots::draw_laws;
 use pylon::replay::{CalibrationWindow, Replay};
 
 use super::failure::Failure;
@@ -24,6 +26,8 @@ Examples:
       learn from two flights; a law that the third speaks against is not proposed
   pylon discover flight.csv --write ours.toml 1
       the first law becomes an [[effect_definition]] of ours.toml; `pylon add` goes on
+  pylon discover flight.csv --plots pictures
+      measured against law, and what it leaves against each of its signals, as SVG
   pylon discover flight.csv --json | jq .laws[0].regressor
       for other programs";
 
@@ -49,6 +53,9 @@ pub struct Arguments {
     /// The id of the definition that `--write` makes; without, what it acts on and its signals
     #[arg(long, value_name = "ID", requires = "write")]
     id: Option<String>,
+    /// Draw every law into DIR (SVG): measured against law, and what it leaves against each of its signals
+    #[arg(long, value_name = "DIR")]
+    plots: Option<PathBuf>,
     /// Refuse all flights if one of them cannot be used, instead of skipping and naming it
     #[arg(long)]
     strict: bool,
@@ -99,6 +106,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     held_files.write_notes();
     batch.write_skipped();
     held_out.write_skipped();
+    if let Some(directory) = &arguments.plots {
+        for file in draw_laws(directory, &discovery)? {
+            // Where the pictures are is no part of the result.
+            let _ = writeln!(std::io::stderr(), "drew {}", file.display());
+        }
+    }
     let written = wanted.map(|(file, number)| write(file, number, arguments, &discovery)).transpose()?;
     if arguments.json {
         let mut json = serde_json::to_string_pretty(&discovery)?;
@@ -154,7 +167,7 @@ fn write(
     let _lock = lock_model(file)?;
     let changed = with_definition(&readable(file)?, &id, law)
         .map_err(|error| Failure::input(format!("{}: {error}", file.display())))?;
-    prepare(file, |out| std::io::Write::write_all(out, changed.as_bytes()))?.publish()?;
+    prepare(file, |out| out.write_all(changed.as_bytes()))?.publish()?;
     let flight = discovery.flights.first().map_or("FLIGHT", String::as_str);
     let model = file.display();
     Ok(format!(
