@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, bail};
@@ -11,10 +11,24 @@ use crate::child;
 use crate::setup::{self, Need};
 use crate::workspace;
 
-/// What the other methods need.
-const REQUIREMENTS: &str = "host-tests/baselines/requirements.txt";
-/// The other methods.
-const SCRIPT: &str = "host-tests/baselines/compare.py";
+/// A script of other methods, what it needs, and its folder under Cargo's.
+struct Others {
+    script: &'static str,
+    requirements: &'static str,
+    folder: &'static str,
+}
+/// Least squares and the LASSO, beside the diagnosis.
+const BESIDE_DIAGNOSIS: Others = Others {
+    script: "host-tests/baselines/compare.py",
+    requirements: "host-tests/baselines/requirements.txt",
+    folder: "baselines",
+};
+/// Symbolic and sparse regression, beside the search for laws.
+const BESIDE_LAWS: Others = Others {
+    script: "host-tests/baselines/laws.py",
+    requirements: "host-tests/baselines/laws-requirements.txt",
+    folder: "baselines-laws",
+};
 /// Where the tables are kept.
 const PAGE: &str = "docs/blind-trials.md";
 /// The tables lie between these lines of it.
@@ -62,20 +76,14 @@ pub fn run(trials: u64, seed: u64, verbose: bool) -> anyhow::Result<()> {
 
 /// Flies them, gives what the diagnosis worked on to the other methods, and prints both tables.
 pub fn baselines(trials: u64, seed: u64, write: bool, echo: bool) -> anyhow::Result<()> {
-    let python = environment(echo)?;
-    let folder = workspace::target_folder().join("blind-trials");
-    if folder.exists() {
-        fs::remove_dir_all(&folder).with_context(|| format!("{} can not be emptied", folder.display()))?;
-    }
+    let python = environment(&BESIDE_DIAGNOSIS, echo)?;
+    let folder = emptied("blind-trials")?;
     let mut program = built("blind", echo)?;
     program.args([&trials.to_string(), "--seed", &seed.to_string(), "--quiet", "--dump"]).arg(&folder);
     eprintln!("flying {trials} blind trials");
     let ours = child::run(&mut program, echo)?.stdout;
     eprintln!("giving their residuals to least squares and the LASSO");
-    let mut compare = workspace::program(python);
-    // One thread a process: there is a process a core.
-    compare.arg(SCRIPT).arg(&folder).env("OMP_NUM_THREADS", "1").env("OPENBLAS_NUM_THREADS", "1");
-    let theirs = child::run(&mut compare, echo)?.stdout;
+    let theirs = child::run(&mut script(&BESIDE_DIAGNOSIS, python, &folder), echo)?.stdout;
     let text = tables(trials, seed, &ours, &theirs);
     print!("{text}");
     if write {
@@ -100,16 +108,30 @@ pub fn real(half: &str, write: bool, echo: bool) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Searches flights for hidden laws and prints the table; `write` puts it into its page.
-pub fn laws(trials: u64, seed: u64, write: bool, echo: bool) -> anyhow::Result<()> {
+/// Searches flights for hidden laws, gives `beside` of them to other methods, and prints both tables; `write` puts them into their page.
+pub fn laws(trials: u64, seed: u64, beside: u64, write: bool, echo: bool) -> anyhow::Result<()> {
     let mut program = built("laws", echo)?;
     program.args([&trials.to_string(), "--seed", &seed.to_string(), "--quiet"]);
     eprintln!("flying {trials} blind trials for laws");
-    let said = child::run(&mut program, echo)?.stdout;
-    println!("{}", said.trim());
+    let ours = child::run(&mut program, echo)?.stdout;
+    let mut said = ours.trim().to_owned();
+    println!("{said}");
+    let beside = beside.min(trials);
+    if beside > 0 {
+        let python = environment(&BESIDE_LAWS, echo)?;
+        let folder = emptied("blind-laws")?;
+        let mut program = built("laws", echo)?;
+        program.args([&beside.to_string(), "--seed", &seed.to_string(), "--dump"]).arg(&folder);
+        child::run(&mut program, echo)?;
+        eprintln!("giving {beside} of them to symbolic and to sparse regression: about half a minute each");
+        let theirs = child::run(&mut script(&BESIDE_LAWS, python, &folder), echo)?.stdout;
+        println!("\n{}", theirs.trim());
+        said = format!("{said}\n\n{}", theirs.trim());
+    }
     if write {
-        let text =
-            format!("`cargo xtask laws {trials} --seed {seed} --write`\n\n```text\n{}\n```", said.trim());
+        let text = format!(
+            "`cargo xtask laws {trials} --seed {seed} --beside {beside} --write`\n\n```text\n{said}\n```"
+        );
         write_to(LAWS_PAGE, &LAWS, &text)?;
     }
     Ok(())
@@ -142,17 +164,35 @@ fn built(program: &str, echo: bool) -> anyhow::Result<Command> {
     Ok(workspace::program(file))
 }
 
-/// Python with what the script needs, in a folder of its own under Cargo's; made once for each list of
+/// An empty folder of that name under Cargo's.
+fn emptied(name: &str) -> anyhow::Result<PathBuf> {
+    let folder = workspace::target_folder().join(name);
+    if folder.exists() {
+        fs::remove_dir_all(&folder).with_context(|| format!("{} can not be emptied", folder.display()))?;
+    }
+    Ok(folder)
+}
+
+/// Other methods on what lies in a folder.
+fn script(others: &Others, python: PathBuf, folder: &Path) -> Command {
+    let mut script = workspace::program(python);
+    // One thread a process: there is a process a core.
+    script.arg(others.script).arg(folder).env("OMP_NUM_THREADS", "1").env("OPENBLAS_NUM_THREADS", "1");
+    script
+}
+
+/// Python with what a script needs, in a folder of its own under Cargo's; made once for each list of
 /// requirements.
-fn environment(echo: bool) -> anyhow::Result<PathBuf> {
-    let folder = workspace::target_folder().join("baselines");
+fn environment(others: &Others, echo: bool) -> anyhow::Result<PathBuf> {
+    let requirements = others.requirements;
+    let folder = workspace::target_folder().join(others.folder);
     let python = folder.join("bin/python");
-    let wanted = fs::read_to_string(workspace::root().join(REQUIREMENTS))?;
+    let wanted = fs::read_to_string(workspace::root().join(requirements))?;
     let installed = folder.join("installed.txt");
     if fs::read_to_string(&installed).is_ok_and(|text| text == wanted) {
         return Ok(python);
     }
-    eprintln!("installing {REQUIREMENTS} into {}", workspace::shown(&folder));
+    eprintln!("installing {requirements} into {}", workspace::shown(&folder));
     let mut venv = workspace::program("python3");
     child::run(venv.args(["-m", "venv", "--clear"]).arg(&folder), echo)
         .context("Python 3.11 or newer with its venv module is needed (Debian: python3-venv)")?;
@@ -164,7 +204,7 @@ fn environment(echo: bool) -> anyhow::Result<PathBuf> {
         "--quiet",
         "--disable-pip-version-check",
         "--requirement",
-        REQUIREMENTS,
+        requirements,
     ]);
     child::run(&mut pip, echo)?;
     fs::write(&installed, wanted)?;

@@ -81,6 +81,9 @@ pub enum Job {
         /// The first trial's seed; each further one's is one more.
         #[arg(long, default_value_t = 1)]
         seed: u64,
+        /// How many of them symbolic regression (gplearn) and sparse regression (PySINDy) get as well; they take half a minute each.
+        #[arg(long, default_value_t = 24)]
+        beside: u64,
         /// Write the table into docs/blind-laws.md as well.
         #[arg(long)]
         write: bool,

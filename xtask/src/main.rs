@@ -76,7 +76,7 @@ fn run(job: Job, verbose: bool) -> anyhow::Result<ExitCode> {
         Job::Hil(arguments) => return hil::run(&arguments, verbose),
         Job::Bench { json, part } => bench::run(part, json, verbose)?,
         Job::Blind { trials, seed } => blind::run(trials, seed, verbose)?,
-        Job::Laws { trials, seed, write } => blind::laws(trials, seed, write, verbose)?,
+        Job::Laws { trials, seed, beside, write } => blind::laws(trials, seed, beside, write, verbose)?,
         Job::RealTrials { half, write } => blind::real(&half, write, verbose)?,
         Job::MonitorCurves { seed } => monitor_curves::run(seed, verbose)?,
         Job::Baselines { trials, seed, write } => blind::baselines(trials, seed, write, verbose)?,

@@ -60,7 +60,14 @@ fn the_law_of_a_column_that_nobody_knows_is_found_and_written() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     write(folder, "flap.csv", &flight(3, 6.0));
-    let found = json(folder, &["discover", "flap.csv", "--json"]);
+    let found = json(folder, &["discover", "flap.csv", "--json", "--plots", "pictures"]);
+    // The picture of the first law: it has the law's name, its axes and its curves.
+    let picture = std::fs::read_to_string(folder.join("pictures/law-1.svg")).unwrap();
+    for said in ["1. baro += c * flap", "law, m", "measured on baro, m", "left by it, m", "the law"] {
+        assert!(picture.contains(said), "{said}: {picture}");
+    }
+    let pictures = std::fs::read_dir(folder.join("pictures")).unwrap().count();
+    assert_eq!(pictures, found["laws"].as_array().unwrap().len());
     let law = &found["laws"][0];
     assert_eq!(law["on"], "baro", "{found:#}");
     assert_eq!(law["regressor"], "flap", "{found:#}");

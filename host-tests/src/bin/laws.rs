@@ -1,10 +1,11 @@
 //! Blind trials for laws: `cargo xtask laws`.
 
+use std::path::PathBuf;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use clap::Parser;
-use host_tests::laws::{Trial, draw, run, table};
+use host_tests::laws::{Trial, draw, dump, run, table};
 
 /// Fly simulated flights with a hidden law, search for it blind, and count how often that is right.
 #[derive(Debug, Parser)]
@@ -16,6 +17,9 @@ struct Arguments {
     /// The first trial's seed; each further one's is one more.
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// Write what is searched, and what was true, to this folder, and search nothing: for other methods to try.
+    #[arg(long, value_name = "FOLDER")]
+    dump: Option<PathBuf>,
     /// Only the table, not a line for every trial.
     #[arg(long, short)]
     quiet: bool,
@@ -23,6 +27,16 @@ struct Arguments {
 
 fn main() -> anyhow::Result<()> {
     let arguments = Arguments::parse();
+    if let Some(folder) = &arguments.dump {
+        std::fs::create_dir_all(folder)?;
+        for seed in arguments.seed..arguments.seed.saturating_add(arguments.trials) {
+            // A plan that the aircraft can't fly is no trial for anybody.
+            if let Err(error) = dump(&draw(seed), folder) {
+                println!("{seed:>5} not flown: {error}");
+            }
+        }
+        return Ok(());
+    }
     let end = arguments.seed.saturating_add(arguments.trials);
     let next = AtomicU64::new(arguments.seed);
     let results: Mutex<Vec<(u64, anyhow::Result<Trial>)>> = Mutex::new(Vec::new());

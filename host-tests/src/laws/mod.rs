@@ -14,4 +14,4 @@ pub use draw::{Case, draw};
 pub use fly::{Flown, fly};
 pub use hidden::Hidden;
 pub use score::{Score, table};
-pub use trial::{Trial, run};
+pub use trial::{Trial, dump, run};

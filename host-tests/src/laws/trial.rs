@@ -1,5 +1,7 @@
 //! One trial: fly, search, and hold the laws against the truth on another flight.
 
+use std::path::Path;
+
 use anyhow::Context as _;
 use kf_core::formula::{Evaluation, Frame, Signal};
 use model::Model;
@@ -25,6 +27,41 @@ pub struct Trial {
     /// law leaves of it.
     pub next_m: Option<[f64; 2]>,
 }
+
+/// Writes what the search works on, for other methods to try: block means of the flight and of the next one, each with a column `true_m`,
+/// what the hidden law adds in the block.
+///
+/// # Errors
+/// When the aircraft can't fly the plan, or a file can't be written.
+pub fn dump(case: &Case, folder: &Path) -> anyhow::Result<()> {
+    for number in 0..2 {
+        let flown = fly(case, number)?;
+        let model = Model::default();
+        let replay = Replay::new(&flown.flight, &model, None)?;
+        let mut table = Vec::new();
+        pylon::discover::dump(&replay, &mut table)?;
+        let table = String::from_utf8(table)?;
+        let mut text = String::new();
+        let times = &flown.flight.time_s;
+        for (k, line) in table.lines().enumerate() {
+            let added = if k == 0 {
+                "true_m".to_owned()
+            } else {
+                let time_s: f64 = line.split(',').next().unwrap_or_default().parse()?;
+                let [from, to] =
+                    [-HALF_BLOCK_S, HALF_BLOCK_S].map(|by| times.partition_point(|t| *t < time_s + by));
+                let rows = flown.true_m.get(from..to).unwrap_or_default();
+                format!("{:.9e}", rows.iter().sum::<f64>() / rows.len().max(1) as f64)
+            };
+            text += &format!("{line},{added}\n");
+        }
+        std::fs::write(folder.join(format!("{}-{number}.csv", case.seed)), text)?;
+    }
+    Ok(())
+}
+
+/// Half of a block's length, seconds.
+const HALF_BLOCK_S: f64 = 0.5;
 
 /// Runs a case.
 ///

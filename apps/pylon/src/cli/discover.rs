@@ -1,11 +1,13 @@
 //! `pylon discover`.
 
-use std::path::Path;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use pylon::contained::contained;
 use pylon::discover::{Discovery, discover, id, text, with_definition};
 use pylon::output_file::prepare;
+use pylon::plots::draw_laws;
 
 use super::failure::Failure;
 use super::model_lock::lock_model;
@@ -22,6 +24,8 @@ Examples:
       learn from two flights; a law that the third speaks against is not proposed
   pylon discover flight.csv --write ours.toml 1
       the first law becomes an [[effect_definition]] of ours.toml; `pylon add` goes on
+  pylon discover flight.csv --plots pictures
+      measured against law, and what it leaves against each of its signals, as SVG
   pylon discover flight.csv --json | jq .laws[0].regressor
       for other programs";
 
@@ -37,6 +41,9 @@ pub struct Arguments {
     /// The id of the definition that `--write` makes; without, what it acts on and its signals
     #[arg(long, value_name = "ID", requires = "write")]
     id: Option<String>,
+    /// Draw every law into DIR (SVG): measured against law, and what it leaves against each of its signals
+    #[arg(long, value_name = "DIR")]
+    plots: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -66,11 +73,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     discovery.model.clone_from(&study.model);
     discovery.warnings.splice(0..0, flights.warnings());
     flights.write_left_out();
+    if let Some(directory) = &arguments.plots {
+        for file in draw_laws(directory, &discovery)? {
+            // Where the pictures are is no part of the result.
+            let _ = writeln!(std::io::stderr(), "drew {}", file.display());
+        }
+    }
     let written = wanted.map(|(file, number)| write(file, number, arguments, &discovery)).transpose()?;
     if arguments.json {
-        let mut json = serde_json::to_string_pretty(&discovery)?;
-        json.push('\n');
-        terminal::put(&json)
+        terminal::put_json(&discovery)
     } else if let Some(written) = written {
         terminal::put(&written)
     } else {
@@ -121,7 +132,7 @@ fn write(
     let _lock = lock_model(file)?;
     let changed = with_definition(&readable(file)?, &id, law)
         .map_err(|error| Failure::input(format!("{}: {error}", file.display())))?;
-    prepare(file, |out| std::io::Write::write_all(out, changed.as_bytes()))?.publish()?;
+    prepare(file, |out| out.write_all(changed.as_bytes()))?.publish()?;
     let flight = discovery.flights.first().map_or("FLIGHT", String::as_str);
     let model = file.display();
     Ok(format!(

@@ -4,6 +4,7 @@ mod calibration;
 mod canvas;
 mod effect;
 mod free_flight;
+mod law;
 mod legend;
 mod panel;
 mod residuals;
@@ -14,6 +15,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 pub use effect::draw_effect;
+pub use law::draw_laws;
 
 use crate::compare::{Comparison, Traces};
 use crate::output_file::{OutputError, write_atomically};

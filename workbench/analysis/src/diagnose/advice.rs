@@ -2,6 +2,7 @@
 //! information matrix.
 
 use kf_core::effect::{EffectId, SignalTracker};
+use kf_core::input::TickInput;
 use kf_core::sensor::SENSORS;
 
 use super::candidates::Candidate;
@@ -13,7 +14,7 @@ use super::problem::Problem;
 use super::series::Series;
 
 /// Length of a block, seconds.
-const BLOCK_S: f64 = 0.5;
+pub const BLOCK_S: f64 = 0.5;
 
 /// A manoeuvre and what it would tell.
 #[derive(Clone, Debug, PartialEq)]
@@ -86,7 +87,7 @@ fn best(
 ) -> Option<Advice> {
     let mut best: Option<(f64, &Manoeuvre)> = None;
     for manoeuvre in &MANOEUVRES {
-        let series = flown(manoeuvre, candidates, set, trim, problem);
+        let series = flown(&manoeuvre.fly(trim), candidates, set, problem);
         let planned =
             Problem::new(std::slice::from_ref(&series), problem.prior.clone(), Vec::new(), &executor::Inline);
         let picks: Vec<usize> = (0..set.len()).collect();
@@ -98,14 +99,8 @@ fn best(
     best.map(|(sigmas, manoeuvre)| Advice { manoeuvre: manoeuvre.say(trim), sigmas })
 }
 
-/// The manoeuvre's blocks, with the columns of `set`; the residuals are of no interest.
-fn flown(
-    manoeuvre: &Manoeuvre,
-    candidates: &[Candidate],
-    set: &[usize],
-    trim: &Trim,
-    problem: &Problem<'_>,
-) -> Series {
+/// A manoeuvre's blocks, with the columns of `set`; the residuals are of no interest.
+pub fn flown(ticks: &[TickInput], candidates: &[Candidate], set: &[usize], problem: &Problem<'_>) -> Series {
     let has: [bool; SENSORS] = std::array::from_fn(|i| problem.flights.iter().any(|flight| flight.has(i)));
     let mut tracker = SignalTracker::default();
     let mut series = Series {
@@ -119,13 +114,13 @@ fn flown(
     formulas.begin_calibration();
     let mut launched = false;
     let mut next_s = 0.0;
-    for input in manoeuvre.fly(trim) {
+    for input in ticks {
         if input.launch && !launched {
             launched = true;
             tracker.begin_free_flight(input.time_us);
         }
-        tracker.take(&input, input.gps.as_ref());
-        formulas.take(&input, input.gps.as_ref(), &tracker);
+        tracker.take(input, input.gps.as_ref());
+        formulas.take(input, input.gps.as_ref(), &tracker);
         let time_s = input.time_us as f64 * 1e-6;
         if time_s < next_s {
             continue;

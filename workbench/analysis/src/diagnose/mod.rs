@@ -89,15 +89,20 @@ pub use work::diagnose;
 
 // What `crate::discover` works with as well.
 pub(crate) mod parts {
+    pub(crate) use super::advice::{BLOCK_S as ADVICE_BLOCK_S, flown};
     pub(crate) use super::candidates::Candidate;
     pub(crate) use super::evidence::{Fitted, of_flights, of_folds};
+    pub(crate) use super::from_replay::epochs;
     pub(crate) use super::held_out::{HeldOut, flights, manoeuvres};
+    pub(crate) use super::information::own_coefficients;
     pub(crate) use super::long_run::inflation;
+    pub(crate) use super::manoeuvres::{MANOEUVRES, Trim};
     pub(crate) use super::noise::Noise;
     pub(crate) use super::prepare::Prepared;
     pub(crate) use super::problem::{NoiseFit, Problem};
     pub(crate) use super::search::Explanation;
     pub(crate) use super::series::{BySensor, Series};
+    pub(crate) use super::signals::SignalMeans;
     pub(crate) use super::suspects::Suspects;
     pub(crate) use super::unknown::{BETTER, SHAPE, SHAPE_WITHOUT_CLIMB_RATE};
     pub(crate) use super::whitener::{LANES, whiten_by_groups};

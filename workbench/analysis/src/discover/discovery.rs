@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::picture::Picture;
 use crate::diagnose::Verdict;
 use crate::name::Name;
 
@@ -110,6 +111,9 @@ pub struct FoundLaw {
     pub equal_to: Vec<Equal>,
     /// What to fly to tell it from these, in words; empty where nothing is known that would.
     pub advice: String,
+    /// What it looks like on the flights; not in the JSON.
+    #[serde(skip)]
+    pub picture: Picture,
 }
 
 /// What a law is equal to on these flights.

@@ -1,13 +1,13 @@
 //! Laws with the noise fitted anew beside them: the likelihood of the diagnosis.
 
-use super::grammar::Law;
+use super::grammar::{Law, MOST_PARTS};
 use super::screen::{Column, Subject};
 use super::search::{Scored, Search};
 use super::weigh::{SIZE_M, Weight};
 use crate::diagnose::HeldOutVerdict;
 use crate::diagnose::parts::{
-    Candidate, Explanation, Fitted as Term, HeldOut, NoiseFit, Prepared, Problem, Series, Suspects, flights,
-    inflation, manoeuvres, of_flights, of_folds,
+    Candidate, Explanation, Fitted as Term, HeldOut, NoiseFit, Prepared, Problem, Series, Suspects, Trim,
+    flights, inflation, manoeuvres, of_flights, of_folds,
 };
 
 /// Correlation (of the columns themselves) beyond which two laws are not both worth a fit.
@@ -59,6 +59,8 @@ pub struct Bench<'a> {
     pub search: &'a Search<'a>,
     /// What the catalogue explains.
     pub explanation: &'a Explanation,
+    /// Where the aircraft flies.
+    pub trim: Trim,
 }
 
 /// What was held out, without a law and with it.
@@ -123,6 +125,19 @@ impl Bench<'_> {
             }
         }
         kept.into_iter().map(|(scored, _)| scored).collect()
+    }
+
+    /// As [`Self::different`], with the best two of every number of parts whatever the others are.
+    pub fn different_by_parts(&self, laws: &[Scored], most: usize) -> Vec<Scored> {
+        let mut chosen = self.different(laws, most);
+        for parts in 1..=MOST_PARTS {
+            let own: Vec<Scored> = laws.iter().filter(|one| one.law.parts() == parts).cloned().collect();
+            let missing = self.different(&own, 2).into_iter();
+            let missing: Vec<Scored> =
+                missing.filter(|one| chosen.iter().all(|other| other.law != one.law)).collect();
+            chosen.extend(missing);
+        }
+        chosen
     }
 
     /// Fits the noise beside a law, from near there.

@@ -28,6 +28,8 @@ pub const QUANTILES: usize = 9;
 pub const PHASES: usize = 4;
 /// Most factors of a law.
 pub const MOST_FACTORS: usize = 3;
+/// Most factors and terms of a law.
+pub const MOST_PARTS: usize = 3;
 /// Bits of a constant that was moved off its grid.
 pub const OFF_GRID_BITS: f64 = 2.0;
 
@@ -92,6 +94,10 @@ pub enum TermKind {
     Excess,
     /// What it lacks to the constant, else zero.
     Lack,
+    /// The signal, but the constant where it is above.
+    Capped,
+    /// The excess of its magnitude over the constant, else zero.
+    ExcessEitherWay,
     /// The cosine of an angle less the constant.
     Cosine,
     /// The cosine of twice the angle less the constant.
@@ -100,7 +106,7 @@ pub enum TermKind {
 
 impl TermKind {
     /// Kinds among which a term chooses.
-    pub const COUNT: usize = 6;
+    pub const COUNT: usize = 8;
 }
 
 /// A threshold or a periodic function of a signal.
@@ -197,6 +203,8 @@ impl Term {
             TermKind::Beyond => write!(text, "step(abs({name}) > {constant})"),
             TermKind::Excess => write!(text, "max({name} - {constant}, {})", with_unit(0.0)),
             TermKind::Lack => write!(text, "max({constant} - {name}, {})", with_unit(0.0)),
+            TermKind::Capped => write!(text, "min({name}, {constant})"),
+            TermKind::ExcessEitherWay => write!(text, "max(abs({name}) - {constant}, {})", with_unit(0.0)),
             TermKind::Cosine => write!(text, "cos({name} - {constant})"),
             TermKind::SecondCosine => write!(text, "cos(2*({name} - {constant}))"),
         };
@@ -215,6 +223,19 @@ impl Law {
             + factors
             + term
             + OFF_GRID_BITS * self.off_grid as f64
+    }
+
+    /// Its factors and its term.
+    #[must_use]
+    pub fn parts(&self) -> usize {
+        self.factors.len() + usize::from(self.term.is_some())
+    }
+
+    /// Whether a signal is in it.
+    #[must_use]
+    pub fn uses(&self, signal: usize) -> bool {
+        self.factors.iter().any(|factor| factor.signal == signal)
+            || self.term.is_some_and(|term| term.signal == signal)
     }
 
     /// The law as the regressor of an effect definition.
@@ -238,7 +259,7 @@ impl Law {
 }
 
 /// A constant with the digits that it is known to: three.
-fn number(value: f64) -> String {
+pub fn number(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return "0".to_owned();
     }
@@ -282,6 +303,8 @@ mod tests {
             Some(Term { signal: 1, kind: TermKind::Beyond, constant: 0.25 }),
             Some(Term { signal: 0, kind: TermKind::Excess, constant: 31.0 }),
             Some(Term { signal: 0, kind: TermKind::Lack, constant: 31.0 }),
+            Some(Term { signal: 0, kind: TermKind::Capped, constant: 31.0 }),
+            Some(Term { signal: 0, kind: TermKind::ExcessEitherWay, constant: 31.0 }),
             Some(Term { signal: 2, kind: TermKind::Cosine, constant: 0.785 }),
             Some(Term { signal: 2, kind: TermKind::SecondCosine, constant: -0.4 }),
         ];

@@ -3,8 +3,11 @@
 use kf_core::sensor::Sensor;
 use model::formula::{Columns, Formula};
 
+use super::advice::to_separate;
 use super::discovery::{Discovery, Equal, FoundLaw, Rejected, Why};
 use super::fit::{Bench, Fitted, OnHeldOut};
+use super::grammar::MOST_PARTS;
+use super::picture::Picture;
 use super::screen::Subject;
 use super::search::BIT;
 use super::weigh::{DOMINATED, EQUAL, EVIDENCE, MOST_LAWS, PROPOSED, Weight, front, probabilities};
@@ -37,8 +40,17 @@ pub fn judge(
     fitted.sort_by(|a, b| b.merit().total_cmp(&a.merit()));
     let names = bench.search.signals.names();
     let most = fitted.first().map_or(0.0, Fitted::merit);
-    fitted.retain(|one| one.merit() > most - HOPELESS);
-    fitted.truncate(LOOKED_AT);
+    // The best of each number of parts stays: the front has simple laws with less evidence as well.
+    let mut parts_seen = [false; MOST_PARTS + 1];
+    fitted.retain(|one| {
+        let is_first = !std::mem::replace(&mut parts_seen[one.law.parts().min(MOST_PARTS)], true);
+        is_first || one.merit() > most - HOPELESS
+    });
+    let mut looked_at = 0;
+    fitted.retain(|one| {
+        looked_at += 1;
+        looked_at <= LOOKED_AT || one.merit() <= most - HOPELESS
+    });
 
     let mut standing: Vec<(Fitted, OnHeldOut)> = Vec::new();
     let mut reject = |one: &Fitted, why: Why, effect: Option<Name>| {
@@ -90,13 +102,16 @@ pub fn judge(
     let front = front(&weights);
     let correlations = correlations(bench, &standing);
     step(progress)?;
-    // One of those that are equal says what all of them say; where room is left, they follow.
+    // One of those that are equal says what all of them say; then the best of fewer parts; where room is left, the equal ones follow.
+    let parts = |k: usize| standing[k].0.law.parts();
     let mut chosen: Vec<usize> = Vec::new();
-    for with_equals in [false, true] {
+    for (simpler, with_equals) in [(false, false), (true, true), (false, true)] {
         for k in 0..standing.len() {
             let is_equal = chosen.iter().any(|other| correlations[*other][k] > EQUAL);
+            let is_probable = odds[k] > odds[0] - HOPELESS;
+            let is_simpler = chosen.iter().all(|other| parts(*other) > parts(k));
             let is_wanted = front[k] && !chosen.contains(&k) && (with_equals || !is_equal);
-            if is_wanted && odds[k] > odds[0] - HOPELESS && chosen.len() < MOST_LAWS {
+            if is_wanted && (if simpler { is_simpler } else { is_probable }) && chosen.len() < MOST_LAWS {
                 chosen.push(k);
             }
         }
@@ -115,7 +130,11 @@ pub fn judge(
                 probability: Some(probability[*other]),
             })
             .collect();
-        equal_to.extend(effects_alike(bench, one));
+        let (alike, columns_alike) = effects_alike(bench, one);
+        equal_to.extend(alike);
+        let others: Vec<&Fitted> = equals.iter().map(|other| &standing[*other].0).collect();
+        let advice = to_separate(bench, one, &others, &columns_alike, &bench.trim);
+        step(progress)?;
         let dropped = bench.explanation.columns.iter().filter(|column| !one.beside.contains(column));
         let effect =
             |column: &usize| bench.prepared.candidates.get(*column).map(|c| Name::from(c.effect().name()));
@@ -136,7 +155,8 @@ pub fn judge(
             size_m: one.coefficient.abs() * one.spread,
             instead_of: dropped.filter_map(effect).collect(),
             equal_to,
-            advice: String::new(),
+            advice,
+            picture: Picture::of(bench, one),
         });
     }
     Ok(())
@@ -210,24 +230,25 @@ fn catalogue(bench: &Bench<'_>, one: &Fitted) -> Alike {
     Alike::None
 }
 
-/// Effects of the catalogue that a law can not be told from.
-fn effects_alike(bench: &Bench<'_>, one: &Fitted) -> Vec<Equal> {
+/// Effects of the catalogue that a law can not be told from, and the column of each.
+fn effects_alike(bench: &Bench<'_>, one: &Fitted) -> (Vec<Equal>, Vec<usize>) {
     let series = bench.with_columns(bench.problem.flights, &[(one.subject, &one.column)]);
     let problem = bench.problem_of(&series);
     let mut picks: Vec<usize> = bench.suspects.usable().to_vec();
     picks.push(bench.law_column());
     let information = problem.information(&one.fit.noise, &picks);
     let law = picks.len() - 1;
-    let mut found: Vec<Equal> = Vec::new();
+    let (mut found, mut columns): (Vec<Equal>, Vec<usize>) = Default::default();
     for (at, column) in picks[..law].iter().enumerate() {
         let correlation = information.shared(law, at, &[]).unwrap_or(0.0).sqrt();
         let Some(candidate) = bench.prepared.candidates.get(*column) else { continue };
         let name = candidate.effect().name();
         if correlation > EQUAL && !found.iter().any(|equal| equal.law == name) {
             found.push(Equal { law: name.to_owned(), correlation, probability: None });
+            columns.push(*column);
         }
     }
-    found
+    (found, columns)
 }
 
 /// Correlations of the laws' whitened columns under the best one's noise; zero for laws on different subjects.

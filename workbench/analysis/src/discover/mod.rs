@@ -6,11 +6,15 @@
 //!    the noise anew for the few that are left, by the likelihood of the diagnosis.
 //! 4. `weigh` makes posterior probabilities of likelihoods and lengths; what was held out has a veto.
 
+mod advice;
 mod definition;
 mod discovery;
+mod dump;
 mod fit;
 mod grammar;
 mod judge;
+mod length;
+mod picture;
 mod screen;
 mod search;
 mod signals;
@@ -19,4 +23,6 @@ mod work;
 
 pub use definition::{DefinitionError, id, with_definition};
 pub use discovery::{Discovery, Equal, FoundLaw, Rejected, Why};
+pub use dump::dump;
+pub use picture::{Picture, PictureSignal};
 pub use work::discover;

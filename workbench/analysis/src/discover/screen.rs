@@ -43,6 +43,14 @@ pub struct Score {
 /// Column of one candidate by flight and block.
 pub type Column = Vec<Vec<f64>>;
 
+/// Stretches of free flight that are left out in turn when a law's length is chosen. Ten is what cross-validation is usually done with:
+/// with fewer the laws of the rest differ too much from those of all (Hastie, Tibshirani and Friedman, "The Elements of Statistical
+/// Learning", 2009, 7.10).
+pub const STRETCHES: usize = 10;
+
+/// Score and information of one column by stretch of free flight; captive flight comes last.
+pub type ByStretch = [[f64; 2]; STRETCHES + 1];
+
 /// What is known and whitened already: the residuals, biases, and the effects beside.
 pub struct Screen<'a> {
     problem: &'a Problem<'a>,
@@ -60,6 +68,54 @@ struct Own {
     factor: Option<Cholesky<f64, Dyn>>,
     /// The own columns' products with the residual and the picks, the inner products' inverse applied.
     solved: DMatrix<f64>,
+}
+
+/// Products of the known columns (the residual first) and of candidates over some blocks.
+#[derive(Clone)]
+struct StretchProducts {
+    known: usize,
+    made: usize,
+    base: Vec<f64>,
+    crosses: Vec<f64>,
+    squares: Vec<f64>,
+}
+
+impl StretchProducts {
+    fn new(known: usize, made: usize) -> Self {
+        Self {
+            known,
+            made,
+            base: vec![0.0; known * known],
+            crosses: vec![0.0; known * made],
+            squares: vec![0.0; made],
+        }
+    }
+
+    fn add(&mut self, known: &[f64], made: &[f64]) {
+        for (b, value) in known.iter().enumerate() {
+            for (sum, other) in self.base[b * self.known..].iter_mut().zip(known) {
+                *sum += value * other;
+            }
+            for (sum, other) in self.crosses[b * self.made..].iter_mut().zip(made) {
+                *sum += value * other;
+            }
+        }
+        for (sum, value) in self.squares.iter_mut().zip(made) {
+            *sum += value * value;
+        }
+    }
+
+    fn base(&self, b: usize, c: usize) -> f64 {
+        self.base[b * self.known + c]
+    }
+
+    fn cross(&self, b: usize, made: usize) -> f64 {
+        self.crosses[b * self.made + made]
+    }
+
+    fn square(&self, made: usize) -> f64 {
+        self.squares[made]
+    }
 }
 
 impl<'a> Screen<'a> {
@@ -105,19 +161,136 @@ impl<'a> Screen<'a> {
         executor::map(executor, jobs).concat()
     }
 
+    /// The scores by stretch of columns that `column` makes, in order; what is known beside is taken off by all blocks.
+    pub fn by_stretch(
+        &self,
+        columns: usize,
+        column: &(dyn Fn(usize) -> Option<Column> + Sync),
+        executor: &dyn Executor,
+    ) -> Vec<Option<ByStretch>> {
+        let jobs = (0..columns.div_ceil(CHUNK)).map(|chunk| {
+            move || {
+                let made: Vec<Option<Column>> =
+                    (chunk * CHUNK..columns.min((chunk + 1) * CHUNK)).map(column).collect();
+                self.stretches_of(&made)
+            }
+        });
+        executor::map(executor, jobs).concat()
+    }
+
+    fn stretches_of(&self, made: &[Option<Column>]) -> Vec<Option<ByStretch>> {
+        let n = self.picks.len();
+        let residual_by_picks = self.common.as_ref().map(|(factor, residual)| factor.solve(residual));
+        // The products of all blocks first: what is known beside is common to all stretches.
+        let parts: Vec<Vec<StretchProducts>> = self
+            .problem
+            .flights
+            .iter()
+            .enumerate()
+            .map(|(at, flight)| self.products_by_stretch(flight, at, made))
+            .collect();
+        let score = |k: usize| {
+            made[k].as_ref()?;
+            let mut with_picks = DVector::<f64>::zeros(n);
+            let mut with_own = Vec::new();
+            for (own, parts) in self.flights.iter().zip(&parts) {
+                let cross = |b: usize| parts.iter().map(|part| part.cross(b, k)).sum::<f64>();
+                let own_cross =
+                    DVector::from_iterator(own.present.len(), own.present.iter().map(|b| cross(*b)));
+                let first_pick = parts.first().map_or(0, |part| part.known) - n;
+                for pick in 0..n {
+                    with_picks[pick] +=
+                        cross(first_pick + pick) - own_cross.dot(&own.solved.column(1 + pick));
+                }
+                with_own.push(own_cross);
+            }
+            let by_picks = self
+                .common
+                .as_ref()
+                .map_or_else(|| DVector::zeros(n), |(factor, _)| factor.solve(&with_picks));
+            let mut sums: ByStretch = [[0.0; 2]; STRETCHES + 1];
+            for ((own, parts), own_cross) in self.flights.iter().zip(&parts).zip(&with_own) {
+                let known = parts.first().map_or(0, |part| part.known);
+                // Coefficients of the known columns in the candidate and in the residual; the residual itself is column 0.
+                let (mut of_law, mut of_residual) = (vec![0.0; known], vec![0.0; known]);
+                let own_law = own.factor.as_ref().map(|factor| factor.solve(own_cross));
+                for (at, b) in own.present.iter().enumerate() {
+                    of_law[*b] = own_law.as_ref().map_or(0.0, |law| law[at]);
+                    of_residual[*b] = own.solved[(at, 0)];
+                    for pick in 0..n {
+                        of_law[*b] -= own.solved[(at, 1 + pick)] * by_picks[pick];
+                        let residual = residual_by_picks.as_ref().map_or(0.0, |values| values[pick]);
+                        of_residual[*b] -= own.solved[(at, 1 + pick)] * residual;
+                    }
+                }
+                for pick in 0..n {
+                    of_law[known - n + pick] = by_picks[pick];
+                    of_residual[known - n + pick] =
+                        residual_by_picks.as_ref().map_or(0.0, |values| values[pick]);
+                }
+                for (sum, part) in sums.iter_mut().zip(parts) {
+                    let (mut score, mut information) = (part.cross(0, k), part.square(k));
+                    for b in 1..known {
+                        score -= of_residual[b] * part.cross(b, k) + of_law[b] * part.base(0, b);
+                        information -= 2.0 * of_law[b] * part.cross(b, k);
+                        for c in 1..known {
+                            score += of_law[b] * of_residual[c] * part.base(b, c);
+                            information += of_law[b] * of_law[c] * part.base(b, c);
+                        }
+                    }
+                    sum[0] += score;
+                    sum[1] += information;
+                }
+            }
+            Some(sums)
+        };
+        (0..made.len()).map(score).collect()
+    }
+
+    /// Products of the known columns and of candidates in a flight, by stretch.
+    fn products_by_stretch(
+        &self,
+        flight: &crate::diagnose::parts::Series,
+        at: usize,
+        made: &[Option<Column>],
+    ) -> Vec<StretchProducts> {
+        let candidates = self.candidates(at, flight.len(), made);
+        let mut columns = self.problem.columns(flight, &self.picks);
+        let known = columns.len();
+        let zero = vec![[0.0; SENSORS]; flight.len()];
+        let groups = known.div_ceil(LANES);
+        columns.resize(groups * LANES, &zero);
+        columns.extend(candidates.iter().map(Vec::as_slice));
+        let mut parts = vec![StretchProducts::new(known, made.len()); STRETCHES + 1];
+        let first_free = flight.free.iter().position(|free| *free).unwrap_or(flight.len());
+        let free = flight.len() - first_free;
+        whiten_by_groups(flight, &self.noise, &columns, &|_| true, &mut |block, _, row| {
+            let stretch = match block.checked_sub(first_free) {
+                Some(since) => (since * STRETCHES / free.max(1)).min(STRETCHES - 1),
+                None => STRETCHES,
+            };
+            let (base, candidates) = row.split_at(groups);
+            parts[stretch].add(&base.as_flattened()[..known], &candidates.as_flattened()[..made.len()]);
+        });
+        parts
+    }
+
+    fn candidates(&self, at: usize, blocks: usize, made: &[Option<Column>]) -> Vec<Vec<BySensor>> {
+        made.iter()
+            .map(|column| match column.as_ref().and_then(|column| column.get(at)) {
+                Some(column) => column.iter().map(|value| self.subject.spread(*value)).collect(),
+                None => vec![[0.0; SENSORS]; blocks],
+            })
+            .collect()
+    }
+
     fn chunk(&self, made: &[Option<Column>]) -> Vec<Option<Score>> {
         let n = self.picks.len();
         // Of each candidate over all flights: its square, its product with the residual and with the picks.
         let mut sums = vec![DVector::<f64>::zeros(n + 2); made.len()];
         let mut raw = vec![0.0; made.len()];
         for (at, (flight, own)) in self.problem.flights.iter().zip(&self.flights).enumerate() {
-            let candidates: Vec<Vec<BySensor>> = made
-                .iter()
-                .map(|column| match column.as_ref().and_then(|column| column.get(at)) {
-                    Some(column) => column.iter().map(|value| self.subject.spread(*value)).collect(),
-                    None => vec![[0.0; SENSORS]; flight.len()],
-                })
-                .collect();
+            let candidates = self.candidates(at, flight.len(), made);
             let mut columns = self.problem.columns(flight, &self.picks);
             let known = columns.len();
             let zero = vec![[0.0; SENSORS]; flight.len()];

@@ -3,8 +3,9 @@
 use executor::Executor;
 
 use super::grammar::{
-    DELAYS_S, Factor, LOW_PASSES_S, Law, MOST_FACTORS, Operator, PHASES, Power, Term, TermKind,
+    DELAYS_S, Factor, LOW_PASSES_S, Law, MOST_FACTORS, MOST_PARTS, Operator, PHASES, Power, Term, TermKind,
 };
+use super::length::{Chosen, parts_that_pay};
 use super::screen::{Column, Score, Screen};
 use super::signals::Signals;
 use crate::progress::{Cancelled, Progress, step};
@@ -13,8 +14,10 @@ use crate::progress::{Cancelled, Progress, step};
 const BEAM: usize = 24;
 /// Products of two that are made three of.
 const SECOND_BEAM: usize = 24;
-/// Laws whose constants are moved.
-const MOVED: usize = 24;
+/// Laws of each number of parts whose constants are moved.
+const MOVED: usize = 12;
+/// Laws of each number of parts among which the stretches left out choose.
+const POOL: usize = 150;
 /// Two ln 2: what a bit costs in twice the log likelihood.
 pub const BIT: f64 = 2.0 * std::f64::consts::LN_2;
 
@@ -27,6 +30,17 @@ pub struct Scored {
     pub score: Score,
     /// Its gain less what its length costs.
     pub merit: f64,
+}
+
+/// What a search found.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// The best laws, the best first.
+    pub laws: Vec<Scored>,
+    /// The greatest number of parts that pays.
+    pub parts: usize,
+    /// Laws that were scored.
+    pub scored: u64,
 }
 
 /// What is looked through.
@@ -52,22 +66,10 @@ impl Search<'_> {
     #[must_use]
     pub fn column(&self, law: &Law, flights: std::ops::Range<usize>) -> Option<Column> {
         let blocks = self.signals.flights.get(flights)?;
-        let of_flight = |blocks: &super::signals::Blocks| {
-            let mut product: Option<Vec<f64>> = None;
-            let factors = law.factors.iter().map(|factor| blocks.factor(factor));
-            for values in factors.chain(law.term.map(|term| blocks.term(&term))) {
-                let values = values?;
-                product = Some(match product {
-                    Some(product) => product.iter().zip(&values).map(|(a, b)| a * b).collect(),
-                    None => values,
-                });
-            }
-            product
-        };
-        blocks.iter().map(of_flight).collect()
+        blocks.iter().map(|blocks| blocks.law(law)).collect()
     }
 
-    /// The best laws under a screen's noise, the best first, at most `most`; and how many were scored.
+    /// The best laws under a screen's noise, the best first, at most `most`, of no more parts than pay.
     ///
     /// # Errors
     /// [`Cancelled`] when `progress` says so.
@@ -76,7 +78,7 @@ impl Search<'_> {
         screen: &Screen<'_>,
         most: usize,
         progress: &mut Progress<'_>,
-    ) -> Result<(Vec<Scored>, u64), Cancelled> {
+    ) -> Result<Found, Cancelled> {
         let factors = self.made(&self.factors(), |factor| Law { factors: vec![*factor], ..Law::default() });
         let terms = self.made(&self.terms(), |term| Law { term: Some(*term), ..Law::default() });
         let mut found = self.score(screen, factors.len() + terms.len(), &|k| match factors.get(k) {
@@ -164,15 +166,36 @@ impl Search<'_> {
         step(progress)?;
         found.append(&mut pairs);
         found.extend(triples);
-        sort(&mut found);
-        found.truncate(MOVED.max(most));
-        let moved = self.moved(screen, &found);
+        let mut kept = best_by_parts(found, POOL);
+        let moved = self.moved(screen, &best_by_parts(kept.clone(), MOVED));
         step(progress)?;
-        found.extend(moved);
-        sort(&mut found);
-        found.dedup_by(|a, b| a.law == b.law);
-        found.truncate(most);
-        Ok((found, (width + (base.len() + best.len()) * width) as u64))
+        kept.extend(moved);
+        sort(&mut kept);
+        kept.dedup_by(|a, b| a.law == b.law);
+        let parts = self.parts_that_pay(screen, &kept);
+        step(progress)?;
+        kept.retain(|scored| scored.law.parts() <= parts);
+        let kept = best_by_parts(kept, most);
+        Ok(Found { laws: kept, parts, scored: (width + (base.len() + best.len()) * width) as u64 })
+    }
+
+    /// The greatest number of parts that pays among some laws, by stretches that are left out in turn.
+    fn parts_that_pay(&self, screen: &Screen<'_>, laws: &[Scored]) -> usize {
+        let column = |k: usize| laws.get(k).and_then(|one| self.column(&one.law, 0..self.flights));
+        let stretches = screen.by_stretch(laws.len(), &column, self.executor);
+        let signals = self.signals.signals.len();
+        let chosen: Vec<Chosen<'_>> = laws
+            .iter()
+            .zip(&stretches)
+            .filter_map(|(one, stretches)| {
+                Some(Chosen {
+                    parts: one.law.parts(),
+                    price: BIT * one.law.bits(signals, self.subjects),
+                    stretches: stretches.as_ref()?,
+                })
+            })
+            .collect();
+        parts_that_pay(&chosen, MOST_PARTS)
     }
 
     /// The best place of each law's constants about where they are, by halves of their cells.
@@ -184,7 +207,7 @@ impl Search<'_> {
         let scored =
             self.score(screen, all.len(), &|k| (all[k].clone(), self.column(&all[k], 0..self.flights)));
         let mut finer = Vec::new();
-        for one in scored.iter().take(MOVED) {
+        for one in &best_by_parts(scored.clone(), MOVED) {
             finer.extend(neighbours(&one.law, self.signals).into_iter().filter(|law| law.off_grid <= 2));
         }
         let mut found =
@@ -260,7 +283,7 @@ impl Search<'_> {
                 }
                 continue;
             }
-            for kind in [TermKind::Above, TermKind::Excess, TermKind::Lack] {
+            for kind in [TermKind::Above, TermKind::Excess, TermKind::Lack, TermKind::Capped] {
                 terms.extend(of.quantiles[0].iter().map(|constant| Term {
                     signal,
                     kind,
@@ -268,12 +291,10 @@ impl Search<'_> {
                 }));
             }
             if of.is_signed {
-                let beyond = of.quantiles[1].iter();
-                terms.extend(beyond.map(|constant| Term {
-                    signal,
-                    kind: TermKind::Beyond,
-                    constant: *constant,
-                }));
+                for kind in [TermKind::Beyond, TermKind::ExcessEitherWay] {
+                    let beyond = of.quantiles[1].iter();
+                    terms.extend(beyond.map(|constant| Term { signal, kind, constant: *constant }));
+                }
             }
         }
         terms
@@ -307,7 +328,8 @@ fn neighbours(law: &Law, signals: &Signals) -> Vec<Law> {
             TermKind::SecondCosine => 0.5 * std::f64::consts::PI / PHASES as f64,
             kind => {
                 let of = signals.signals.get(term.signal).map(|signal| &signal.quantiles);
-                let quantiles = of.map(|of| &of[usize::from(kind == TermKind::Beyond)]);
+                let is_magnitude = matches!(kind, TermKind::Beyond | TermKind::ExcessEitherWay);
+                let quantiles = of.map(|of| &of[usize::from(is_magnitude)]);
                 let ends = quantiles.and_then(|q| Some(q.last()? - q.first()?));
                 ends.unwrap_or(0.0) / 8.0
             }
@@ -321,6 +343,18 @@ fn neighbours(law: &Law, signals: &Signals) -> Vec<Law> {
         }
     }
     moved
+}
+
+/// The best laws of each number of parts, so many of each, the best first.
+fn best_by_parts(mut laws: Vec<Scored>, most: usize) -> Vec<Scored> {
+    sort(&mut laws);
+    let mut counts = [0; MOST_PARTS + 1];
+    laws.retain(|scored| {
+        let count = &mut counts[scored.law.parts().min(MOST_PARTS)];
+        *count += 1;
+        *count <= most
+    });
+    laws
 }
 
 fn product(left: &Column, right: &Column) -> Column {

@@ -2,7 +2,7 @@
 
 use model::formula::Column;
 
-use super::grammar::{Factor, Name, Operator, Power, Term, TermKind};
+use super::grammar::{Factor, Law, Name, Operator, Power, Term, TermKind};
 use crate::diagnose::parts::Series;
 
 /// One flight's signals in blocks.
@@ -29,6 +29,14 @@ pub struct Signal {
     pub is_heading: bool,
     /// Its quantiles in free flight, and those of its magnitude.
     pub quantiles: [Vec<f64>; 2],
+    /// Its mean in the learning flights.
+    pub mean: f64,
+    /// Its least and its largest there.
+    pub range: [f64; 2],
+    /// Whether it is a column that the workbench does not know.
+    pub is_unknown: bool,
+    /// Where it stands among the signals of the blocks, and what is added to them.
+    source: Option<(usize, f64)>,
 }
 
 /// Where each signal of formulas stands among the signals of the blocks, its unit there, and what is added to the block's value.
@@ -79,6 +87,8 @@ pub struct Signals {
 struct Source {
     at: usize,
     name: Name,
+    /// What is added to a known one's block means.
+    offset: Option<f64>,
     /// A cell in SI units.
     si: Box<dyn Fn(f64) -> f64>,
 }
@@ -97,6 +107,7 @@ impl Signals {
             .map(|&(at, name, unit, offset)| Source {
                 at,
                 name: Name { name: name.to_owned(), unit: unit.to_owned() },
+                offset: Some(offset),
                 si: Box::new(move |cell| cell + offset),
             })
             .collect();
@@ -111,7 +122,7 @@ impl Signals {
             }
             let unit = column.dimension().to_string();
             let si = Box::new(move |cell: f64| f64::from(column.si(cell as f32)));
-            sources.push(Source { at, name: Name { name: name.clone(), unit }, si });
+            sources.push(Source { at, name: Name { name: name.clone(), unit }, offset: None, si });
         }
         let all = || flights.iter().chain(more);
         let is_there = |at: usize| {
@@ -147,7 +158,12 @@ impl Signals {
                     blocks.free.iter().zip(values).filter(|(free, _)| **free).map(|(_, value)| *value)
                 })
             };
+            let count = learned().count().max(1) as f64;
             found.signals.push(Signal {
+                mean: learned().sum::<f64>() / count,
+                range: [least, most],
+                is_unknown: source.offset.is_none(),
+                source: source.offset.map(|offset| (source.at, offset)),
                 name: source.name,
                 is_signed: least < 0.0 && most > 0.0,
                 is_away: least > AWAY * most || (most < 0.0 && -most > AWAY * -least),
@@ -165,6 +181,10 @@ impl Signals {
                 is_away: false,
                 is_heading: true,
                 quantiles: [Vec::new(), Vec::new()],
+                mean: 0.0,
+                range: [-std::f64::consts::PI, std::f64::consts::PI],
+                is_unknown: false,
+                source: None,
             });
             for (blocks, (_, means)) in found.flights.iter_mut().zip(flights.iter().chain(more)) {
                 let of = |at: usize| filled(means.iter().map(|block| block[at]).collect());
@@ -175,6 +195,34 @@ impl Signals {
         found
     }
 
+    /// Blocks that were not flown, of block means of the known signals: what these lack is at its mean of the flights, but for one that
+    /// moves over its range, its places given as shares of it.
+    #[must_use]
+    pub fn planned(
+        &self,
+        time_s: Vec<f64>,
+        free: Vec<bool>,
+        means: &[Vec<f64>],
+        moved: Option<(usize, &[f64])>,
+    ) -> Blocks {
+        let column = |at: usize| -> Vec<f64> { means.iter().map(|block| block[at]).collect() };
+        let values = self.signals.iter().enumerate().map(|(number, signal)| match (signal.source, moved) {
+            _ if signal.is_heading => Vec::new(),
+            (_, Some((one, places))) if one == number => {
+                let [least, most] = signal.range;
+                places.iter().map(|place| least + place * (most - least)).collect()
+            }
+            (Some((at, offset)), _) if means.iter().any(|block| block[at].is_finite()) => {
+                filled(column(at)).iter().map(|value| value + offset).collect()
+            }
+            _ => vec![signal.mean; means.len()],
+        });
+        let values = values.collect();
+        let heading =
+            self.signals.iter().any(|signal| signal.is_heading).then(|| HEADING.map(|at| filled(column(at))));
+        Blocks { time_s, free, values, heading }
+    }
+
     /// Names and units, in order.
     #[must_use]
     pub fn names(&self) -> Vec<Name> {
@@ -183,6 +231,33 @@ impl Signals {
 }
 
 impl Blocks {
+    /// A law's block means; `None` where it has a value that is no number.
+    #[must_use]
+    pub fn law(&self, law: &Law) -> Option<Vec<f64>> {
+        let mut product: Option<Vec<f64>> = None;
+        let factors = law.factors.iter().map(|factor| self.factor(factor));
+        for values in factors.chain(law.term.map(|term| self.term(&term))) {
+            let values = values?;
+            product = Some(match product {
+                Some(product) => product.iter().zip(&values).map(|(a, b)| a * b).collect(),
+                None => values,
+            });
+        }
+        product
+    }
+
+    /// A signal's block means; a heading's between -pi and pi.
+    #[must_use]
+    pub fn values_of(&self, signal: usize) -> Vec<f64> {
+        match (self.values.get(signal), &self.heading) {
+            (Some(values), _) if !values.is_empty() => values.clone(),
+            (Some(_), Some([sines, cosines])) => {
+                sines.iter().zip(cosines).map(|(sine, cosine)| libm::atan2(*sine, *cosine)).collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
     /// A factor's block means; `None` where it has a value that is no number.
     #[must_use]
     pub fn factor(&self, factor: &Factor) -> Option<Vec<f64>> {
@@ -238,6 +313,8 @@ impl Blocks {
             TermKind::Above => f64::from(u8::from(*value > constant)),
             TermKind::Beyond => f64::from(u8::from(value.abs() > constant)),
             TermKind::Excess => (value - constant).max(0.0),
+            TermKind::Capped => value.min(constant),
+            TermKind::ExcessEitherWay => (value.abs() - constant).max(0.0),
             _ => (constant - value).max(0.0),
         };
         Some(values.iter().map(of).collect())

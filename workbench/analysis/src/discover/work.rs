@@ -56,7 +56,8 @@ fn laws(
     let search = Search { signals: &signals, flights: learned.len(), subjects: subjects.len(), executor };
     let judge_of = judged.judge;
     let (held, suspects) = (judge_of.held, judge_of.suspects);
-    let bench = Bench { problem, held, prepared, suspects, search: &search, explanation };
+    let trim = judge_of.trim();
+    let bench = Bench { problem, held, prepared, suspects, search: &search, explanation, trim };
     let mut discovery = Discovery {
         signals: signals.signals.iter().map(|signal| signal.name.name.clone()).collect(),
         without_unit: signals.without_unit.clone(),
@@ -91,9 +92,9 @@ fn laws(
             // Under the null's noise a slow law looks like wander; under the prior's it stands out.
             for near in [&explanation.fit, &prior] {
                 let screen = Screen::new(problem, near.noise, &beside, *subject);
-                let (best, scored) = search.run(&screen, 4 * FIRST_FITS, progress)?;
-                discovery.scored += scored;
-                for law in bench.different(&best, FIRST_FITS) {
+                let found = search.run(&screen, 4 * FIRST_FITS, progress)?;
+                discovery.scored += found.scored;
+                for law in bench.different(&found.laws, FIRST_FITS) {
                     add(&law, *subject, &beside, near, &mut fitted);
                     step(progress)?;
                 }
@@ -107,10 +108,13 @@ fn laws(
             break;
         }
         let screen = Screen::new(problem, best.fit.noise, &best.beside, best.subject);
-        let (others, scored) = search.run(&screen, 4 * LAST_FITS, progress)?;
-        discovery.scored += scored;
+        let found = search.run(&screen, 4 * LAST_FITS, progress)?;
+        discovery.scored += found.scored;
+        // What is longer than pays here was right under another noise only.
+        let (subject, parts) = (best.subject, found.parts);
+        fitted.retain(|one| one.subject != subject || one.law.parts() <= parts);
         let before = fitted.len();
-        for law in bench.different(&others, LAST_FITS) {
+        for law in bench.different_by_parts(&found.laws, LAST_FITS) {
             add(&law, best.subject, &best.beside, &best.fit, &mut fitted);
             step(progress)?;
         }

@@ -163,7 +163,8 @@ impl Judge<'_> {
         String::new()
     }
 
-    fn trim(&self) -> Trim {
+    /// Where the aircraft flies: what a manoeuvre begins at.
+    pub(crate) fn trim(&self) -> Trim {
         let mean = |signal: usize| {
             let values = self.epochs.iter().flat_map(|e| e.signals.iter()).map(|block| block[signal]);
             let known: Vec<f64> = values.filter(|value| value.is_finite()).collect();

@@ -1,0 +1,142 @@
+//! What to fly to tell a law from those that it is equal to: among the manoeuvres of the diagnosis' advice, each with the columns that
+//! nobody knows held or moved in steps, the one that would bring the laws farthest apart.
+
+use kf_core::input::TickInput;
+
+use super::fit::{Bench, Fitted};
+use super::search::Search;
+use super::signals::Blocks;
+use crate::diagnose::parts::{ADVICE_BLOCK_S, MANOEUVRES, Problem, SignalMeans, Trim, flown};
+
+/// How long a column that is moved stays at each place, seconds.
+const STEP_S: f64 = 10.0;
+/// Where it stays in turn, as shares of its range in the flights.
+const PLACES: [f64; 6] = [0.0, 1.0, 0.5, 0.25, 0.75, 0.1];
+/// Sigmas below which a manoeuvre tells nothing apart.
+const APART: f64 = 3.0;
+
+/// What to fly, in words; empty where no manoeuvre would tell them apart. `effects` are columns of the catalogue's.
+pub fn to_separate(
+    bench: &Bench<'_>,
+    one: &Fitted,
+    others: &[&Fitted],
+    effects: &[usize],
+    trim: &Trim,
+) -> String {
+    if others.is_empty() && effects.is_empty() {
+        return String::new();
+    }
+    let signals = bench.search.signals;
+    let laws = || std::iter::once(one).chain(others.iter().copied());
+    let mut moved: Vec<Option<usize>> = vec![None];
+    moved.extend((0..signals.signals.len()).filter(|s| signals.signals[*s].is_unknown).map(Some));
+    moved.retain(|signal| signal.is_none_or(|signal| laws().any(|law| law.law.uses(signal))));
+    let mut best: Option<(f64, String)> = None;
+    for manoeuvre in &MANOEUVRES {
+        let ticks = with_body_rates(manoeuvre.fly(trim));
+        for moved in &moved {
+            let blocks = blocks(&ticks, bench.search, *moved);
+            let Some(apart) = apart(bench, one, others, effects, &ticks, blocks) else { continue };
+            if best.as_ref().is_none_or(|(most, _)| apart > *most) {
+                let with = moved.map_or_else(String::new, |signal| {
+                    let signal = &signals.signals[signal];
+                    let [least, most] = signal.range.map(super::grammar::number);
+                    let unit = if signal.name.unit == "1" { "" } else { &signal.name.unit };
+                    let gap = if unit.is_empty() { "" } else { " " };
+                    format!(
+                        ", with {} moved in steps of {STEP_S:.0} s between {least} and {most}{gap}{unit}",
+                        signal.name.name
+                    )
+                });
+                best = Some((apart, format!("{}{with}", manoeuvre.say(trim))));
+            }
+        }
+    }
+    match best {
+        Some((apart, what)) if apart >= APART => {
+            format!("To tell them apart, fly {what}: they would be {apart:.0} sigmas apart.")
+        }
+        _ => String::new(),
+    }
+}
+
+/// The ticks with the body rates that their attitudes make.
+fn with_body_rates(mut ticks: Vec<TickInput>) -> Vec<TickInput> {
+    let mut last: Option<(u64, [f32; 3])> = None;
+    for tick in &mut ticks {
+        let now = tick.signals.attitude_rad.map(|attitude| (tick.time_us, attitude));
+        if let (Some((last_us, before)), Some((now_us, attitude)), Some(imu)) = (last, now, &mut tick.imu) {
+            let step_s = (now_us - last_us) as f32 * 1e-6;
+            let [roll_rate, pitch_rate, yaw_rate]: [f32; 3] =
+                std::array::from_fn(|k| (attitude[k] - before[k]) / step_s);
+            let [roll, pitch, _] = attitude;
+            let (sine, cosine) = (libm::sinf(roll), libm::cosf(roll));
+            let turn = yaw_rate * libm::cosf(pitch);
+            imu.gyro_radps = [
+                roll_rate - yaw_rate * libm::sinf(pitch),
+                pitch_rate * cosine + turn * sine,
+                turn * cosine - pitch_rate * sine,
+            ];
+        }
+        last = now.or(last);
+    }
+    ticks
+}
+
+/// The ticks' signals at every block of the advice; what no tick has is at its mean of the flights, but for the one that is moved.
+fn blocks(ticks: &[TickInput], search: &Search<'_>, moved: Option<usize>) -> Blocks {
+    let mut means = SignalMeans::new(0);
+    let mut altitude = 0.0_f32;
+    let (mut next_s, mut last_s) = (0.0, 0.0);
+    let (mut time_s, mut free, mut rows) = (Vec::new(), Vec::new(), Vec::new());
+    for tick in ticks {
+        let now_s = tick.time_us as f64 * 1e-6;
+        let climb = tick.gps.and_then(|fix| fix.velocity_down_mps).map_or(0.0, |down| -down);
+        altitude += climb * (now_s - last_s) as f32;
+        last_s = now_s;
+        means.take(tick, Some(altitude), 0, &[]);
+        if now_s < next_s {
+            continue;
+        }
+        next_s += ADVICE_BLOCK_S;
+        time_s.push(now_s);
+        free.push(tick.launch);
+        rows.push(means.close());
+    }
+    let launch_s = free.iter().position(|free| *free).and_then(|at| time_s.get(at)).copied().unwrap_or(0.0);
+    let place = |time_s: f64| {
+        let step = ((time_s - launch_s) / STEP_S).floor();
+        if step < 0.0 { PLACES[0] } else { PLACES[step as usize % PLACES.len()] }
+    };
+    let steps: Vec<f64> = time_s.iter().map(|time_s| place(*time_s)).collect();
+    search.signals.planned(time_s, free, &rows, moved.map(|signal| (signal, steps.as_slice())))
+}
+
+/// Sigmas by which the nearest of the others would be worse than the law, were these blocks flown.
+fn apart(
+    bench: &Bench<'_>,
+    one: &Fitted,
+    others: &[&Fitted],
+    effects: &[usize],
+    ticks: &[TickInput],
+    blocks: Blocks,
+) -> Option<f64> {
+    let mut series = flown(ticks, &bench.prepared.candidates, effects, bench.problem);
+    let first = effects.len();
+    for fitted in std::iter::once(one).chain(others.iter().copied()) {
+        let column = blocks.law(&fitted.law)?;
+        series.columns.push(column.iter().map(|value| fitted.subject.spread(*value)).collect());
+    }
+    let series = [series];
+    let planned = Problem::new(&series, bench.problem.prior.clone(), Vec::new(), &executor::Inline);
+    let picks: Vec<usize> = (0..=first + others.len()).collect();
+    let information = planned.information(&one.fit.noise, &picks);
+    let left = 1.0 / information.solve(&[first])?.covariance.first()?;
+    let mut least = f64::INFINITY;
+    for other in (0..picks.len()).filter(|pick| *pick != first) {
+        // One that the manoeuvre does not show at all is told from what it does show.
+        let shared = information.shared(first, other, &[]).unwrap_or(0.0);
+        least = least.min(one.coefficient * one.coefficient * left * (1.0 - shared));
+    }
+    Some(least.sqrt())
+}

@@ -1,0 +1,90 @@
+//! What a law looks like on the flights: measured against law, and what is left against each of its signals.
+
+use super::fit::{Bench, Fitted};
+use super::screen::Subject;
+use crate::diagnose::parts::own_coefficients;
+
+/// A law and what was measured, in the blocks of the learning flights.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Picture {
+    /// What the law makes of its sensor, metres.
+    pub law_m: Vec<f64>,
+    /// What is measured of it: the residual less biases and all effects beside the law, metres. The wander is in it.
+    pub measured_m: Vec<f64>,
+    /// The signals of the law.
+    pub signals: Vec<PictureSignal>,
+}
+
+/// A signal of a law.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PictureSignal {
+    /// Its name in the formula.
+    pub name: String,
+    /// Its unit there.
+    pub unit: String,
+    /// Its block means; for a heading, between -pi and pi.
+    pub values: Vec<f64>,
+}
+
+impl Picture {
+    /// What the law leaves, metres.
+    #[must_use]
+    pub fn rest_m(&self) -> Vec<f64> {
+        self.measured_m.iter().zip(&self.law_m).map(|(measured, law)| measured - law).collect()
+    }
+
+    /// Of a law; nothing where its coefficients can't be solved for.
+    pub(super) fn of(bench: &Bench<'_>, one: &Fitted) -> Self {
+        let series = bench.with_columns(bench.problem.flights, &[(one.subject, &one.column)]);
+        let problem = bench.problem_of(&series);
+        let picks: Vec<usize> = one.beside.iter().copied().chain([bench.law_column()]).collect();
+        let all: Vec<usize> = (0..picks.len()).collect();
+        let noise = &one.fit.noise;
+        let signals = bench.search.signals;
+        let used = (0..signals.signals.len()).filter(|signal| one.law.uses(*signal));
+        let mut picture = Self {
+            signals: used
+                .clone()
+                .map(|signal| PictureSignal {
+                    name: signals.signals[signal].name.name.clone(),
+                    unit: signals.signals[signal].name.unit.clone(),
+                    values: Vec::new(),
+                })
+                .collect(),
+            ..Self::default()
+        };
+        let Some(common) = problem.information(noise, &picks).solve(&all) else { return picture };
+        for ((flight, blocks), law) in series.iter().zip(&signals.flights).zip(&one.column) {
+            let columns = problem.columns(flight, &picks);
+            let products = problem.products(flight, noise, &columns, &|_| true).products;
+            let own = own_coefficients(&products, problem.own(), &common.coefficients);
+            let values: Vec<Vec<f64>> = used.clone().map(|signal| blocks.values_of(signal)).collect();
+            for block in 0..flight.len() {
+                let rest: Vec<f64> = (0..flight.residual_m[block].len())
+                    .filter(|sensor| match one.subject {
+                        Subject::Sensor(only) => *sensor == only,
+                        Subject::Reference => true,
+                    })
+                    .filter(|sensor| flight.residual_m[block][*sensor].is_finite())
+                    .map(|sensor| {
+                        let explained = own.iter().chain(&common.coefficients).zip(&columns[1..]);
+                        let explained: f64 =
+                            explained.map(|(value, column)| value * column[block][sensor]).sum();
+                        flight.residual_m[block][sensor] - explained
+                    })
+                    .collect();
+                if rest.is_empty() {
+                    continue;
+                }
+                let sign = if one.subject == Subject::Reference { -1.0 } else { 1.0 };
+                let law_m = one.coefficient * law.get(block).copied().unwrap_or(0.0);
+                picture.law_m.push(law_m);
+                picture.measured_m.push(law_m + sign * rest.iter().sum::<f64>() / rest.len() as f64);
+                for (signal, values) in picture.signals.iter_mut().zip(&values) {
+                    signal.values.push(values.get(block).copied().unwrap_or(f64::NAN));
+                }
+            }
+        }
+        picture
+    }
+}
