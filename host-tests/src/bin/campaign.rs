@@ -10,9 +10,11 @@ use host_tests::campaign::judge::{Verdict, Violation, judge};
 use host_tests::campaign::known::Known;
 use host_tests::campaign::matrix::Matrix;
 use host_tests::campaign::mutants::{Outcome, without};
-use host_tests::campaign::run::{Case, config};
+use host_tests::campaign::run::{Case, Flown, config};
+use host_tests::campaign::watch::REFERENCE;
 use indicatif::{ProgressBar, ProgressStyle};
 use kf_core::guard::Guard;
+use kf_core::sensor::Sensor;
 
 /// The page that `--write` writes the tables into.
 const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/fault-campaign.md");
@@ -35,6 +37,9 @@ struct Arguments {
     /// Fly this run alone, and print what was drawn and what came of it.
     #[arg(long)]
     run: Option<u64>,
+    /// And write what was seen of both its flights, tick by tick, as CSV.
+    #[arg(long, value_name = "FILE", requires = "run")]
+    trace: Option<PathBuf>,
     /// Take out each guard in turn, and fail unless the campaign reports it.
     #[arg(long)]
     mutants: bool,
@@ -54,7 +59,7 @@ fn main() -> ExitCode {
     // A panic is a finding, and is told with the others.
     std::panic::set_hook(Box::new(|_| ()));
     let outcome = match arguments.run {
-        Some(index) => detail(arguments.seed, index),
+        Some(index) => detail(arguments.seed, index, arguments.trace.as_deref()),
         None => campaign(&arguments),
     };
     match outcome {
@@ -163,11 +168,42 @@ fn write(arguments: &Arguments, tables: &str, violations: &[String]) -> anyhow::
     std::fs::write(Path::new(PAGE), text).with_context(|| PAGE)
 }
 
-fn detail(seed: u64, index: u64) -> anyhow::Result<bool> {
+/// A line for each tick and sensor of both flights.
+fn trace(file: &Path, flown: &Flown) -> anyhow::Result<()> {
+    use std::fmt::Write as _;
+    let mut text = "flight,tick,sensor,trust,fresh,fix,error_m,average_m,true_error_m\n".to_owned();
+    let number = |value: Option<f32>| value.map_or_else(String::new, |value| value.to_string());
+    for (name, flight) in [("clean", &flown.clean), ("faulty", &flown.faulty)] {
+        for (tick, seen) in flight.ticks.iter().enumerate() {
+            let Some(seen) = seen else { continue };
+            for sensor in Sensor::ALL {
+                let i = sensor.index();
+                let is_fresh = |bit: usize| u8::from(seen.fresh & 1 << bit != 0);
+                writeln!(
+                    text,
+                    "{name},{tick},{},{:?},{},{},{},{},{}",
+                    sensor.name(),
+                    seen.trust[i],
+                    is_fresh(i),
+                    is_fresh(REFERENCE),
+                    number(seen.error_m[i]),
+                    number(seen.average_m[i]),
+                    seen.true_error_m[i]
+                )?;
+            }
+        }
+    }
+    std::fs::write(file, text).with_context(|| file.display().to_string())
+}
+
+fn detail(seed: u64, index: u64, trace_file: Option<&Path>) -> anyhow::Result<bool> {
     let case = Case::draw(seed, index, false);
     println!("{case:#?}");
     let flown = case.fly(seed, &config()?)?;
     let verdict = judge(&case, &flown);
+    if let Some(file) = trace_file {
+        trace(file, &flown)?;
+    }
     for (name, flight) in [("clean", &flown.clean), ("faulty", &flown.faulty)] {
         println!(
             "{name}: edge {:?}, launched {:?}, flagged {:?}, operations {}, step {:?}",

@@ -26,6 +26,10 @@ pub struct Seen {
     pub fresh: u8,
     /// How far each sensor's calibrated reading really is off, over the monitor's window, metres.
     pub true_error_m: [f32; SENSORS],
+    /// The error that the monitor was given, metres, where there was a reading.
+    pub error_m: [Option<f32>; SENSORS],
+    /// Its moving average, metres, where the error was judged.
+    pub average_m: [Option<f32>; SENSORS],
 }
 
 /// A sensor that is called untrustworthy.
@@ -142,7 +146,9 @@ impl Watched {
         }
         let trust = output.sensors.map(|sensor| sensor.trust);
         let true_error_m = self.smooth.map(|smooth| smooth.map_or(0.0, |(error_m, _)| error_m));
-        self.ticks.push(Some(Seen { trust, fresh, true_error_m }));
+        let error_m = output.sensors.map(|sensor| sensor.error_m);
+        let average_m = output.sensors.map(|sensor| sensor.moving_average_m);
+        self.ticks.push(Some(Seen { trust, fresh, true_error_m, error_m, average_m }));
         if let Some((_, steps)) = &mut self.telling {
             steps.push((step.clone(), *counters));
             if steps.len() >= TELLING_TICKS {
