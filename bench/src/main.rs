@@ -4,6 +4,7 @@
 #![no_main]
 
 mod counter;
+mod formulas;
 mod ours;
 mod peer_minikalman;
 mod peers;
@@ -147,6 +148,10 @@ fn bench(counter: &Counter) -> ExitCode {
         eprintln!("bench: kf-core refused its configuration");
         return ExitCode::FAILURE;
     };
+    let Some(formulas) = formulas::outcomes(counter) else {
+        eprintln!("bench: a formula is no program");
+        return ExitCode::FAILURE;
+    };
     println!("name,role,mean,least,most,h_m,bias_master_m,bias_slave_m,bias_baro_m,agrees");
     let mut status = ExitCode::SUCCESS;
     for outcome in &outcomes {
@@ -156,7 +161,7 @@ fn bench(counter: &Counter) -> ExitCode {
             status = ExitCode::FAILURE;
         }
     }
-    for outcome in &more {
+    for outcome in more.iter().chain(&formulas) {
         print_row(outcome, "");
     }
     status

@@ -16,6 +16,11 @@ use crate::bench::{Row, cheapest_peer, named};
 const FILTER_AND_MONITORS: &str = "kf-core filter and monitors";
 /// And of the filter with eight states.
 const FILTER_4_EFFECTS: &str = "kf-core filter 4 effects";
+/// Of formulas, each with its number of operations: one as an effect has it, every operation that is the machine's own, and every one
+/// with a memory.
+const FORMULA_EFFECT: (&str, f64) = ("formula effect of 9 operations", 9.0);
+const FORMULA_ARITHMETIC: (&str, f64) = ("formula arithmetic of 24 operations", 24.0);
+const FORMULA_MEMORY: (&str, f64) = ("formula memory of 17 operations", 17.0);
 
 /// The models that the budgets are for: both presets, and one with four effects as states.
 ///
@@ -121,6 +126,8 @@ pub struct BenchBudget {
     pub filter_4_effects: f64,
     /// How many times the cheapest peer must cost what the filter with the monitors costs.
     pub times_cheaper: f64,
+    /// An operation of a formula.
+    pub formula_operation: f64,
 }
 
 /// One measured value and its budget.
@@ -274,11 +281,16 @@ impl Budgets {
         ]
     }
 
+    fn check_formula(&self, rows: &[Row], (name, operations): (&str, f64)) -> Result<Check> {
+        let each = (named(rows, name)?.mean / operations * 10.0).round() / 10.0;
+        Ok(Check::at_most(format!("{name}: instructions an operation"), each, self.bench.formula_operation))
+    }
+
     /// Checks the benchmark.
     ///
     /// # Errors
     /// A row is missing.
-    pub fn check_bench(&self, rows: &[Row]) -> Result<[Check; 3]> {
+    pub fn check_bench(&self, rows: &[Row]) -> Result<[Check; 6]> {
         let budget = &self.bench;
         let ours = named(rows, FILTER_AND_MONITORS)?;
         let peer = cheapest_peer(rows)?;
@@ -295,6 +307,9 @@ impl Budgets {
                 times,
                 budget.times_cheaper,
             ),
+            self.check_formula(rows, FORMULA_EFFECT)?,
+            self.check_formula(rows, FORMULA_ARITHMETIC)?,
+            self.check_formula(rows, FORMULA_MEMORY)?,
         ])
     }
 }
@@ -412,18 +427,22 @@ mod tests {
             most: 0,
             agrees: Some(true),
         };
-        let rows = |monitored, effects, peer| {
+        let rows = |monitored, effects, peer, operation: f64| {
             [
                 row(FILTER_AND_MONITORS, Role::Ours, monitored),
                 row(FILTER_4_EFFECTS, Role::Ours, effects),
                 row("peer", Role::Peer, peer),
                 row("reference", Role::Reference, 1.0),
+                row(FORMULA_EFFECT.0, Role::Ours, operation * FORMULA_EFFECT.1),
+                row(FORMULA_ARITHMETIC.0, Role::Ours, operation * FORMULA_ARITHMETIC.1),
+                row(FORMULA_MEMORY.0, Role::Ours, operation * FORMULA_MEMORY.1),
             ]
         };
-        let kept =
-            |monitored, effects, peer| kept(&budgets.check_bench(&rows(monitored, effects, peer)).unwrap());
-        assert_eq!(kept(250.0, 1_200.0, 750.0), [true, true, true]);
-        assert_eq!(kept(250.5, 1_200.5, 749.0), [false, false, false]);
+        let kept = |monitored, effects, peer, operation| {
+            kept(&budgets.check_bench(&rows(monitored, effects, peer, operation)).unwrap())
+        };
+        assert_eq!(kept(250.0, 1_200.0, 750.0, 25.0), [true; 6]);
+        assert_eq!(kept(250.5, 1_200.5, 749.0, 25.2), [false; 6]);
         assert!(budgets.check_bench(&[]).is_err());
     }
 }
