@@ -411,7 +411,9 @@ impl FreeFlight {
         let can_testify = other.can_testify(time_us, self.silent_after_us);
         let other_m = self.reference.other_m();
         if own.is_within_bound(error_m - other_m)
-            && !(can_testify && self.reference.has_witnesses() && other.contradicts(other_m))
+            && !(can_testify
+                && self.reference.is_witness(other.testimony.time_us)
+                && other.contradicts(other_m))
         {
             return true;
         }

@@ -23,6 +23,7 @@ use crate::time::microseconds;
 
 use calibrated::Calibrated;
 use effects::{EffectUse, effect_sum};
+use resume::{BOUNCE_US, TakenBack};
 
 /// How often a source's readings were used or not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -119,6 +120,8 @@ pub struct Mission<const HEAD: usize, const TAIL: usize, const E: usize> {
     is_resumed: bool,
     /// The launch is no suspicion.
     is_launched: bool,
+    /// The last suspicion of a launch that was none.
+    taken_back: Option<TakenBack>,
     /// The reference came back while a launch was suspected.
     has_reacquired: bool,
     counters: Counters,
@@ -154,6 +157,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             cross_check: CrossCheck::new(microseconds(config.monitor.window_s)),
             is_resumed: false,
             is_launched: false,
+            taken_back: None,
             has_reacquired: false,
             counters: Counters::default(),
             config: config.clone(),
@@ -352,7 +356,11 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         if !launch && input.launch_doubt != LaunchDoubt::Suspected {
             if self.is_held() {
                 self.resume_reference();
-                self.latch = None;
+                self.taken_back = self.latch.take().map(|latch| TakenBack {
+                    time_us,
+                    is_bounce: time_us.saturating_sub(latch.time_us) <= BOUNCE_US,
+                    failed_checks: latch.failed_checks,
+                });
                 self.unchecked = None;
                 self.signals.resume_captive();
                 self.formulas.resume_captive();

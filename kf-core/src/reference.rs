@@ -36,12 +36,16 @@ pub struct ReferenceTracker {
     repeats: u8,
     /// The usual time between two fixes, microseconds; 0 before there were two. Not kept over a restart: the next two say it anew.
     #[serde(skip)]
-    interval_us: u64,
+    usual_us: u64,
 }
 
 /// For how long a climb rate carries the altitude at least, microseconds: an aircraft that begins to fall, or pulls 2 g, is by then 2 m
 /// from where it carries it, a fix's own error. A receiver that is slower by itself is given half as long again as it takes.
 const CARRIED_US: u64 = 640_000;
+
+/// Where the time between two fixes is another by the receiver's clock than by the flight computer's, by more than this (microseconds), it is
+/// the receiver's: a clock has leapt, or the supply was away for longer than anything on board knows. A fix that is late is late by less.
+const CLOCK_LEAP_US: u64 = CARRIED_US / 2;
 
 /// So many repeats are a receiver that stands still: a fix has its altitude in millimetres and three velocities in mm/s, all of
 /// them with noise of many times that.
@@ -66,7 +70,7 @@ impl ReferenceTracker {
             correction_m: 0.0,
             climbed_m: 0.0,
             repeats: 0,
-            interval_us: 0,
+            usual_us: 0,
         }
     }
 
@@ -105,23 +109,35 @@ impl ReferenceTracker {
     pub(crate) fn accept(&mut self, time_us: u64, fix: &GpsFix) -> AcceptedFix {
         let fresh = self.is_fresh(time_us);
         let mut interval_s = None;
-        if let Some((last_us, last)) = &self.last {
-            let seconds = seconds_between(*last_us, time_us);
+        if let Some((_, last)) = &self.last {
+            let interval_us = self.interval_us(time_us, fix);
+            let seconds = seconds_between(0, interval_us);
             if let (Some(before), Some(now)) = (last.velocity_down_mps, fix.velocity_down_mps) {
                 self.climbed_m -= 0.5 * (before + now) * seconds;
             }
             interval_s = fresh.then_some(seconds);
             // A gap is not what is usual, unless it stays so.
-            let interval_us = time_us.saturating_sub(*last_us);
-            let longest_us =
-                if self.interval_us == 0 { u64::MAX } else { self.interval_us.saturating_mul(2) };
-            self.interval_us = interval_us.min(longest_us);
+            let longest_us = if self.usual_us == 0 { u64::MAX } else { self.usual_us.saturating_mul(2) };
+            self.usual_us = interval_us.min(longest_us);
             self.repeats = if repeats(fix, last) { self.repeats.saturating_add(1) } else { 0 };
         }
         self.last = Some((time_us, *fix));
         self.correction_m = 0.0;
         let altitude_minus_climb_m = fix.velocity_down_mps.map(|_| fix.altitude_m - self.climbed_m);
         AcceptedFix { altitude_m: fix.altitude_m, interval_s, altitude_minus_climb_m }
+    }
+
+    /// From the last fix to this one, microseconds; see [`CLOCK_LEAP_US`].
+    fn interval_us(&self, time_us: u64, fix: &GpsFix) -> u64 {
+        let Some((last_us, last)) = &self.last else { return 0 };
+        let own_us = time_us.saturating_sub(*last_us);
+        let receivers_us = match (last.fix_time_us, fix.fix_time_us) {
+            (Some(before_us), Some(now_us)) if now_us > before_us => now_us - before_us,
+            _ => return own_us,
+        };
+        // Nor has a receiver's clock that leaps itself, at a start or at the week's end, the last word.
+        let has_leapt = own_us.abs_diff(receivers_us) > CLOCK_LEAP_US && receivers_us <= self.lost_after_us;
+        if has_leapt { receivers_us } else { own_us }
     }
 
     /// Takes the reference's constant effects, metres, off the fix that was just accepted.
@@ -155,7 +171,7 @@ impl ReferenceTracker {
     #[inline]
     pub fn is_current(&self, time_us: u64) -> bool {
         let age_us = time_us.saturating_sub(self.last_fix_us());
-        !self.carries_climb || age_us <= CARRIED_US || age_us <= self.interval_us + self.interval_us / 2
+        !self.carries_climb || age_us <= CARRIED_US || age_us <= self.usual_us + self.usual_us / 2
     }
 
     /// See [`AcceptedFix::altitude_minus_climb_m`]; of the last fix, where a climb rate carries it.

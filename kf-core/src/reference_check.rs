@@ -42,13 +42,12 @@ pub(crate) struct ReferenceCheck {
     /// How far the altitude may leave the climb rate's integral by itself, metres.
     wander_m: f32,
     lost_after_us: u64,
-    /// Altitude and climb rate lay apart at the launch already, or nobody knows: the sensors may have been calibrated by the wrong one.
-    was_doubted: bool,
     standing: Standing,
 }
 
 /// What of it changes in flight.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "KeptStanding", into = "KeptStanding")]
 pub(crate) struct Standing {
     /// Time of the last fix that was good.
     good_us: u64,
@@ -56,10 +55,56 @@ pub(crate) struct Standing {
     carried_m: Option<f32>,
     /// How far the good fixes have left the altitude that their climb rate carries, metres; infinite where nobody knows.
     left_m: f32,
+    /// Altitude and climb rate lay apart at the launch already, or nobody knows: the sensors may have been calibrated by the wrong one.
+    was_doubted: bool,
+    /// Since when fixes have been refused, microseconds; 0 while they are good. Not kept over a restart, either.
+    refused_us: u64,
     /// The receiver's other word on the altitude, less the reference, metres: the last fix, if it was refused, or else what the
     /// climb rate makes of the fixes before it. Not kept over a restart: the next fix says it anew.
-    #[serde(skip)]
     other_m: f32,
+}
+
+/// A standing in a snapshot, which has no byte left for more than these.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct KeptStanding {
+    good_us: u64,
+    carried: KeptCarried,
+    left_m: f32,
+}
+
+/// [`Standing::carried_m`] and [`Standing::was_doubted`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+enum KeptCarried {
+    Nothing,
+    Altitude(f32),
+    NothingDoubted,
+    AltitudeDoubted(f32),
+}
+
+impl From<Standing> for KeptStanding {
+    fn from(standing: Standing) -> Self {
+        let Standing { good_us, carried_m, left_m, was_doubted, .. } = standing;
+        let carried = match (carried_m, was_doubted) {
+            (None, false) => KeptCarried::Nothing,
+            (Some(carried_m), false) => KeptCarried::Altitude(carried_m),
+            (None, true) => KeptCarried::NothingDoubted,
+            (Some(carried_m), true) => KeptCarried::AltitudeDoubted(carried_m),
+        };
+        Self { good_us, carried, left_m }
+    }
+}
+
+impl From<KeptStanding> for Standing {
+    fn from(kept: KeptStanding) -> Self {
+        let KeptStanding { good_us, carried, left_m } = kept;
+        let (carried_m, was_doubted) = match carried {
+            KeptCarried::Nothing => (None, false),
+            KeptCarried::Altitude(carried_m) => (Some(carried_m), false),
+            KeptCarried::NothingDoubted => (None, true),
+            KeptCarried::AltitudeDoubted(carried_m) => (Some(carried_m), true),
+        };
+        Self { good_us, carried_m, left_m, was_doubted, refused_us: 0, other_m: 0.0 }
+    }
 }
 
 impl ReferenceCheck {
@@ -75,15 +120,21 @@ impl ReferenceCheck {
             gate_m2_per_s: multiplier2 * climb_m2_per_s,
             wander_m: WANDER_SIGMAS * reference.sigma_m,
             lost_after_us: microseconds(reference.lost_after_s),
-            was_doubted: true,
-            standing: Standing { good_us: 0, carried_m: None, left_m: 0.0, other_m: 0.0 },
+            standing: Standing {
+                good_us: 0,
+                carried_m: None,
+                left_m: 0.0,
+                was_doubted: true,
+                refused_us: 0,
+                other_m: 0.0,
+            },
         }
     }
 
     /// At launch; see [`Self::begin`].
     pub(crate) fn launch(&mut self, time_us: u64, left_m: f32) {
         self.begin(time_us, left_m);
-        self.was_doubted = self.standing.other_m != 0.0;
+        self.standing.was_doubted = self.standing.other_m != 0.0;
     }
 
     /// At launch, or at a good fix, with the reference as it is: so many metres from its mean over the calibration, by its climb rate.
@@ -91,7 +142,8 @@ impl ReferenceCheck {
         let is_excess = left_m.is_finite() && left_m.abs() > self.wander_m;
         let excess_m = if is_excess { left_m.abs() - self.wander_m } else { 0.0 };
         let other_m = if left_m > 0.0 { -excess_m } else { excess_m };
-        self.standing = Standing { good_us: time_us, carried_m: None, left_m, other_m };
+        self.standing =
+            Standing { good_us: time_us, carried_m: None, left_m, refused_us: 0, other_m, ..self.standing };
     }
 
     pub(crate) const fn standing(&self) -> Standing {
@@ -99,10 +151,9 @@ impl ReferenceCheck {
     }
 
     pub(crate) fn restore(&mut self, standing: Standing) {
+        self.standing = standing;
         if standing.carried_m.is_none() {
             self.begin(standing.good_us, standing.left_m);
-        } else {
-            self.standing = standing;
         }
     }
 
@@ -123,10 +174,11 @@ impl ReferenceCheck {
         self.standing.other_m
     }
 
-    /// Whether a sensor was calibrated by the reference before its two words lay apart: it is then a witness of them.
+    /// Whether a sensor that has spoken last at that time is a witness of the reference's two words: it was calibrated before they lay apart,
+    /// and has spoken since. What it said before a clock leapt, or a receiver was silent, is of neither.
     #[inline]
-    pub(crate) const fn has_witnesses(&self) -> bool {
-        !self.was_doubted
+    pub(crate) const fn is_witness(&self, spoke_us: u64) -> bool {
+        !self.standing.was_doubted && spoke_us >= self.standing.refused_us
     }
 
     /// One over the square of how far the reference may be off by itself, 1/m^2, at the monitor's multiple of sigma: zero where nobody
@@ -164,7 +216,9 @@ impl ReferenceCheck {
                 if is_known { self.standing.left_m * (1.0 - seconds / MEMORY_S) } else { f32::INFINITY };
             self.begin(time_us, kept_m + departure_m);
         } else {
-            self.standing = Standing { carried_m, other_m: departure_m, ..self.standing };
+            let since_us = self.standing.refused_us;
+            let refused_us = if since_us == 0 { time_us } else { since_us };
+            self.standing = Standing { carried_m, refused_us, other_m: departure_m, ..self.standing };
         }
         is_good
     }

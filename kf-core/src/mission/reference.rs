@@ -3,6 +3,7 @@
 use super::Mission;
 use crate::output::Rejection;
 use crate::reference::AcceptedFix;
+use crate::time::seconds_between;
 
 /// What a fix is to be held against, from before it.
 #[derive(Clone, Copy, Debug)]
@@ -11,6 +12,8 @@ pub(super) struct Carried {
     altitude_m: f32,
     /// The climb rate that did it, m/s, if there was one.
     rate_mps: Option<f32>,
+    /// Over so many seconds.
+    age_s: f32,
 }
 
 impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E> {
@@ -36,7 +39,11 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
     /// What the next fix is to be held against, if it comes now; `None` in captive flight, and where the reference is lost.
     pub(super) fn carried(&self, time_us: u64) -> Option<Carried> {
         self.latch.as_ref()?;
-        Some(Carried { altitude_m: self.reference_m(time_us)?, rate_mps: self.tracker.carrying_rate_mps() })
+        Some(Carried {
+            altitude_m: self.reference_m(time_us)?,
+            rate_mps: self.tracker.carrying_rate_mps(),
+            age_s: seconds_between(self.tracker.last_fix_us(), time_us),
+        })
     }
 
     /// Holds a fix that was just accepted against what was carried on to it.
@@ -52,8 +59,10 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         let rates_mps = (carried.and_then(|carried| carried.rate_mps), self.tracker.carrying_rate_mps());
         let is_good = match (rates_mps, fix.interval_s) {
             ((Some(before_mps), Some(now_mps)), Some(interval_s)) => {
-                // By the mean of the climb rates at both ends.
-                let carried_m = carried_m + 0.5 * (now_mps - before_mps) * interval_s;
+                let age_s = carried.map_or(interval_s, |carried| carried.age_s);
+                // By the mean of the climb rates at both ends, and over the time that it was: the clock may have leapt.
+                let carried_m =
+                    carried_m + 0.5 * (now_mps - before_mps) * interval_s + before_mps * (interval_s - age_s);
                 self.free_flight.take_fix(time_us, Some(carried_m), altitude_m)
             }
             _ => {

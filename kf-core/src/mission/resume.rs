@@ -9,6 +9,28 @@ use crate::sensor::Sensor;
 use crate::snapshot::{Fields, MissionMark, MissionSnapshot, RaisedFlags, SnapshotError, Stage};
 use crate::time::microseconds;
 
+/// Contacts that part bounce for so long at most, microseconds: the wire's debounce.
+pub(super) const BOUNCE_US: u64 = 20_000;
+
+/// A suspicion of a launch that was taken back.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TakenBack {
+    /// When, microseconds.
+    pub(super) time_us: u64,
+    /// It was as short as a bounce. One that lasted was decided: of a wire that is broken nothing is suspected any more.
+    pub(super) is_bounce: bool,
+    /// Of what was held for it.
+    pub(super) failed_checks: u16,
+}
+
+impl TakenBack {
+    /// Whether the parting contacts may have bounced just now: what was held is still kept, and a restart that finds the wire open goes on
+    /// from that.
+    const fn may_be_a_bounce(&self, now_us: u64) -> bool {
+        self.is_bounce && now_us.saturating_sub(self.time_us) < BOUNCE_US
+    }
+}
+
 impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E> {
     /// The mission's state, to be kept; `None` until a launch is at least suspected. What is held during a suspicion is
     /// what the launch will latch, but for what confirming it changes: that is in [`Self::mark`].
@@ -37,6 +59,16 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
     #[must_use]
     #[inline]
     pub fn mark(&self) -> MissionMark {
+        if let (None, Some(taken_back)) = (&self.latch, &self.taken_back)
+            && taken_back.may_be_a_bounce(self.last_us)
+        {
+            return MissionMark {
+                stage: Stage::Suspected,
+                flags: RaisedFlags::default(),
+                failed_checks: taken_back.failed_checks,
+                suspicions: self.counters.launch_suspicions.wrapping_sub(1) as u8 % MissionMark::SUSPICIONS,
+            };
+        }
         let stage = match (&self.latch, self.is_launched) {
             (None, _) => Stage::Captive,
             (Some(_), false) => Stage::Suspected,

@@ -349,6 +349,89 @@ fn what_an_old_climb_rate_carries_on_is_held_against_nobody() {
     assert_eq!(seen.at(8.0)[1], Trust::Trusted);
 }
 
+/// A vehicle that sinks with 25 m/s from the launch on, and whose clock leaps on by so many seconds 3 s later.
+fn leap(time_s: f32, input: &mut TickInput, leap_s: f32, receiver_has_a_clock: bool) {
+    let climb_mps = if time_s > 0.0 { -25.0 } else { 0.0 };
+    add_to_fix(input, climb_mps * time_s);
+    add_to_baro(input, climb_mps * time_s);
+    input.imu_slave_altitude_m = input.imu_slave_altitude_m.map(|altitude_m| altitude_m + climb_mps * time_s);
+    let is_over = time_s > 3.0;
+    if let Some(fix) = &mut input.gps {
+        fix.velocity_down_mps = fix.velocity_down_mps.map(|down_mps| down_mps - climb_mps);
+        fix.fix_time_us = receiver_has_a_clock.then_some(input.time_us);
+    }
+    if is_over {
+        input.time_us += (leap_s * 1e6) as u64;
+    }
+}
+
+#[test]
+fn a_clock_that_leaps_is_seen_by_the_receivers_and_costs_no_reference() {
+    let mut config = config(true);
+    config.reference.lost_after_s = 5.0;
+    for leap_s in [0.7, 1.5, 3.2, 20.0] {
+        let (seen, counters) = flown(&config, |time_s, input| leap(time_s, input, leap_s, true));
+        assert_eq!(seen.flags_s, NO_FLAG, "{leap_s}");
+        assert_eq!((seen.at(3.5), seen.at(9.0)), ([Trust::Trusted; 2], [Trust::Trusted; 2]), "{leap_s}");
+        assert_eq!(counters.gps.gated, 0, "{leap_s}");
+    }
+}
+
+/// The reference is carried on by 30 m too much, and the fixes say so. An inertial altitude that the leap has silenced says nothing of that,
+/// whatever it said before.
+#[test]
+fn a_sensor_that_has_not_spoken_since_is_no_witness_of_the_receivers_two_words() {
+    let mut config = config(true);
+    config.reference.lost_after_s = 5.0;
+    let (seen, counters) = flown(&config, |time_s, input| {
+        leap(time_s, input, 1.2, false);
+        if time_s > 3.0 {
+            input.imu_slave_altitude_m = None;
+        }
+    });
+    assert!(counters.gps.gated > 10);
+    assert_eq!(seen.flags_s[1], [None; 2]);
+}
+
+/// One that has, is: also after a restart.
+#[test]
+fn a_restart_forgets_no_witness() {
+    let inputs: Vec<TickInput> = {
+        let mut flight = Flight { seed: 7, noise: 1.0 };
+        (0..8_000)
+            .map(|k| {
+                let mut input = flight.tick(k);
+                // The climb rate goes wrong, the altitude is right, and the barometer fails.
+                if let (true, Some(fix)) = (k > LAUNCH + 100, &mut input.gps) {
+                    fix.velocity_down_mps = fix.velocity_down_mps.map(|down_mps| down_mps - 3.0);
+                }
+                add_to_baro(&mut input, if k > LAUNCH + 1_400 { 20.0 } else { 0.0 });
+                input
+            })
+            .collect()
+    };
+    let flagged_at = |interrupted_at: u64| {
+        let mut mission = Dense::new(&config(true)).unwrap();
+        let mut flagged = None;
+        for (k, input) in (0_u64..).zip(&inputs) {
+            if k == interrupted_at {
+                let mut bytes = [0; MAX_SNAPSHOT_BYTES];
+                let length = mission.snapshot().unwrap().to_bytes(&mut bytes).unwrap();
+                let mark = mission.mark();
+                mission = Dense::new(&config(true)).unwrap();
+                mission.restore_snapshot(&bytes[..length], &mark).unwrap();
+            }
+            if mission.tick(input).sensors[BARO].trust == Trust::Untrustworthy {
+                flagged.get_or_insert(k);
+            }
+        }
+        flagged
+    };
+    let never = flagged_at(u64::MAX);
+    assert!(never.is_some());
+    assert_eq!(flagged_at(LAUNCH + 1_000), never);
+}
+
 #[test]
 fn a_single_sensor_is_not_blamed_for_a_drift_that_the_climb_rate_denies() {
     for drift_mps in [2.0, -5.0] {
