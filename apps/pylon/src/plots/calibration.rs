@@ -1,15 +1,16 @@
 //! Figure 2: the estimated parameters over captive flight, with their standard deviations.
 
 use kf_core::sensor::Sensor;
+use view::svg::{BLUE, DrawingError, Layer, PALE_BLUE, Panel, range};
 
-use super::canvas::figure;
-use super::panel::{BLUE, Layer, PALE_BLUE, Panel, outline, range, span};
+use super::envelope::{outline, span};
+use super::figure::figure;
 use crate::compare::{Comparison, EstimateTrace, Traces};
 
 /// The first part of the flight in which the band may leave the diagram: there it is the prior's.
 const PRIOR_SHARE: f64 = 0.04;
 
-pub(super) fn draw(comparison: &Comparison, traces: &Traces) -> Option<Result<String, String>> {
+pub(super) fn draw(comparison: &Comparison, traces: &Traces) -> Option<Result<String, DrawingError>> {
     let seconds = |time_us: u64| time_us as f64 * 1e-6;
     let x_range = span(std::iter::once(&traces.altitude.value_m), seconds)?;
     let mut panels = Vec::new();

@@ -1,8 +1,8 @@
 //! What an effect looks like.
 
+use view::svg::{BLUE, GREY, Layer, MAGENTA, Panel, range, sheet};
+
 use super::PlotError;
-use super::canvas::sheet;
-use super::panel::{BLUE, GREY, Layer, MAGENTA, Panel, range};
 use crate::effect_guide::Picture;
 
 /// Draws an effect's picture (SVG).

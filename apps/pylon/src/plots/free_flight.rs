@@ -1,12 +1,15 @@
 //! Figure 4: the errors of the sensors in free flight.
 
 use kf_core::sensor::Sensor;
+use view::svg::{
+    BLACK, DrawingError, GREEN, GREY, LIGHT_BLUE, Layer, MAGENTA, PALE_GREY, Panel, range,
+};
 
-use super::canvas::figure;
-use super::panel::{GREEN, GREY, LIGHT_BLUE, Layer, MAGENTA, PALE_GREY, Panel, outline, range, series, span};
+use super::envelope::{outline, series, span};
+use super::figure::figure;
 use crate::compare::{Comparison, SensorComparison, Traces};
 
-pub(super) fn draw(comparison: &Comparison, traces: &Traces) -> Option<Result<String, String>> {
+pub(super) fn draw(comparison: &Comparison, traces: &Traces) -> Option<Result<String, DrawingError>> {
     let launch_s = comparison.launch_s?;
     let seconds = |time_us: u64| time_us as f64 * 1e-6 - launch_s;
     let free = || Sensor::ALL.into_iter().filter(|sensor| sensor.flies_free());
@@ -56,8 +59,7 @@ fn layers(
         layers.push(Layer::Moment { at, colour: MAGENTA, name: format!("doubtful, {at:.2} s") });
     }
     if let Some(at) = sensor.untrustworthy_after_s {
-        let colour = plotters::style::RGBColor(0, 0, 0);
-        layers.push(Layer::Moment { at, colour, name: format!("untrustworthy, {at:.2} s") });
+        layers.push(Layer::Moment { at, colour: BLACK, name: format!("untrustworthy, {at:.2} s") });
     }
     layers
 }

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use analysis::discover::{Discovery, FoundLaw, PictureSignal};
 
+use view::svg::{BLUE, DrawingError, GREY, Layer, ORANGE, PALE_BLUE, Panel, range, sheet};
+
 use super::PlotError;
-use super::canvas::sheet;
-use super::panel::{BLUE, GREY, Layer, ORANGE, PALE_BLUE, Panel, range};
 use crate::output_file::write_atomically;
 
 /// Bins of a diagram, with as many blocks in each.
@@ -36,7 +36,7 @@ pub fn draw_laws(directory: &Path, discovery: &Discovery) -> Result<Vec<PathBuf>
     drawn.iter().enumerate().map(write).collect()
 }
 
-fn draw_law(discovery: &Discovery, law: &FoundLaw, number: usize) -> Result<String, String> {
+fn draw_law(discovery: &Discovery, law: &FoundLaw, number: usize) -> Result<String, DrawingError> {
     let picture = &law.picture;
     let mut against_law = Binned::new(&picture.law_m, &picture.measured_m)
         .panel("law, m", format!("measured on {}, m", law.on));

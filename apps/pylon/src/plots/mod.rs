@@ -1,18 +1,18 @@
 //! The paper's Figures 2, 3 and 4, drawn for any flight (SVG).
 
 mod calibration;
-mod canvas;
 mod effect;
+mod envelope;
+mod figure;
 mod free_flight;
 mod law;
-mod legend;
-mod panel;
 mod residuals;
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
+use view::svg::DrawingError;
 
 pub use effect::draw_effect;
 pub use law::draw_laws;
@@ -38,7 +38,7 @@ pub enum PlotError {
         /// The figure's file name.
         figure: &'static str,
         /// Why not.
-        reason: String,
+        reason: DrawingError,
     },
     /// A figure could not be written.
     #[error(transparent)]

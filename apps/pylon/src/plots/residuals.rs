@@ -1,12 +1,13 @@
 //! Figure 3: the residuals over captive flight.
 
 use kf_core::sensor::Sensor;
+use view::svg::{DrawingError, LIGHT_BLUE, Layer, ORANGE, Panel, range};
 
-use super::canvas::figure;
-use super::panel::{LIGHT_BLUE, Layer, ORANGE, Panel, range, series, span};
+use super::envelope::{series, span};
+use super::figure::figure;
 use crate::compare::{Comparison, Envelope, Traces};
 
-pub(super) fn draw(comparison: &Comparison, traces: &Traces) -> Option<Result<String, String>> {
+pub(super) fn draw(comparison: &Comparison, traces: &Traces) -> Option<Result<String, DrawingError>> {
     let seconds = |time_us: u64| time_us as f64 * 1e-6;
     let all = || std::iter::once(&traces.reference_residual_m).chain(&traces.captive_error_m);
     let x_range = span(all(), seconds)?;

@@ -1,24 +1,31 @@
 //! One diagram of a figure.
 
-use std::error::Error;
 use std::ops::Range;
 
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 use super::canvas::{Area, SCALE};
-use super::legend;
-use crate::compare::{Envelope, Slot};
+use super::{DrawingError, legend};
 
-pub(super) const BLUE: RGBColor = RGBColor(0, 90, 160);
-pub(super) const LIGHT_BLUE: RGBColor = RGBColor(95, 155, 210);
-pub(super) const PALE_BLUE: RGBColor = RGBColor(205, 224, 241);
-pub(super) const GREEN: RGBColor = RGBColor(0, 150, 60);
-pub(super) const GREY: RGBColor = RGBColor(120, 120, 120);
-/// Dark enough to be seen over a dense blue series.
-pub(super) const ORANGE: RGBColor = RGBColor(150, 45, 0);
-pub(super) const PALE_GREY: RGBColor = RGBColor(238, 238, 238);
-pub(super) const MAGENTA: RGBColor = RGBColor(214, 0, 170);
+pub use plotters::style::BLACK;
+
+/// Of an estimate.
+pub const BLUE: RGBColor = RGBColor(0, 90, 160);
+/// Of a dense series.
+pub const LIGHT_BLUE: RGBColor = RGBColor(95, 155, 210);
+/// Of the band around an estimate.
+pub const PALE_BLUE: RGBColor = RGBColor(205, 224, 241);
+/// Of an average.
+pub const GREEN: RGBColor = RGBColor(0, 150, 60);
+/// Of a limit.
+pub const GREY: RGBColor = RGBColor(120, 120, 120);
+/// Of a bound: dark enough to be seen over a dense blue series.
+pub const ORANGE: RGBColor = RGBColor(150, 45, 0);
+/// Of what lies within a limit.
+pub const PALE_GREY: RGBColor = RGBColor(238, 238, 238);
+/// Of a moment of the flight.
+pub const MAGENTA: RGBColor = RGBColor(214, 0, 170);
 
 /// Height of the names above a diagram, CSS pixels.
 pub(super) const LEGEND_HEIGHT: i32 = 24;
@@ -28,16 +35,49 @@ pub(super) const GAP: i32 = 5 * SCALE;
 
 type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
-/// What is drawn, in this order.
-pub(super) enum Layer<'a> {
+/// What is drawn, in this order, bands below everything else. Names stand in the legend; what has an empty name does not.
+#[derive(Clone, Debug)]
+pub enum Layer<'a> {
     /// A filled area between two curves.
-    Band { from: Vec<(f64, f64)>, to: Vec<(f64, f64)>, colour: RGBColor, name: &'a str },
+    Band {
+        /// One edge.
+        from: Vec<(f64, f64)>,
+        /// The other.
+        to: Vec<(f64, f64)>,
+        /// Its colour.
+        colour: RGBColor,
+        /// Its name.
+        name: &'a str,
+    },
     /// A curve.
-    Curve { points: Vec<(f64, f64)>, colour: RGBColor, width: i32, name: &'a str },
+    Curve {
+        /// What it passes through.
+        points: Vec<(f64, f64)>,
+        /// Its colour.
+        colour: RGBColor,
+        /// Its width, half CSS pixels.
+        width: i32,
+        /// Its name.
+        name: &'a str,
+    },
     /// A dashed horizontal line.
-    Level { value: f64, colour: RGBColor, name: &'a str },
-    /// A vertical line with its name.
-    Moment { at: f64, colour: RGBColor, name: String },
+    Level {
+        /// Where.
+        value: f64,
+        /// Its colour.
+        colour: RGBColor,
+        /// Its name.
+        name: &'a str,
+    },
+    /// A vertical line.
+    Moment {
+        /// Where.
+        at: f64,
+        /// Its colour.
+        colour: RGBColor,
+        /// Its name.
+        name: String,
+    },
 }
 
 impl Layer<'_> {
@@ -51,18 +91,24 @@ impl Layer<'_> {
 }
 
 /// A diagram: layers over axes.
-pub(super) struct Panel<'a> {
-    pub(super) x_range: Range<f64>,
-    pub(super) y_range: Range<f64>,
-    pub(super) x_name: &'a str,
-    pub(super) y_name: String,
-    pub(super) layers: Vec<Layer<'a>>,
+#[derive(Clone, Debug)]
+pub struct Panel<'a> {
+    /// What the horizontal axis spans.
+    pub x_range: Range<f64>,
+    /// What the vertical axis spans. What lies outside is cut off.
+    pub y_range: Range<f64>,
+    /// What is along the horizontal axis, with its unit.
+    pub x_name: &'a str,
+    /// What is along the vertical axis, with its unit.
+    pub y_name: String,
+    /// What is drawn.
+    pub layers: Vec<Layer<'a>>,
     /// Whether the layers' names stand above the diagram.
-    pub(super) has_legend: bool,
+    pub has_legend: bool,
 }
 
 impl Panel<'_> {
-    pub(super) fn draw(&self, area: &Area<'_>) -> Result<(), Box<dyn Error>> {
+    pub(super) fn draw(&self, area: &Area<'_>) -> Result<(), DrawingError> {
         let mut chart = ChartBuilder::on(area)
             .margin_left(8 * SCALE)
             .margin_right(18 * SCALE)
@@ -100,7 +146,7 @@ impl Panel<'_> {
         Ok(())
     }
 
-    fn draw_layer(&self, chart: &mut Chart<'_, '_>, layer: &Layer<'_>) -> Result<(), Box<dyn Error>> {
+    fn draw_layer(&self, chart: &mut Chart<'_, '_>, layer: &Layer<'_>) -> Result<(), DrawingError> {
         match layer {
             Layer::Band { from, to, colour, .. } => {
                 let mut outline = self.clamped(from);
@@ -168,45 +214,8 @@ fn clipped(points: &[(f64, f64)], range: &Range<f64>) -> Vec<Vec<(f64, f64)>> {
     parts
 }
 
-/// Layers of a dense series: the range of its values in each slot filled, and the line over it.
-pub(super) fn series<'a>(
-    envelope: &Envelope,
-    seconds: impl Fn(u64) -> f64 + Copy,
-    colour: RGBColor,
-    name: &'a str,
-) -> [Layer<'a>; 2] {
-    let edge = |value: fn(&Slot) -> f32| -> Vec<(f64, f64)> {
-        envelope.slots().iter().map(|slot| (seconds(slot.time_us), f64::from(value(slot)))).collect()
-    };
-    [
-        Layer::Band { from: edge(|slot| slot.least), to: edge(|slot| slot.greatest), colour, name: "" },
-        Layer::Curve { points: outline(envelope, seconds), colour, width: 2, name },
-    ]
-}
-
-/// The envelope as one line that touches the least and the greatest value of every slot; times by
-/// `seconds`.
-pub(super) fn outline(envelope: &Envelope, seconds: impl Fn(u64) -> f64) -> Vec<(f64, f64)> {
-    let mut points: Vec<(f64, f64)> = Vec::new();
-    for slot in envelope.slots() {
-        let x = seconds(slot.time_us);
-        let (least, greatest) = (f64::from(slot.least), f64::from(slot.greatest));
-        let before = points.last().map_or(least, |(_, y)| *y);
-        let (first, second) = if (before - least).abs() <= (before - greatest).abs() {
-            (least, greatest)
-        } else {
-            (greatest, least)
-        };
-        points.push((x, first));
-        if second != first {
-            points.push((x, second));
-        }
-    }
-    points
-}
-
-/// Range of values with a margin; never empty.
-pub(super) fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
+/// Range of the finite values with a margin; never empty.
+pub fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
     let (least, greatest) = values
         .filter(|value| value.is_finite())
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, greatest), value| {
@@ -219,34 +228,9 @@ pub(super) fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
     least - margin..greatest + margin
 }
 
-/// First and last time of several envelopes, in seconds.
-pub(super) fn span<'a>(
-    envelopes: impl Iterator<Item = &'a Envelope>,
-    seconds: impl Fn(u64) -> f64,
-) -> Option<Range<f64>> {
-    let (mut first, mut last) = (u64::MAX, 0);
-    for envelope in envelopes {
-        if let (Some(from), Some(to)) = (envelope.slots().first(), envelope.slots().last()) {
-            first = first.min(from.time_us);
-            last = last.max(to.time_us);
-        }
-    }
-    (first < last).then(|| seconds(first)..seconds(last))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn outline_touches_every_extreme() {
-        let mut envelope = Envelope::default();
-        for (time_us, value) in [(0, 1.0), (100, -2.0), (200, 3.0), (5_000, 0.5)] {
-            envelope.push(time_us, value);
-        }
-        let points = outline(&envelope, |us| us as f64);
-        assert_eq!(points, vec![(0.0, -2.0), (0.0, 3.0), (5_000.0, 0.5)]);
-    }
 
     #[test]
     fn lines_are_cut_where_they_leave_the_diagram() {

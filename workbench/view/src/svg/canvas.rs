@@ -4,8 +4,8 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use super::DrawingError;
 use super::panel::Panel;
-use crate::compare::Comparison;
 
 /// The backend rounds to whole pixels; drawing three times as large makes the rounding invisible.
 pub(super) const SCALE: i32 = 3;
@@ -22,21 +22,20 @@ const SUBTITLE_CHARACTERS: usize = 150;
 
 pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
-/// Draws a figure: a title, where the data come from, and the panels.
-pub(super) fn figure(title: &str, comparison: &Comparison, panels: &[Panel<'_>]) -> Result<String, String> {
-    sheet(title, subtitles(comparison), panels)
-}
-
-/// Draws a title, two lines below it, and the panels.
-pub(super) fn sheet(title: &str, subtitles: [String; 2], panels: &[Panel<'_>]) -> Result<String, String> {
+/// Draws a title, two lines below it, and the panels. Lines that are too long are cut.
+///
+/// # Errors
+/// [`DrawingError`].
+pub fn sheet(title: &str, subtitles: [String; 2], panels: &[Panel<'_>]) -> Result<String, DrawingError> {
+    let subtitles = subtitles.map(shortened);
     let panel_height = if panels.len() > 2 { PANEL_HEIGHT } else { TALL_PANEL_HEIGHT };
     let height = TITLE_HEIGHT + panel_height * panels.len() as i32 + 8;
     let size = ((WIDTH * SCALE) as u32, (height * SCALE) as u32);
     let mut svg = String::new();
     {
         let sheet = SVGBackend::with_string(&mut svg, size).into_drawing_area();
-        lay_out(&sheet, title, &subtitles, panels).map_err(|error| error.to_string())?;
-        sheet.present().map_err(|error| error.to_string())?;
+        lay_out(&sheet, title, &subtitles, panels)?;
+        sheet.present()?;
     }
     Ok(at_true_size(&svg, size, height))
 }
@@ -46,7 +45,7 @@ fn lay_out(
     title: &str,
     subtitles: &[String; 2],
     panels: &[Panel<'_>],
-) -> Result<(), Box<dyn std::error::Error>> {
+) -> Result<(), DrawingError> {
     sheet.fill(&WHITE)?;
     let (head, body) = sheet.split_vertically(TITLE_HEIGHT * SCALE);
     let centred = |size: i32, colour: &'static RGBColor| {
@@ -62,16 +61,6 @@ fn lay_out(
         panel.draw(&area)?;
     }
     Ok(())
-}
-
-/// Flight and model, and where the data come from: a figure says whether they were measured.
-fn subtitles(comparison: &Comparison) -> [String; 2] {
-    let flight = &comparison.flight;
-    let file = std::path::Path::new(&flight.file)
-        .file_name()
-        .map_or_else(|| flight.file.clone(), |name| name.to_string_lossy().into_owned());
-    let source = if flight.source.is_empty() { "not stated" } else { &flight.source };
-    [shortened(format!("{file}, model {}", comparison.model)), shortened(format!("source: {source}"))]
 }
 
 fn shortened(text: String) -> String {

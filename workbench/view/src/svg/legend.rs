@@ -1,10 +1,9 @@
 //! The names of a diagram's layers, in one line above it, where they hide nothing.
 
-use std::error::Error;
-
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use super::DrawingError;
 use super::canvas::{Area, SCALE};
 use super::panel::{DASH, GAP, LEGEND_HEIGHT, Layer};
 
@@ -20,7 +19,7 @@ const CHARACTER: i32 = TEXT * 56 / 100;
 const RIGHT: i32 = 18 * SCALE;
 
 /// Draws the names of the layers that have one, right-aligned at the area's top.
-pub(super) fn draw(area: &Area<'_>, layers: &[Layer<'_>]) -> Result<(), Box<dyn Error>> {
+pub(super) fn draw(area: &Area<'_>, layers: &[Layer<'_>]) -> Result<(), DrawingError> {
     let named: Vec<&Layer<'_>> = layers.iter().filter(|layer| !layer.name().is_empty()).collect();
     let width_of = |layer: &Layer<'_>| SAMPLE + SPACE + CHARACTER * layer.name().chars().count() as i32;
     let width: i32 = named.iter().map(|layer| width_of(layer) + BETWEEN).sum::<i32>() - BETWEEN;
@@ -35,7 +34,7 @@ pub(super) fn draw(area: &Area<'_>, layers: &[Layer<'_>]) -> Result<(), Box<dyn 
     Ok(())
 }
 
-fn sample(area: &Area<'_>, layer: &Layer<'_>, x: i32, y: i32) -> Result<(), Box<dyn Error>> {
+fn sample(area: &Area<'_>, layer: &Layer<'_>, x: i32, y: i32) -> Result<(), DrawingError> {
     match layer {
         Layer::Band { colour, .. } => {
             let corners = [(x, y - 5 * SCALE), (x + SAMPLE, y + 5 * SCALE)];

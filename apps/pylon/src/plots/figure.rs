@@ -1,0 +1,24 @@
+//! A figure of a flight: what every one of them says above its panels.
+
+use view::svg::{DrawingError, Panel, sheet};
+
+use crate::compare::Comparison;
+
+/// Draws a figure: a title, where the data come from, and the panels.
+pub(super) fn figure(
+    title: &str,
+    comparison: &Comparison,
+    panels: &[Panel<'_>],
+) -> Result<String, DrawingError> {
+    sheet(title, subtitles(comparison), panels)
+}
+
+/// Flight and model, and where the data come from: a figure says whether they were measured.
+fn subtitles(comparison: &Comparison) -> [String; 2] {
+    let flight = &comparison.flight;
+    let file = std::path::Path::new(&flight.file)
+        .file_name()
+        .map_or_else(|| flight.file.clone(), |name| name.to_string_lossy().into_owned());
+    let source = if flight.source.is_empty() { "not stated" } else { &flight.source };
+    [format!("{file}, model {}", comparison.model), format!("source: {source}")]
+}
