@@ -26,10 +26,11 @@ export async function launch() {
 }
 
 /** A page that has been opened, and everything that it did wrong: to be empty at the end. */
-export async function open(browser, { viewport = DESK, colorScheme = "light" } = {}) {
+export async function open(browser, { viewport = DESK, colorScheme = "light", before = async () => undefined } = {}) {
   const context = await browser.newContext({ viewport, colorScheme, acceptDownloads: true });
   context.setDefaultTimeout(PATIENCE_MS);
   const page = await context.newPage();
+  await before(page);
   const wrongs = [];
   page.on("console", (message) => {
     if (message.type() === "error" || message.type() === "warning") wrongs.push(`console: ${message.text()}`);
