@@ -2,16 +2,12 @@
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 
-import { choose, launch, open, openSample, root, rungsAre, sentence } from "./browser.mjs";
-
-/** The command line's program; `cargo xtask test studio` says which. */
-const pylon = process.env.PYLON_BIN ?? ["debug", "release"].map((profile) => join(root, "target", profile, "pylon")).find(existsSync);
-const skip = pylon === undefined ? "no pylon is built: cargo build --bin pylon, or PYLON_BIN" : false;
+import { choose, launch, open, openSample, pylon, rungsAre, sentence, withoutPylon } from "./browser.mjs";
 
 let browser;
 let folder;
@@ -39,7 +35,7 @@ function shows(text, value) {
   assert.equal(Number.parseFloat(plain), Number(value.toFixed(digits)), `${text} shown for ${value}`);
 }
 
-test("the page's numbers are the command line's, digit for digit", { skip }, async () => {
+test("the page's numbers are the command line's, digit for digit", { skip: withoutPylon }, async () => {
   const { context, page, wrongs } = await open(browser);
   await openSample(page, "hidden-static-port");
   await sentence(page);
