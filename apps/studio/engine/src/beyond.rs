@@ -1,10 +1,10 @@
 //! The error beyond the reference: what of it is not the reference's own wander.
 
-use analysis::diagnose::{ErrorSlot, NoiseFacts, prediction, reference_wander};
+use analysis::diagnose::{ErrorSlot, NoiseFacts, reference_wander};
 use kf_core::effect::EffectSubject;
 use kf_core::sensor::{SENSORS, Sensor};
 
-use crate::curve::{Curve, Flown, regressor};
+use crate::curve::{Curve, Flown, in_error, regressor};
 use crate::engine::{Engine, Progress, Refused, parsed, replay};
 use crate::protocol::Acting;
 use crate::recording::Recording;
@@ -48,8 +48,7 @@ fn explained(engine: &Engine, flown: &Flown<'_>, found: &[Acting]) -> Result<Vec
     let model = parsed(flown.model)?;
     let each = found.iter().map(|acting| {
         let regressor = regressor(acting, &model)?;
-        let points = prediction(&replay, regressor, acting.coefficient);
-        let points = points.into_iter().map(|(time_us, metres)| (time_us as f64 * 1e-6, metres)).collect();
+        let points = in_error(&replay, regressor, acting.coefficient);
         let sensor = match regressor.id.subject() {
             EffectSubject::Gps => None,
             EffectSubject::Sensor(sensor) => Some(sensor),

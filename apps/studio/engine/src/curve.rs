@@ -6,9 +6,10 @@ use std::rc::Rc;
 use analysis::compare::Motion;
 use analysis::diagnose::prediction;
 use flight_data::{Channel, Column};
-use kf_core::effect::{Clock, Regressor};
+use kf_core::effect::{Clock, EffectSubject, Regressor};
 use kf_core::sensor::Sensor;
 use model::Model;
+use replay::Replay;
 
 use crate::beyond;
 use crate::engine::{Engine, Progress, Refused, parsed, refused, replay};
@@ -236,10 +237,20 @@ pub fn regressor(of: &Acting, model: &Model) -> Result<Regressor, Refused> {
 
 fn effect(engine: &Engine, flown: &Flown<'_>, of: &Acting) -> Result<Curve, Refused> {
     let replay = replay(engine.flight(flown.flight)?, flown.model, flown.window)?;
-    let predicted = prediction(&replay, regressor(of, &parsed(flown.model)?)?, of.coefficient);
-    let (times, values) =
-        predicted.into_iter().map(|(time_us, metres)| (time_us as f64 * 1e-6, metres)).unzip();
+    let predicted = in_error(&replay, regressor(of, &parsed(flown.model)?)?, of.coefficient);
+    let (times, values) = predicted.into_iter().unzip();
     Ok(Curve::own(times, values, "m"))
+}
+
+/// What an effect adds to the error of its sensor, seconds and metres. An error of the reference is in the errors of all with the other
+/// sign.
+pub fn in_error(replay: &Replay<'_>, regressor: Regressor, coefficient: f64) -> Vec<(f64, f64)> {
+    let sign = match regressor.id.subject() {
+        EffectSubject::Gps => -1.0,
+        EffectSubject::Sensor(_) => 1.0,
+    };
+    let points = prediction(replay, regressor, coefficient);
+    points.into_iter().map(|(time_us, metres)| (time_us as f64 * 1e-6, sign * metres)).collect()
 }
 
 fn motion(

@@ -15,7 +15,7 @@ use thiserror::Error;
 use crate::curve::Curve;
 use crate::protocol::{ModelText, Numbers, Request, Window};
 use crate::recording::Recording;
-use crate::{catalogue, correlate, opening, pairs, results, ribbons, samples, series};
+use crate::{catalogue, correlate, formula, opening, pairs, results, ribbons, samples, series};
 
 /// Recordings that are kept: before and after, of two flights.
 const RECORDINGS: usize = 4;
@@ -144,6 +144,8 @@ impl Engine {
             Request::Correlation(of) => json(&correlate::correlate(self, &of, attachments, progress)?),
             Request::Compare(of) => json(&results::compared(self, &of, progress)?),
             Request::Diagnose(of) => json(&results::diagnosed(self, &of, progress)?),
+            Request::Formula(of) => json(&formula::checked(self, &of, attachments, progress)?),
+            Request::Discover(of) => json(&results::discovered(self, &of, progress)?),
             Request::Add(of) => json(&results::added(self, of, progress)?),
             Request::Ladder(of) => json(&results::ladder(self, &of, progress)?),
             Request::Export(of) => json(&results::exported(self, of.export, attachments, progress)?),

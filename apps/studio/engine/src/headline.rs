@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use analysis::compare::Comparison;
 use analysis::diagnose::{CandidateFacts, Diagnosis, SensorDiagnosis, Verdict};
+use analysis::discover::{Discovery, Rejected, Why};
 use analysis::learn::{Addition, JudgedOn};
 
 use crate::protocol::{Headline, Tone};
@@ -45,6 +46,29 @@ fn subject(sensor: &str) -> &'static str {
         "imu_master" => "The mother ship's inertial altitude",
         _ => "Your reference (GPS)",
     }
+}
+
+/// Why no law is proposed; `None` where one is.
+pub fn why_no_law(discovery: &Discovery) -> Option<String> {
+    if !discovery.laws.is_empty() {
+        return None;
+    }
+    if discovery.signals.is_empty() {
+        return Some("No signal is recorded that a law could be made of.".to_owned());
+    }
+    let searched = format!("No law explains the rest; {} were looked at.", discovery.scored);
+    let Some(Rejected { on, regressor, why, effect }) = &discovery.rejected else { return Some(searched) };
+    let why = match (why, effect) {
+        (Why::NotEnoughEvidence, _) => {
+            "it does not pay for its length and for the size of the search".to_owned()
+        }
+        (Why::HeldOut, _) => "what it was not learned from does not become more likely by it".to_owned(),
+        (Why::Catalogue, Some(effect)) => format!("{} explains as much", title(effect)),
+        (Why::Catalogue, None) => "an effect of the catalogue explains as much".to_owned(),
+        (Why::NoFormula, _) => "it is too long for a formula that flies".to_owned(),
+        (Why::Shape, _) => "it is what the formulas of the effects found may miss".to_owned(),
+    };
+    Some(format!("{searched} The nearest was {regressor} on {on}: {why}."))
 }
 
 /// A number to two digits.

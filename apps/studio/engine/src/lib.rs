@@ -7,6 +7,7 @@ mod catalogue;
 mod correlate;
 mod curve;
 mod engine;
+mod formula;
 mod headline;
 mod opening;
 mod pairs;

@@ -5,6 +5,7 @@ use std::sync::Mutex;
 use analysis::batch::{DiagnoseResult, batch};
 use analysis::compare::{Comparison, Options, compare};
 use analysis::diagnose::{NamedReplay, WantedEffect, diagnose};
+use analysis::discover::{discover, id};
 use analysis::learn::{Ladder, NamedFlight, Request, add};
 use kf_core::effect::Clock;
 use replay::Replay;
@@ -14,8 +15,8 @@ use time::{Date, Month};
 use crate::engine::{Attachments, Engine, Progress, Refused, counting, parsed, refused, replay, window};
 use crate::headline;
 use crate::protocol::{
-    AddRequest, Added, CompareRequest, Compared, DiagnoseRequest, Diagnosed, Exported, Exports,
-    LadderRequest, ModelText, Window,
+    AddRequest, Added, CompareRequest, Compared, DiagnoseRequest, Diagnosed, DiscoverRequest, Discovered,
+    Exported, Exports, LadderRequest, ModelText, Window,
 };
 
 /// How well a model agrees with a flight.
@@ -87,6 +88,30 @@ fn results(
     }
     together.warnings.splice(0..0, notes);
     Ok(DiagnoseResult { together: Some(together), failed: None, one_by_one })
+}
+
+/// Laws that nobody wrote down.
+pub fn discovered(
+    engine: &Engine,
+    request: &DiscoverRequest,
+    progress: &mut Progress<'_>,
+) -> Result<Discovered, Refused> {
+    if request.flights.is_empty() {
+        return Err(refused("no flight to search"));
+    }
+    let learned = to_diagnose(engine, &request.flights, &request.model, request.window)?;
+    let held = to_diagnose(engine, &request.hold_outs, &request.model, request.window)?;
+    let found = discover(&learned, &held, &mut counting("searching for laws", progress), engine.executor);
+    let mut discovery = found.map_err(refused)?;
+    discovery.model.clone_from(&request.model.name);
+    let mut notes = Vec::new();
+    for name in request.flights.iter().chain(&request.hold_outs) {
+        let open = engine.flight(name)?;
+        notes.extend(open.notes.iter().map(|note| format!("{}: {note}", open.file)));
+    }
+    discovery.warnings.splice(0..0, notes);
+    let ids = discovery.laws.iter().map(|law| id(law, &discovery.signals)).collect();
+    Ok(Discovered { ids, why_none: headline::why_no_law(&discovery), discovery })
 }
 
 fn to_diagnose<'a>(

@@ -161,4 +161,66 @@ fn an_effect_is_found_added_and_the_error_falls_as_its_prediction_said() {
             .unwrap()
     };
     assert!(rms_of(1) < rms_of(0), "{revisions}");
+
+    formulas(&mut engine, &default, coefficient);
+}
+
+/// The same effect by a formula of one's own.
+fn formulas(engine: &mut Engine, default: &Value, learned: f64) {
+    let check = |engine: &mut Engine, on: &str, regressor: &str| {
+        let of = json!({
+            "model": default, "id": null, "on": on, "regressor": regressor, "largest": null, "about": "", "flight": "f",
+            "window": null, "error": { "signal": "error", "sensor": "baro" }, "from_s": null
+        });
+        Answer::of(engine, "formula", of)
+    };
+    for (text, says, place) in [
+        ("1 + tas_mps", "m/s", "tas_mps"),
+        ("2 * \u{e9}flap", "", ""),
+        ("tas_mps * flap", "This flight has no column 'flap'", "flap"),
+        ("7", "can't tell", "7"),
+    ] {
+        let checked = check(engine, "baro", text).json;
+        let problem = &checked["problem"];
+        assert!(problem["message"].as_str().unwrap().contains(says), "{checked}");
+        assert!(checked["definition"].is_null(), "{checked}");
+        let span = problem["from"].as_u64().unwrap() as usize..problem["to"].as_u64().unwrap() as usize;
+        let units: Vec<u16> = text.encode_utf16().collect();
+        assert!(String::from_utf16(&units[span]).unwrap().contains(place), "{checked}");
+    }
+    let own = check(engine, "baro", "tas_mps^2 / (2*g)");
+    let definition = &own.json["definition"];
+    let coefficient = definition["coefficient"].as_f64().unwrap();
+    // The eye's fit, which knows no noise and no other effect, is near the one that is learned.
+    assert!((coefficient - learned).abs() < 0.4 * learned.abs(), "{coefficient} {learned}");
+    assert!(definition["explained"].as_f64().unwrap() > 0.4, "{definition}");
+    assert_eq!(
+        (&definition["effect"], &definition["unit"]),
+        (&json!("baro.tas_mps"), &json!("1")),
+        "{definition}"
+    );
+    let (x, y) = (own.array("/definition/x"), own.array("/definition/y"));
+    assert!(x.len() == y.len() && x.len() > 100 && x.len() <= 400, "{}", x.len());
+
+    // What if: the curve of the definition is the catalogue's.
+    let curve = |engine: &mut Engine, model: &Value, effect: &str| {
+        let acting = json!({ "effect": effect, "coefficient": 1.0, "time_constant_s": null, "since": null });
+        let of = json!({
+            "flight": "f", "model": model, "window": null, "signals": [{ "signal": "effect", "of": acting }],
+            "from_s": null, "to_s": null, "pixels": 400
+        });
+        Answer::of(engine, "series", of).array("/curves/0/least").to_vec()
+    };
+    let same = curve(engine, &definition["model"], "baro.tas_mps");
+    let catalogue = curve(engine, default, "baro.dynamic_pressure");
+    assert!(same.iter().zip(&catalogue).all(|(a, b)| a.is_nan() == b.is_nan() && !((a - b).abs() > 1e-3)));
+    assert!(same.iter().filter(|value| value.is_finite()).count() > 200);
+
+    // An error of the reference has the other sign; what every sensor has is it with its sign turned again.
+    let on = |engine: &mut Engine, on: &str| {
+        let checked = check(engine, on, "tas_mps^2 / (2*g)").json;
+        checked["definition"]["coefficient"].as_f64().unwrap()
+    };
+    let (gps, every) = (on(engine, "gps"), on(engine, "every sensor"));
+    assert!((gps + coefficient).abs() < 1e-6 && (every - coefficient).abs() < 1e-6, "{gps} {every}");
 }

@@ -61,6 +61,8 @@ fn written() -> String {
         ScatterRequest,
         CorrelationRequest,
         DiagnoseRequest,
+        FormulaRequest,
+        DiscoverRequest,
         AddRequest,
         LadderRequest,
         ExportRequest,
@@ -76,6 +78,8 @@ fn written() -> String {
         Correlated,
         Compared,
         Diagnosed,
+        FormulaChecked,
+        Discovered,
         Added,
         Exported,
         analysis::learn::Ladder

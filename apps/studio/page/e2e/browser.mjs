@@ -10,7 +10,10 @@ const here = dirname(fileURLToPath(import.meta.url));
 export const root = resolve(here, "../../../..");
 export const realLogs = resolve(root, "../shared/flights/real");
 /** `cargo xtask site` makes it. */
-const studio = process.env.PYLON_STUDIO ?? join(root, "target/studio/studio.html");
+export const studio = process.env.PYLON_STUDIO ?? join(root, "target/studio/studio.html");
+/** The command line's program; `cargo xtask test studio` says which. */
+export const pylon = process.env.PYLON_BIN ?? ["debug", "release"].map((profile) => join(root, "target", profile, "pylon")).find(existsSync);
+export const withoutPylon = pylon === undefined ? "no pylon is built: cargo build --bin pylon, or PYLON_BIN" : false;
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 /** Others may be building on the machine. */
 const PATIENCE_MS = 60_000;
@@ -26,10 +29,18 @@ export async function launch() {
 }
 
 /** A page that has been opened, and everything that it did wrong: to be empty at the end. */
-export async function open(browser, { viewport = DESK, colorScheme = "light" } = {}) {
+export async function open(browser, { viewport = DESK, colorScheme = "light", before = async () => undefined } = {}) {
   const context = await browser.newContext({ viewport, colorScheme, acceptDownloads: true });
   context.setDefaultTimeout(PATIENCE_MS);
   const page = await context.newPage();
+  await before(page);
+  const wrongs = watched(page, (url) => url === pathToFileURL(studio).href);
+  await page.goto(pathToFileURL(studio).href);
+  return { context, page, wrongs };
+}
+
+/** What a page does wrong from now on; it may ask for some addresses. */
+export function watched(page, isAllowed) {
   const wrongs = [];
   page.on("console", (message) => {
     if (message.type() === "error" || message.type() === "warning") wrongs.push(`console: ${message.text()}`);
@@ -37,10 +48,9 @@ export async function open(browser, { viewport = DESK, colorScheme = "light" } =
   page.on("pageerror", (error) => wrongs.push(`error: ${error.message}`));
   page.on("request", (request) => {
     const url = request.url();
-    if (url !== pathToFileURL(studio).href && !/^(blob|data):/.test(url)) wrongs.push(`request: ${url}`);
+    if (!isAllowed(url) && !/^(blob|data):/.test(url)) wrongs.push(`request: ${url}`);
   });
-  await page.goto(pathToFileURL(studio).href);
-  return { context, page, wrongs };
+  return wrongs;
 }
 
 export async function openSample(page, name) {

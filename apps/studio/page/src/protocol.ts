@@ -20,3 +20,7 @@ export type Drawn = Resolved<Engine.Drawn>;
 export type Paired = Resolved<Engine.Paired>;
 export type Ribbons = Resolved<Engine.Ribbons>;
 export type Series = Resolved<Engine.Series>;
+export type Defined = Resolved<Engine.Defined>;
+export type Discovered = Resolved<Engine.Discovered>;
+export type FormulaChecked = Resolved<Engine.FormulaChecked>;
+export type FormulaProblem = Resolved<Engine.FormulaProblem>;

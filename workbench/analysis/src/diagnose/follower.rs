@@ -82,13 +82,26 @@ pub(super) enum Phase {
 }
 
 impl Follower {
+    /// One that knows a regressor as well, whatever its time constant.
+    pub(super) fn knowing(model: &Model, regressor: Regressor) -> Self {
+        Self { formulas: Formulas::of(model, Some(regressor)), ..Self::new(model) }
+    }
+
+    /// The regressor of what it knows now, metres per unit, as the estimator has it.
+    pub(super) fn value_m(&self, regressor: Regressor) -> Option<f32> {
+        match regressor.id {
+            EffectId::Defined(_) => self.formulas.value_m(regressor),
+            _ => self.tracker.regressor_m(regressor),
+        }
+    }
+
     pub(super) fn new(model: &Model) -> Self {
         let reference = ReferenceConfig { lost_after_s: model.reference.lost_after_s, ..model.reference };
         let mut tracker = SignalTracker::default();
         tracker.set_latitude_deg(model.latitude_deg);
         Self {
             tracker,
-            formulas: Formulas::of(model),
+            formulas: Formulas::of(model, None),
             reference: ReferenceTracker::new(&reference),
             stuck: std::array::from_fn(|_| StuckDetector::default()),
             sigma_m: std::array::from_fn(|i| model.sensors[i].sigma_m),

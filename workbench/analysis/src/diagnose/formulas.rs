@@ -22,11 +22,11 @@ pub(super) struct Formulas {
 }
 
 impl Formulas {
-    /// Of a model: those that it has, and those that it only defines.
-    pub(super) fn of(model: &Model) -> Self {
+    /// Of a model: those that it has, and those that it only defines; and one more.
+    pub(super) fn of(model: &Model, further: Option<Regressor>) -> Self {
         let own = model.effects.iter().map(|effect| effect.term.regressor);
         let tried = catalogue(model, false).into_iter().map(|candidate| candidate.regressor);
-        Self::new(own.chain(tried))
+        Self::new(own.chain(tried).chain(further))
     }
 
     /// Of these regressors; those of the catalogue are not formulas, and left out.

@@ -9,7 +9,7 @@ use replay::Replay;
 /// calibration has taken for bias.
 #[must_use]
 pub fn prediction(replay: &Replay<'_>, regressor: Regressor, coefficient: f64) -> Vec<(u64, f64)> {
-    let mut follower = Follower::new(replay.model());
+    let mut follower = Follower::knowing(replay.model(), regressor);
     let mut predicted = Vec::new();
     let (mut sum_m, mut count) = (0.0, 0_u64);
     for input in replay.mission_inputs() {
@@ -17,7 +17,7 @@ pub fn prediction(replay: &Replay<'_>, regressor: Regressor, coefficient: f64) -
         if taken.phase == Phase::Ignored {
             continue;
         }
-        let Some(regressor_m) = follower.tracker.regressor_m(regressor) else { continue };
+        let Some(regressor_m) = follower.value_m(regressor) else { continue };
         let metres = coefficient * f64::from(regressor_m);
         if taken.phase == Phase::Captive {
             sum_m += metres;

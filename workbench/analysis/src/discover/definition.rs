@@ -39,34 +39,71 @@ pub fn id(law: &FoundLaw, signals: &[String]) -> String {
     format!("{on}.{}", used.join("_by_").to_ascii_lowercase())
 }
 
+/// An effect by formula, as an `[[effect_definition]]` says it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NewDefinition<'a> {
+    /// Its id: two words with a dot between.
+    pub id: &'a str,
+    /// What it acts on: a sensor, `gps`, or `every sensor`.
+    pub on: &'a str,
+    /// The formula.
+    pub regressor: &'a str,
+    /// Unit of the coefficient.
+    pub unit: &'a str,
+    /// The largest plausible coefficient, either way.
+    pub largest: f64,
+    /// What it is, in words; empty: nothing is said.
+    pub about: &'a str,
+}
+
+/// The range of a coefficient that was found: how far either way nature is taken to keep it. Two digits are enough for a range.
+#[must_use]
+pub fn largest_plausible(coefficient: f64) -> f64 {
+    let largest = PLAUSIBLE * coefficient.abs();
+    format!("{largest:.1e}").parse().unwrap_or(largest)
+}
+
 /// The text with a law as an effect definition at its end, everything else in it as it was.
 ///
 /// # Errors
 /// See [`DefinitionError`].
 pub fn with_definition(text: &str, id: &str, law: &FoundLaw) -> Result<String, DefinitionError> {
+    let about = format!("a law that pylon discover proposed, with a probability of {:.2}", law.probability);
+    let new = NewDefinition {
+        id,
+        on: &law.on,
+        regressor: &law.regressor,
+        unit: &law.unit,
+        largest: largest_plausible(law.coefficient),
+        about: &about,
+    };
+    with_new_definition(text, &new)
+}
+
+/// The text with an effect definition at its end, everything else in it as it was.
+///
+/// # Errors
+/// See [`DefinitionError`].
+pub fn with_new_definition(text: &str, new: &NewDefinition<'_>) -> Result<String, DefinitionError> {
     let document: DocumentMut =
         text.parse().map_err(|error: toml_edit::TomlError| DefinitionError::Syntax(error.to_string()))?;
     if let Some(definitions) = document.get("effect_definition") {
         let definitions = definitions.as_array_of_tables().ok_or(DefinitionError::NotTables)?;
-        if definitions.iter().any(|table| table.get("id").and_then(Item::as_str) == Some(id)) {
-            return Err(DefinitionError::Taken(id.to_owned()));
+        if definitions.iter().any(|table| table.get("id").and_then(Item::as_str) == Some(new.id)) {
+            return Err(DefinitionError::Taken(new.id.to_owned()));
         }
     }
     let mut table = Table::new();
-    table.insert("id", value(id));
-    table.insert("on", value(&*law.on));
-    table.insert("regressor", value(law.regressor.as_str()));
-    table.insert("unit", value(law.unit.as_str()));
-    let largest = PLAUSIBLE * law.coefficient.abs();
-    // Two digits are enough for a range.
-    let rounded = format!("{largest:.1e}").parse::<f64>().unwrap_or(largest);
+    table.insert("id", value(new.id));
+    table.insert("on", value(new.on));
+    table.insert("regressor", value(new.regressor));
+    table.insert("unit", value(new.unit));
     let mut plausible = Array::new();
-    plausible.extend([-rounded, rounded]);
+    plausible.extend([-new.largest, new.largest]);
     table.insert("plausible", value(plausible));
-    table.insert(
-        "about",
-        value(format!("a law that pylon discover proposed, with a probability of {:.2}", law.probability)),
-    );
+    if !new.about.is_empty() {
+        table.insert("about", value(new.about));
+    }
     let mut definitions = ArrayOfTables::new();
     definitions.push(table);
     let mut added = DocumentMut::new();

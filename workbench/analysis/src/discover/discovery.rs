@@ -9,6 +9,7 @@ use crate::name::Name;
 
 /// What was found.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Discovery {
     /// Version of what these keys mean: a new one where a key changes its meaning or goes.
     pub version: u32,
@@ -49,6 +50,7 @@ impl Discovery {
 
 /// Why a law was not proposed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Why {
     /// It does not pay for its length and for the size of the search.
@@ -65,6 +67,7 @@ pub enum Why {
 
 /// A law that was not proposed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Rejected {
     /// What it acts on.
     pub on: Name,
@@ -78,6 +81,7 @@ pub struct Rejected {
 
 /// A law.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct FoundLaw {
     /// What it acts on: a sensor, or `gps`.
     pub on: Name,
@@ -118,6 +122,7 @@ pub struct FoundLaw {
 
 /// What a law is equal to on these flights.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Equal {
     /// The law, or the id of the catalogue's effect.
     pub law: String,

@@ -21,7 +21,9 @@ mod signals;
 mod weigh;
 mod work;
 
-pub use definition::{DefinitionError, id, with_definition};
+pub use definition::{
+    DefinitionError, NewDefinition, id, largest_plausible, with_definition, with_new_definition,
+};
 pub use discovery::{Discovery, Equal, FoundLaw, Rejected, Why};
 pub use dump::dump;
 pub use picture::{Picture, PictureSignal};

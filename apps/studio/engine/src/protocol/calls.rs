@@ -3,9 +3,9 @@
 use serde::Deserialize;
 
 use super::{
-    AddRequest, CloseRequest, CompareRequest, CorrelationRequest, DiagnoseRequest, EffectsRequest,
-    ExportRequest, FlightRequest, LadderRequest, ModelRequest, OpenRequest, OpenSampleRequest,
-    PresetsRequest, SamplesRequest, ScatterRequest, SeriesRequest,
+    AddRequest, CloseRequest, CompareRequest, CorrelationRequest, DiagnoseRequest, DiscoverRequest,
+    EffectsRequest, ExportRequest, FlightRequest, FormulaRequest, LadderRequest, ModelRequest, OpenRequest,
+    OpenSampleRequest, PresetsRequest, SamplesRequest, ScatterRequest, SeriesRequest,
 };
 
 macro_rules! calls {
@@ -51,6 +51,10 @@ calls! {
     Compare "compare" (CompareRequest) -> "Compared",
     /// Which effect a model lacks.
     Diagnose "diagnose" (DiagnoseRequest) -> "Diagnosed",
+    /// An effect by formula, checked and fitted for the eye.
+    Formula "formula" (FormulaRequest) -> "FormulaChecked",
+    /// Laws that nobody wrote down.
+    Discover "discover" (DiscoverRequest) -> "Discovered",
     /// An effect learned and added.
     Add "add" (AddRequest) -> "Added",
     /// Every revision on every flight.

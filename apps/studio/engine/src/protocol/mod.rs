@@ -10,6 +10,7 @@ mod calls;
 mod correlation;
 mod effects;
 mod flights;
+mod formula;
 mod headline;
 mod models;
 mod numbers;
@@ -25,6 +26,7 @@ pub use flights::{
     CloseRequest, Closed, ColumnFacts, FlightRequest, OpenRequest, OpenSampleRequest, Opened, Sample,
     SamplesRequest, Window,
 };
+pub use formula::{Defined, DiscoverRequest, Discovered, FormulaChecked, FormulaProblem, FormulaRequest};
 pub use headline::{Headline, Tone};
 pub use models::{ModelFacts, ModelRequest, ModelText, Preset, PresetsRequest, RevisionFacts, TermFacts};
 pub use numbers::Numbers;

@@ -63,8 +63,8 @@ pub enum Signal {
         /// The effects that it found and that the model lacks: they are no wander of the reference's either.
         found: Vec<Acting>,
     },
-    /// What an effect adds to its sensor's reading, m: coefficient times regressor, whether the model has it or not, less its mean over captive
-    /// flight, which the calibration takes for bias.
+    /// What an effect adds to its sensor's error, m: coefficient times regressor, whether the model has it or not, less its mean over captive
+    /// flight, which the calibration takes for bias. One of the reference is in every sensor's error, with the other sign.
     Effect {
         /// The effect.
         of: Acting,

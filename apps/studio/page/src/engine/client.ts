@@ -34,7 +34,7 @@ type Name = keyof Calls;
 type Answer<N extends Name> = Resolved<Calls[N]["answer"]>;
 
 /** Calls that take long: a worker of their own does them. */
-const LONG: ReadonlySet<Name> = new Set<Name>(["diagnose", "add", "ladder", "export"]);
+const LONG: ReadonlySet<Name> = new Set<Name>(["diagnose", "discover", "add", "ladder", "export"]);
 
 /** What was opened: a file's bytes, or a flight that comes with Pylon. */
 type Source = { file: string; blob: Blob } | { sample: string };

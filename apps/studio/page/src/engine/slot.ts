@@ -39,6 +39,11 @@ interface Waiting {
   reject: (error: Error) => void;
 }
 
+/** That the engine broke off, for the user. */
+function brokeOff(why: string): string {
+  return `The engine broke off: there is not memory enough for this, or it is a defect of Pylon's (${why}). It was started anew; everything else goes on.`;
+}
+
 export class Slot {
   #make: () => Promise<{ worker: Worker; module: WebAssembly.Module | ArrayBuffer }>;
   /** The job that opens a flight. */
@@ -147,10 +152,10 @@ export class Slot {
           if ("error" in answer) reject(new Refused(answer.error));
           else resolve({ answer: answer.ok, numbers: new Float64Array(data.numbers), bytes: new Uint8Array(data.bytes) });
         } else if (data.kind === "crashed") {
-          this.#end(new Crashed(data.why));
+          this.#end(new Crashed(brokeOff(data.why)));
         }
       };
-      worker.onerror = (event) => this.#end(new Crashed(event.message || "the worker ended"));
+      worker.onerror = (event) => this.#end(new Crashed(brokeOff(event.message || "the worker ended")));
       const message: ToWorker = { kind: "ask", id, request: job.request, bytes };
       worker.postMessage(message, bytes ? [bytes] : []);
     });

@@ -563,6 +563,44 @@ doubtful_after_s: number | null,
 disagree_after_s: number | null, };
 
 /**
+ * An effect by formula that can be used.
+ */
+export type Defined = { 
+/**
+ * Its id.
+ */
+effect: string, 
+/**
+ * Unit of its coefficient; `1` for a number.
+ */
+unit: string, 
+/**
+ * The largest plausible coefficient, either way.
+ */
+largest: number, 
+/**
+ * The coefficient that fits the error by least squares, with a constant beside it. The filter, the other effects and the noise's
+ * colour are not in it: it is for the eye. `add` learns the coefficient that counts.
+ */
+coefficient: number, 
+/**
+ * Share of the error's variance that it explains there, from 0 to 1.
+ */
+explained: number, 
+/**
+ * What the formula says, metres per unit of the coefficient: means over blocks of the flight.
+ */
+x: Numbers, 
+/**
+ * The error's mean over each of these blocks, m.
+ */
+y: Numbers, 
+/**
+ * The model with the definition; nothing is learned yet.
+ */
+model: ModelText, };
+
+/**
  * How long after a fault the sensor is called untrustworthy.
  */
 export type Delay = { 
@@ -728,6 +766,109 @@ untested: Array<Untested>,
 warnings: Array<string>, };
 
 /**
+ * Searches for laws that the recorded signals obey: `pylon discover`.
+ */
+export type DiscoverRequest = { 
+/**
+ * The flights to learn from.
+ */
+flights: Array<string>, 
+/**
+ * The flights to judge by.
+ */
+hold_outs: Array<string>, 
+/**
+ * The model.
+ */
+model: ModelText, 
+/**
+ * Where to calibrate all of them, instead of where Pylon would.
+ */
+window: Window | null, };
+
+/**
+ * What was found.
+ */
+export type Discovered = { 
+/**
+ * What `pylon discover --json` prints.
+ */
+discovery: Discovery, 
+/**
+ * An id for each law, as `pylon discover --write` makes it.
+ */
+ids: Array<string>, 
+/**
+ * In words, where no law is proposed: why.
+ */
+why_none: string | null, };
+
+/**
+ * What was found.
+ */
+export type Discovery = { 
+/**
+ * Version of what these keys mean: a new one where a key changes its meaning or goes.
+ */
+version: number, 
+/**
+ * The laws, the most probable first; none where no law of the grammar explains the rest, or nothing is left to explain.
+ */
+laws: Array<FoundLaw>, 
+/**
+ * How probable it is that none of the laws that were looked at acts.
+ */
+none: number, 
+/**
+ * What the catalogue explains: the effects that stood beside every law.
+ */
+catalogue: Array<string>, 
+/**
+ * The diagnosis' verdict over all sensors.
+ */
+verdict: Verdict, 
+/**
+ * The most probable law that was not proposed, and why, where none was.
+ */
+rejected: Rejected | null, 
+/**
+ * The signals that were searched.
+ */
+signals: Array<string>, 
+/**
+ * Of these, columns of no known unit: they count as plain numbers.
+ */
+without_unit: Array<string>, 
+/**
+ * Columns that a formula can not name, which were left out.
+ */
+unnamed: Array<string>, 
+/**
+ * Laws that were scored.
+ */
+scored: number, 
+/**
+ * Laws that the noise was fitted anew for.
+ */
+fitted: number, 
+/**
+ * The model's name: a preset or a file.
+ */
+model: string, 
+/**
+ * The flights learned from.
+ */
+flights: Array<string>, 
+/**
+ * The flights held out, if any; without, stretches of the flights are held out in turn.
+ */
+hold_outs: Array<string>, 
+/**
+ * What was remarkable about the input.
+ */
+warnings: Array<string>, };
+
+/**
  * One curve.
  */
 export type Drawn = { 
@@ -879,6 +1020,23 @@ outliers: Array<OddFlight>, };
  * Asks for the catalogue.
  */
 export type EffectsRequest = Record<symbol, never>;
+
+/**
+ * What a law is equal to on these flights.
+ */
+export type Equal = { 
+/**
+ * The law, or the id of the catalogue's effect.
+ */
+law: string, 
+/**
+ * Magnitude of the correlation of both whitened columns.
+ */
+correlation: number, 
+/**
+ * How probable it is, for a law.
+ */
+probability: number | null, };
 
 /**
  * Errors of one sensor in one stretch.
@@ -1086,6 +1244,150 @@ size_m: number,
  * What it gains in twice the log likelihood.
  */
 evidence: number, };
+
+/**
+ * A formula that was checked: either `problem` or `definition` is there.
+ */
+export type FormulaChecked = { 
+/**
+ * Why it can not be used.
+ */
+problem: FormulaProblem | null, 
+/**
+ * It as a definition.
+ */
+definition: Defined | null, };
+
+/**
+ * What is wrong with a formula, and where.
+ */
+export type FormulaProblem = { 
+/**
+ * What, in words.
+ */
+message: string, 
+/**
+ * Where in the formula it begins, in UTF-16 units, as JavaScript counts.
+ */
+from: number, 
+/**
+ * Where it ends.
+ */
+to: number, };
+
+/**
+ * Checks an effect by formula as an `[[effect_definition]]` of a model, and fits it to a flight.
+ */
+export type FormulaRequest = { 
+/**
+ * The model as it is.
+ */
+model: ModelText, 
+/**
+ * Its id; null: one that is made of what it acts on and what it reads.
+ */
+id: string | null, 
+/**
+ * What it acts on: a sensor, `gps`, or `every sensor`.
+ */
+on: string, 
+/**
+ * The formula.
+ */
+regressor: string, 
+/**
+ * The largest plausible coefficient, either way; null: three times the one that fits, as `pylon discover` has it.
+ */
+largest: number | null, 
+/**
+ * What it is, in words; may be empty.
+ */
+about: string, 
+/**
+ * The flight to fit it to.
+ */
+flight: string, 
+/**
+ * Where to calibrate, instead of where Pylon would.
+ */
+window: Window | null, 
+/**
+ * The error that it is to explain.
+ */
+error: Signal, 
+/**
+ * From when on the error counts, seconds; null: from its first value.
+ */
+from_s: number | null, };
+
+/**
+ * A law.
+ */
+export type FoundLaw = { 
+/**
+ * What it acts on: a sensor, or `gps`.
+ */
+on: string, 
+/**
+ * The law, as an effect definition takes it.
+ */
+regressor: string, 
+/**
+ * Unit of the coefficient.
+ */
+unit: string, 
+/**
+ * The coefficient.
+ */
+coefficient: number, 
+/**
+ * One sigma of it.
+ */
+sigma: number, 
+/**
+ * How probable it is that this law acts, among all that were looked at and none.
+ */
+probability: number, 
+/**
+ * The same of it and all that are equal to it on these flights.
+ */
+probability_with_equals: number, 
+/**
+ * Root mean square of the held-out errors without it, m.
+ */
+rms_before_m: number | null, 
+/**
+ * With it, m; neither is there where most of the error would be the coefficient's own.
+ */
+rms_after_m: number | null, 
+/**
+ * What it takes to say it, bits.
+ */
+bits: number, 
+/**
+ * What it gains in twice the log likelihood.
+ */
+evidence: number, 
+/**
+ * What the held-out flights, or else the stretches held out in turn, gain by it in twice the log likelihood.
+ */
+held_out_gain: number, 
+/**
+ * How much of the residual it makes in free flight, rms, m.
+ */
+size_m: number, 
+/**
+ * Effects that were found without the law and that it takes the place of.
+ */
+instead_of: Array<string>, 
+/**
+ * Laws and effects that it can not be told from on these flights, with the correlation of both.
+ */
+equal_to: Array<Equal>, 
+/**
+ * What to fly to tell it from these, in words; empty where nothing is known that would.
+ */
+advice: string, };
 
 /**
  * A result in one plain sentence, with the number that matters.
@@ -1775,6 +2077,27 @@ captive: PhaseSummary,
 fixes: ReadingCounts, };
 
 /**
+ * A law that was not proposed.
+ */
+export type Rejected = { 
+/**
+ * What it acts on.
+ */
+on: string, 
+/**
+ * The law.
+ */
+regressor: string, 
+/**
+ * Why not.
+ */
+why: Why, 
+/**
+ * The effect of the catalogue that explains as much, if that is why.
+ */
+effect: string | null, };
+
+/**
  * One second correction, for every sensor that flies free.
  */
 export type Remedy = { 
@@ -2452,6 +2775,11 @@ p_value: number,
 count: number, };
 
 /**
+ * Why a law was not proposed.
+ */
+export type Why = "not_enough_evidence" | "held_out" | "catalogue" | "shape" | "no_formula";
+
+/**
  * Where to calibrate, seconds of the flight's own clock; launch is said at its end.
  */
 export type Window = { 
@@ -2480,6 +2808,8 @@ export interface Calls {
   correlation: { of: CorrelationRequest; answer: Correlated };
   compare: { of: CompareRequest; answer: Compared };
   diagnose: { of: DiagnoseRequest; answer: Diagnosed };
+  formula: { of: FormulaRequest; answer: FormulaChecked };
+  discover: { of: DiscoverRequest; answer: Discovered };
   add: { of: AddRequest; answer: Added };
   ladder: { of: LadderRequest; answer: Ladder };
   export: { of: ExportRequest; answer: Exported };

@@ -7,7 +7,9 @@ import type { Band, Gaps, Level, Line, Mark, TimeSpec, Values } from "../charts/
 import type { Role } from "../charts/colours";
 import type { Acting, CandidateFacts, Correlated, Diagnosed, Drawn, ModelText, NoiseFacts, Paired, Series, Signal, Window } from "../protocol";
 import { sensor, shown } from "./flights";
+import { crossWith } from "./layout";
 import { resource } from "./resource";
+import type { Resource } from "./resource";
 import { before, model, standing } from "./model";
 import type { Of } from "./model";
 import { diagnosed, diagnosedBefore, guides, ribbons } from "./studio";
@@ -20,7 +22,7 @@ export const chartWidth = signal(800);
 export const whatIf = signal<ReadonlyArray<string>>([]);
 
 /** Milliseconds without a change before curves are asked for anew. */
-const REST = 70;
+export const REST = 70;
 /** So much more than what is in view is asked for, on both sides: panning shows curves at once. */
 const MARGIN = 0.5;
 
@@ -34,7 +36,7 @@ interface CurvesQuestion {
   readonly pixels: number;
 }
 
-function question(text: ModelText | null, signals: (sensor: string) => Signal[]): CurvesQuestion | null {
+export function question(text: ModelText | null, signals: (sensor: string) => Signal[]): CurvesQuestion | null {
   const flight = shown.value;
   const name = sensor.value;
   if (!flight || name === null || text === null || flight.opened.overview.refused !== null) return null;
@@ -48,7 +50,7 @@ function question(text: ModelText | null, signals: (sensor: string) => Signal[])
   };
 }
 
-async function curves(request: CurvesQuestion): Promise<Of<Series>> {
+export async function curves(request: CurvesQuestion): Promise<Of<Series>> {
   return { ...(await ask("series", request)), asked: request.model };
 }
 
@@ -62,6 +64,11 @@ function errorSignal(name: string, found: Diagnosed | null): Signal {
   if (!found || noise === null) return { signal: "error", sensor: name };
   const all = Object.values(found.diagnosis.sensors).flatMap((one) => one?.candidates ?? []);
   return { signal: "beyond_reference", sensor: name, noise: noise as NoiseFacts, found: all.filter(({ chosen }) => chosen).map(acting) };
+}
+
+/** A sensor's error as the page shows it. */
+export function errorSignalOf(name: string): Signal {
+  return errorSignal(name, diagnosed.answer.value);
 }
 
 const altitudes = resource(
@@ -203,6 +210,9 @@ function errorPart(reply: Series, name: string, role: Role): Part | null {
   };
 }
 
+/** The prediction of the user's own formula: another room's, which is drawn here. */
+export const ownPrediction = signal<Of<Series> | null>(null);
+
 export const errorSpec = computed<TimeSpec | null>(() => {
   const now = errorNow.answer.value;
   if (!now) return null;
@@ -221,6 +231,7 @@ export const errorSpec = computed<TimeSpec | null>(() => {
   }
   const what = whatIf.value.length > 0 ? predictions.answer.value : null;
   if (what) parts.push(predictionPart(what));
+  if (ownPrediction.value) parts.push(predictionPart(ownPrediction.value));
   const merged = joined(parts);
   const bound = sensor.value === null ? undefined : ribbons.answer.value?.bounds_m[sensor.value];
   return { ...merged, levels: limits(bound), marks: marks.value, shade: calibration.value, ignored: settling.value, zero: true, unit: "" };
@@ -317,23 +328,32 @@ export interface Correlations {
 const LAG_SHARE = 0.15;
 const LONGEST_LAG = 120;
 
+function correlationsWith(other: () => string | null): Resource<Correlations> {
+  return resource(
+    () => {
+      const flight = shown.value;
+      if (!flight || flight.opened.overview.refused !== null || sensor.value === null || !errorNow.answer.value) return null;
+      const name = other();
+      return {
+        flight: flight.flight, window: flight.window, model: model.value, before: before.value,
+        signal: errorSignal(sensor.value, diagnosed.answer.value), signalBefore: errorSignal(sensor.value, diagnosedBefore.answer.value),
+        with: name === null ? null : signalOf(name),
+        from: settling.value?.to ?? null,
+        longest: Math.min(LONGEST_LAG, LAG_SHARE * (flight.opened.last_s - flight.opened.first_s)),
+      };
+    },
+    async (of): Promise<Correlations> => {
+      const one = (text: ModelText, signal: Signal): Promise<Correlated> => ask("correlation", {
+        flight: of.flight, model: text, window: of.window, signal, with: of.with, from_s: of.from, to_s: null, longest_lag_s: of.longest,
+      });
+      return { asked: of.model, now: await one(of.model, of.signal), then: of.before ? await one(of.before, of.signalBefore) : null };
+    },
+    REST,
+  );
+}
+
 /** The error's autocorrelation, with the model and with the one before. */
-export const correlations = resource(
-  () => {
-    const flight = shown.value;
-    if (!flight || flight.opened.overview.refused !== null || sensor.value === null || !errorNow.answer.value) return null;
-    return {
-      flight: flight.flight, window: flight.window, model: model.value, before: before.value,
-      signal: errorSignal(sensor.value, diagnosed.answer.value), signalBefore: errorSignal(sensor.value, diagnosedBefore.answer.value),
-      from: settling.value?.to ?? null,
-      longest: Math.min(LONGEST_LAG, LAG_SHARE * (flight.opened.last_s - flight.opened.first_s)),
-    };
-  },
-  async (of): Promise<Correlations> => {
-    const one = (text: ModelText, signal: Signal): Promise<Correlated> => ask("correlation", {
-      flight: of.flight, model: text, window: of.window, signal, with: null, from_s: of.from, to_s: null, longest_lag_s: of.longest,
-    });
-    return { asked: of.model, now: await one(of.model, of.signal), then: of.before ? await one(of.before, of.signalBefore) : null };
-  },
-  REST,
-);
+export const correlations = correlationsWith(() => null);
+/** Its correlation with another signal; asked only where it is looked at. */
+export const isCrossShown = signal(false);
+export const crossCorrelations = correlationsWith(() => (isCrossShown.value ? crossWith.value : null));

@@ -5,11 +5,10 @@ import { batch, effect } from "@preact/signals";
 import type { ModelText, Window } from "../protocol";
 import { flights, reopen, sensor, show, shownId } from "./flights";
 import type { Flight, Use } from "./flights";
-import { across, places, xyAcross, xyUp } from "./layout";
-import type { PanelKind } from "./layout";
+import { layOut, layoutNow, layouts } from "./layout";
+import type { Layout, NamedLayout, PanelKind } from "./layout";
 import { keepSession, keptLog, keptSession } from "./kept";
 import { DEFAULT_MODEL, models } from "./model";
-import { drag } from "./view";
 import type { Drag } from "./view";
 
 /** Another number, and what an older page kept is not read. */
@@ -21,7 +20,9 @@ interface Kept {
   readonly models: ReadonlyArray<ModelText>;
   readonly shown: string | null;
   readonly sensor: string | null;
-  readonly layout: { readonly places: ReadonlyArray<PanelKind>; readonly across: string; readonly xyAcross: string; readonly xyUp: string; readonly drag: Drag };
+  readonly layout: Layout;
+  /** An older page kept none. */
+  readonly layouts?: ReadonlyArray<NamedLayout>;
 }
 
 function now(): Kept {
@@ -31,7 +32,8 @@ function now(): Kept {
     models: models.value,
     shown: shownId.value,
     sensor: sensor.value,
-    layout: { places: places.value, across: across.value, xyAcross: xyAcross.value, xyUp: xyUp.value, drag: drag.value },
+    layout: layoutNow(),
+    layouts: layouts.value,
   };
 }
 
@@ -50,11 +52,8 @@ export async function restore(): Promise<void> {
   if (!isKept(found)) return;
   batch(() => {
     models.value = found.models.length > 0 ? found.models : [DEFAULT_MODEL];
-    places.value = found.layout.places;
-    across.value = found.layout.across;
-    xyAcross.value = found.layout.xyAcross;
-    xyUp.value = found.layout.xyUp;
-    drag.value = found.layout.drag;
+    layOut(found.layout);
+    layouts.value = found.layouts ?? [];
     sensor.value = found.sensor;
   });
   await Promise.all(found.flights.map(async (flight) => {
@@ -85,11 +84,16 @@ function isWindow(value: unknown): value is Window | null {
 }
 
 function isPanel(value: unknown): value is PanelKind {
-  return value === "scatter" || value === "xy" || value === "correlation" || value === "track" || value === "heat";
+  return value === "scatter" || value === "xy" || value === "correlation" || value === "cross" || value === "track" || value === "heat";
 }
 
 function isDrag(value: unknown): value is Drag {
   return value === "select" || value === "pan" || value === "zoom";
+}
+
+function isLayout(value: unknown): value is Layout {
+  return isRecord(value) && Array.isArray(value["places"]) && value["places"].every(isPanel) && isText(value["across"]) && isText(value["xyAcross"])
+    && isText(value["xyUp"]) && (value["crossWith"] === undefined || isText(value["crossWith"])) && isDrag(value["drag"]);
 }
 
 function isKept(value: unknown): value is Kept {
@@ -98,7 +102,7 @@ function isKept(value: unknown): value is Kept {
   const areFlights = Array.isArray(kept) && kept.every((one: unknown) =>
     isRecord(one) && isText(one["id"]) && isText(one["file"]) && (one["sample"] === null || isText(one["sample"])) && isUse(one["use"]) && isWindow(one["window"]));
   const areModels = Array.isArray(states) && states.every((one: unknown) => isRecord(one) && isText(one["name"]) && isText(one["text"]));
-  const isLayout = isRecord(layout) && Array.isArray(layout["places"]) && layout["places"].every(isPanel)
-    && isText(layout["across"]) && isText(layout["xyAcross"]) && isText(layout["xyUp"]) && isDrag(layout["drag"]);
-  return areFlights && areModels && isLayout && (shown === null || isText(shown)) && (chosen === null || isText(chosen));
+  const named = value["layouts"];
+  const areLayouts = named === undefined || (Array.isArray(named) && named.every((one: unknown) => isRecord(one) && isText(one["name"]) && isLayout(one["layout"])));
+  return areFlights && areModels && isLayout(layout) && areLayouts && (shown === null || isText(shown)) && (chosen === null || isText(chosen));
 }

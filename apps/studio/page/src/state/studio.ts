@@ -27,7 +27,7 @@ export async function loadGuides(): Promise<void> {
 
 const files = (list: ReadonlyArray<{ flight: string }>): string[] => list.map(({ flight }) => flight);
 
-function windowOfAll(): { start_s: number; end_s: number } | null {
+export function windowOfAll(): { start_s: number; end_s: number } | null {
   const all = [...learners.value, ...holdOuts.value];
   return all.length === 1 ? (all[0]?.window ?? null) : null;
 }
@@ -58,7 +58,7 @@ const answered = new Map<string, Promise<Diagnosed>>();
 
 async function known(of: object, act: (options: CallOptions) => Promise<Diagnosed>): Promise<Diagnosed> {
   const key = JSON.stringify(of);
-  const found = answered.get(key) ?? withProgress("Looking for the cause", act);
+  const found = answered.get(key) ?? withProgress("Looking for the cause", act, " Change a flight's use or the model to look again.");
   answered.set(key, found);
   try {
     return await found;
@@ -69,7 +69,7 @@ async function known(of: object, act: (options: CallOptions) => Promise<Diagnose
 }
 
 /** Work that is told about and that can be ended. */
-async function withProgress<A>(text: string, act: (options: CallOptions) => Promise<A>): Promise<A> {
+export async function withProgress<A>(text: string, act: (options: CallOptions) => Promise<A>, again = ""): Promise<A> {
   const ending = new AbortController();
   const cancel = (): void => ending.abort();
   const say = (share: number | null, what: string): void => { progress.value = { text: what, share, cancel }; };
@@ -77,7 +77,7 @@ async function withProgress<A>(text: string, act: (options: CallOptions) => Prom
   try {
     return await act({ signal: ending.signal, onProgress: ({ what, done, of }) => say(of === null ? null : done / of, what) });
   } catch (error) {
-    if (error instanceof Cancelled) throw new Error("Cancelled. Change a flight's use or the model to look again.");
+    if (error instanceof Cancelled) throw new Error(`Cancelled.${again}`);
     throw error;
   } finally {
     progress.value = null;
@@ -135,13 +135,21 @@ effect(() => {
 });
 
 export async function addEffect(id: string): Promise<void> {
-  if (learners.value.length === 0) return;
+  await learn(id, model.value, () => undefined);
+}
+
+/** Learns an effect of the catalogue or of that model's own; `then` once it is in the model, or the user is asked. */
+export async function learn(id: string, text: ModelText, then: () => void): Promise<void> {
+  if (learners.value.length === 0) {
+    notice.value = "No flight is to be learned from: choose “learn” for one on the left.";
+    return;
+  }
   try {
     const answer = await withProgress(`Learning ${guides.value.get(id)?.title ?? id}`, (options) => ask("add", {
       effect: id,
       flights: files(learners.value),
       hold_outs: files(holdOuts.value),
-      model: model.value,
+      model: text,
       window: windowOfAll(),
       estimate: false,
       time_constant_s: null,
@@ -150,6 +158,7 @@ export async function addEffect(id: string): Promise<void> {
     }, options));
     if (answer.addition.concerns.length > 0) doubted.value = answer;
     else accept(answer);
+    then();
   } catch (error) {
     notice.value = messageOf(error);
   }

@@ -8,6 +8,7 @@ import { sensor, shown } from "../state/flights";
 import { whatIf } from "../state/pictures";
 import { accept, addEffect, diagnosed, doubted, guides, modelFacts } from "../state/studio";
 import { progress } from "../state/progress";
+import { OwnEffect } from "./own_effect";
 import { isNarrow } from "./screen";
 import { capital, columnName, plain, sensorName } from "./words";
 
@@ -28,7 +29,7 @@ export function Effects(): JSX.Element {
       <Doubted />
       {diagnosed.problem.value !== null ? <p class="box">{diagnosed.problem.value}</p> : null}
       {found && here && name !== null ? <Found name={name} here={here} rows={rowsOf(name)} /> : <Waiting />}
-      {found && here ? null : <InModel />}
+      {found && here ? null : <><InModel /><OwnEffect /></>}
       {found && found.untested.length > 0 ? <Untested /> : null}
     </aside>
   );
@@ -84,6 +85,7 @@ function Found({ name, here, rows }: FoundProps): JSX.Element {
         {suspects.map((row) => <EffectRow key={row.candidate.effect} row={row} most={most} />)}
       </ul>
       <InModel />
+      <OwnEffect />
       {others.length > 0 ? (
         <details class="others" open={!isNarrow.value}>
           <summary>Tested, no evidence: {others.length}</summary>

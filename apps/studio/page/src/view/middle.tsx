@@ -18,6 +18,7 @@ import { compared, ribbons, ribbonsBefore } from "../state/studio";
 import { brush, drag, isWhole, show, showWhole, zoom } from "../state/view";
 import type { Drag } from "../state/view";
 import { Help } from "./help";
+import { Layouts } from "./layouts";
 import { Legend } from "./legend";
 import { Panels } from "./panels";
 import { isNarrow } from "./screen";
@@ -80,6 +81,7 @@ function Toolbar(): JSX.Element {
         <button type="button" onClick={() => zoom(0.5)} aria-label="Zoom in" title="Zoom in (+)">+</button>
         <button type="button" onClick={showWhole} disabled={isWhole()} title="Show all of the flight (0)">All</button>
       </span>
+      <Layouts />
       <Help />
       <Brushed />
     </div>

@@ -1,16 +1,17 @@
 // Below the curves: the error over any signal, any signal over another, autocorrelation, and the map.
 
 import type { JSX } from "preact";
+import { useEffect } from "preact/hooks";
 
 import { PointsChart } from "../charts/points_chart";
 import type { PointsSpec } from "../charts/points_chart";
 import { Track } from "../charts/track";
 import { short, unit } from "../charts/number";
 import { sensor, shown } from "../state/flights";
-import { across, places, xyAcross, xyUp } from "../state/layout";
+import { across, crossWith, places, xyAcross, xyUp } from "../state/layout";
 import type { PanelKind } from "../state/layout";
-import { correlations, isBeyondReference, points } from "../state/pictures";
-import type { Points } from "../state/pictures";
+import { correlations, crossCorrelations, isBeyondReference, isCrossShown, points } from "../state/pictures";
+import type { Correlations, Points } from "../state/pictures";
 import { trackPoints } from "../state/track";
 import { standing } from "../state/model";
 import { brush } from "../state/view";
@@ -23,10 +24,11 @@ const TITLES: Readonly<Record<PanelKind, string>> = {
   scatter: "Error over a signal",
   xy: "One signal over another",
   correlation: "Autocorrelation",
+  cross: "Correlation with a signal",
   track: "Track",
   heat: "Error by manoeuvre and speed",
 };
-const KINDS: ReadonlyArray<PanelKind> = ["scatter", "correlation", "xy", "track", "heat"];
+const KINDS: ReadonlyArray<PanelKind> = ["scatter", "correlation", "cross", "xy", "track", "heat"];
 
 const scatter = points(() => across.value, () => "error");
 const pairs = points(() => xyAcross.value, () => xyUp.value);
@@ -72,12 +74,13 @@ function PanelHead({ kind }: { readonly kind: PanelKind }): JSX.Element | null {
       </span>
     );
   }
-  if (kind === "correlation") {
-    const then = correlations.answer.value?.then;
+  if (kind === "correlation" || kind === "cross") {
+    const then = (kind === "cross" ? crossCorrelations : correlations).answer.value?.then;
     return (
       <span class="legend-entry">
+        {kind === "cross" ? <SignalChoice label="Correlated with" value={crossWith.value} choose={(name) => { crossWith.value = name; }} /> : null}
         {then ? <><span class="swatch line" style={{ color: "var(--before)" }} />before <span class="swatch line" style={{ color: "var(--after)" }} />after </> : null}
-        <span class="swatch dashed" style={{ color: "var(--ink)" }} />99 % of white
+        <span class="swatch dashed" style={{ color: "var(--ink)" }} />{kind === "cross" ? "99 %" : "99 % of white"}
       </span>
     );
   }
@@ -117,7 +120,8 @@ function PanelBody({ kind }: { readonly kind: PanelKind }): JSX.Element {
   switch (kind) {
     case "scatter": return <PointsPanel found={scatter.answer.value} problem={scatter.problem.value} isError />;
     case "xy": return <PointsPanel found={pairs.answer.value} problem={pairs.problem.value} isError={false} />;
-    case "correlation": return <CorrelationPanel />;
+    case "correlation": return <CorrelationPanel found={correlations.answer.value} problem={correlations.problem.value} isCross={false} />;
+    case "cross": return <CrossPanel />;
     case "track": return <TrackPanel />;
     case "heat": return <HeatMap />;
   }
@@ -165,30 +169,51 @@ function axisUnit(of: string): string {
   return text === "" ? "" : `, ${text}`;
 }
 
-function CorrelationPanel(): JSX.Element {
-  const found = correlations.answer.value;
-  if (correlations.problem.value !== null) return <p class="plot empty">{correlations.problem.value}</p>;
+function CrossPanel(): JSX.Element {
+  useEffect(() => {
+    isCrossShown.value = true;
+    return () => { isCrossShown.value = false; };
+  }, []);
+  return <CorrelationPanel found={crossCorrelations.answer.value} problem={crossCorrelations.problem.value} isCross />;
+}
+
+interface CorrelationPanelProps {
+  readonly found: Correlations | null;
+  readonly problem: string | null;
+  readonly isCross: boolean;
+}
+
+function CorrelationPanel({ found, problem, isCross }: CorrelationPanelProps): JSX.Element {
+  if (problem !== null) return <p class="plot empty">{problem}</p>;
   if (!found) return <div class="plot waiting" />;
   const { now, then } = found;
   const lag = Array.from(now.lag_s);
-  if (lag.length < 3) return <p class="plot empty">Too short, or with too many gaps, for an autocorrelation.</p>;
+  if (lag.length < 3) return <p class="plot empty">Too short, or with too many gaps, for a correlation.</p>;
+  // By the lag: one of both may reach less far.
   const column = (reply: typeof now): Array<number | null> => {
-    const values = reply.correlation;
-    return lag.map((_, i) => { const value = values[i]; return value === undefined || Number.isNaN(value) ? null : value; });
+    const known = new Map(Array.from(reply.lag_s, (at, i) => [Math.round(at / reply.block_s), reply.correlation[i]]));
+    return lag.map((at) => { const value = known.get(Math.round(at / now.block_s)); return value === undefined || Number.isNaN(value) ? null : value; });
   };
+  const values = column(now).map((value) => value ?? 0);
+  const largest = Math.max(now.band, ...values.map(Math.abs), ...(then ? column(then).map((value) => Math.abs(value ?? 0)) : [])) * 1.08;
   const spec: PointsSpec = {
     x: lag,
     layers: [
       ...(then ? [{ role: "before", as: "line", y: column(then) } as const] : []),
       { role: standing(found.asked) ?? "before", as: "line", y: column(now) },
     ],
-    xName: "lag, s",
+    xName: isCross ? "the error is later by, s" : "lag, s",
     yName: "correlation",
     band: now.band,
     zero: true,
-    yRange: [Math.min(-0.5, ...column(now).map((value) => value ?? 0)), 1.05],
+    yRange: isCross ? [-largest, largest] : [Math.min(-0.5, ...values), 1.05],
   };
   const beyond = isBeyondReference.value ? "error beyond the reference" : "error";
+  if (isCross) {
+    const place = values.reduce((best, value, i) => (Math.abs(value) > Math.abs(values[best] ?? 0) ? i : best), 0);
+    const label = `Correlation of the ${beyond} with ${name(crossWith.value)}: ${short(values[place] ?? 0)} where the error is ${short(lag[place] ?? 0)} s later; unrelated signals stay within ${short(now.band)}`;
+    return <PointsChart label={label} spec={spec} />;
+  }
   const first = column(now)[1];
   return <PointsChart label={`Autocorrelation of the ${beyond}: ${first === null || first === undefined ? "" : `${short(first)} at ${short(lag[1] ?? 0)} s`}; white noise stays within ${short(now.band)}`} spec={spec} />;
 }

@@ -1,0 +1,108 @@
+// An effect of the user's own, by formula, and laws that are searched for.
+
+import assert from "node:assert/strict";
+import { mkdirSync } from "node:fs";
+import { readFile } from "node:fs/promises";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+
+import { launch, open, openSample, rungsAre, sentence, violations } from "./browser.mjs";
+
+let browser;
+before(async () => { browser = await launch(); });
+after(async () => browser.close());
+
+/** A folder for pictures to look at, where one is named. */
+const shots = process.env.PYLON_SHOTS;
+if (shots) mkdirSync(shots, { recursive: true });
+
+async function shoot(page, name) {
+  if (shots) await page.screenshot({ path: join(shots, `${name}.png`), fullPage: true });
+}
+
+test("a formula is checked where it is typed, drawn over the error, added, and undone", async () => {
+  const { context, page, wrongs } = await open(browser);
+  await openSample(page, "hidden-static-port");
+  await sentence(page);
+  const formula = page.getByLabel("Formula of the effect");
+  const echo = page.locator(".formula-echo mark");
+
+  // What is wrong is marked at its place: two things that can't be added, a column that is not there, an end too soon.
+  for (const [text, marked] of [["1 + tas_mps", "tas_mps"], ["tas_mps^2 / (2*g) * flaps", "flaps"], ["tas_mps^2 / (2*", null]]) {
+    await formula.fill(text);
+    await page.locator(".formula-echo", { hasText: text }).waitFor();
+    // The last one ends too soon: its place is its end.
+    if (marked !== null) assert.ok((await echo.textContent()).includes(marked), await echo.textContent());
+    assert.ok((await page.locator(".formula-problem").textContent()).length > text.length + 10);
+    assert.equal(await page.locator(".formula-fit").count(), 0);
+  }
+  await shoot(page, "own-problem");
+  assert.deepEqual(await violations(page), []);
+
+  // The scenario's own law by hand: it takes what the catalogue's effect would.
+  await formula.fill("tas_mps^2 / (2*g)");
+  await page.locator(".chart.error .legend-entry", { hasText: "What if: baro.tas_mps" }).waitFor();
+  const share = Number(/explains (\d+) %/.exec(await page.locator(".formula-fit").textContent())?.[1]);
+  assert.ok(share > 40, `${share} % of the variance`);
+  await shoot(page, "own-formula");
+  assert.deepEqual(await violations(page), []);
+  const [[was]] = await rungsAre(page, 1);
+  await page.locator(".formula-fit .add").click();
+  const [[same], [less]] = await rungsAre(page, 2);
+  assert.equal(same, was);
+  assert.ok(less < 0.7 * was, `${was} m before, ${less} m after`);
+  assert.equal(await formula.inputValue(), "");
+  const [download] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: "Save" }).click()]);
+  const model = await readFile(await download.path(), "utf8");
+  assert.match(model, /\[\[effect_definition\]\]\s+id = "baro\.tas_mps"/);
+  assert.match(model, /\[\[revision\]\]|learned_from/);
+  await page.getByRole("button", { name: "Undo" }).click();
+  assert.deepEqual(await rungsAre(page, 1), [[was]]);
+  assert.deepEqual(wrongs, []);
+  await context.close();
+});
+
+test("the correlation with a signal has both sides and a band; a layout is kept under a name", async () => {
+  const { context, page, wrongs } = await open(browser);
+  await openSample(page, "hidden-static-port");
+  await sentence(page);
+  await page.getByLabel("What place 2 below the curves shows").selectOption("cross");
+  await page.getByLabel("Correlated with").selectOption("speed");
+  const picture = page.getByRole("img", { name: /^Correlation of the error.* with speed/ });
+  await picture.waitFor();
+  const [, value, band] = /speed: (−?[\d.]+) where .* within ([\d.]+)/.exec(await picture.getAttribute("aria-label"));
+  // A static-port error goes with the speed.
+  assert.ok(Math.abs(Number(value.replace("−", "-"))) > Number(band), `${value} within ${band}`);
+  await shoot(page, "cross");
+
+  // A layout that has a name comes back, also after a reload.
+  await page.getByLabel("Layouts").click();
+  await page.getByLabel("Name of this layout").fill("for lags");
+  await page.getByRole("button", { name: "Keep" }).click();
+  await page.getByLabel("What place 2 below the curves shows").selectOption("track");
+  await page.waitForTimeout(400);
+  await page.reload();
+  await sentence(page);
+  await page.getByLabel("Layouts").click();
+  await page.getByRole("button", { name: "for lags", exact: true }).click();
+  await page.getByLabel("Correlated with").waitFor();
+  assert.equal(await page.getByLabel("Correlated with").inputValue(), "speed");
+  assert.deepEqual(wrongs, []);
+  await context.close();
+});
+
+test("a search for laws tells how far it is, and can be cancelled", async () => {
+  const { context, page, wrongs } = await open(browser);
+  await openSample(page, "hidden-static-port");
+  await sentence(page);
+  await page.getByRole("button", { name: "Discover a law…" }).click();
+  await page.locator(".progress-text", { hasText: "searching for laws" }).waitFor();
+  await page.getByRole("button", { name: "Cancel" }).click();
+  await page.locator(".notice", { hasText: "Cancelled" }).waitFor();
+  assert.equal(await page.locator(".law").count(), 0);
+  // The page goes on.
+  await page.getByLabel("Formula of the effect").fill("tas_mps^2 / (2*g)");
+  await page.locator(".formula-fit").waitFor();
+  assert.deepEqual(wrongs, []);
+  await context.close();
+});
