@@ -78,6 +78,10 @@ pub fn judge(
             reject(&one, Why::NoFormula, None);
             continue;
         }
+        if bench.gain_alone(&one) <= 0.0 {
+            reject(&one, Why::Shape, None);
+            continue;
+        }
         let held = bench.held_out(&one);
         step(progress)?;
         let is_harmful = |verdict: &crate::diagnose::HeldOutVerdict| verdict.is_worse || verdict.gain <= 0.0;
