@@ -150,7 +150,7 @@ pub fn outcomes(counter: &Counter) -> Option<[Outcome; 6]> {
 }
 
 fn outcome(counter: &Counter, name: &'static str, ops: &[Op]) -> Option<Outcome> {
-    let mask = 1 << Signal::Airspeed.place() | 1 << Signal::ClimbRate.place();
+    let mask = Signal::Airspeed.bit() | Signal::ClimbRate.bit();
     let program = Program::new(ops, &[mask])?;
     let mut tick =
         Tick { evaluation: Evaluation::new(&program, 0.0), frame: Frame::default(), tick: 0, value: 0.0 };

@@ -91,15 +91,21 @@ fn flap(free_s: f64) -> f64 {
     if (free_s / 12.0).rem_euclid(1.0) < 0.5 { 0.0 } else { 0.8 }
 }
 
-/// A flight with a flap under which the barometer reads 0.3 of the dynamic head too much, and a slipstream that goes with throttle and
+/// A flight with a flap under which the barometer reads so much of the dynamic head too much, and a slipstream that goes with throttle and
 /// airspeed squared, as CSV.
 fn flown(directory: &Path, name: &str, seed: u64, of_flap: f64, of_slipstream: f64) {
+    flown_late(directory, name, seed, [of_flap, of_slipstream], 0.0);
+}
+
+/// The same, the pressure following the flap with a time constant.
+fn flown_late(directory: &Path, name: &str, seed: u64, [of_flap, of_slipstream]: [f64; 2], late_s: f64) {
     let mut flight = quickstart(seed);
     let rows = flight.rows();
     let launch = flight.channel(Channel::Launch).unwrap();
     let first = launch.samples().find(|(_, value)| *value > 0.0).unwrap().0;
     let launch_s = flight.time_s[first];
     let (mut airspeed, mut throttle) = (0.0_f64, 0.0_f64);
+    let (mut followed, mut last_s) = (0.0, flight.time_s[0]);
     let mut position = Column::empty(rows);
     let mut pressure = flight.channel(Channel::BaroPa).unwrap().clone();
     for row in 0..rows {
@@ -107,6 +113,12 @@ fn flown(directory: &Path, name: &str, seed: u64, of_flap: f64, of_slipstream: f
         let is_free = row >= first;
         let out = if is_free { flap(free_s) } else { 0.0 };
         position.set(row, Some(out as f32));
+        followed = if late_s > 0.0 {
+            out + (followed - out) * (-(flight.time_s[row] - last_s) / late_s).exp()
+        } else {
+            out
+        };
+        last_s = flight.time_s[row];
         if let Some(value) = flight.channel(Channel::TasMps).and_then(|column| column.get(row)) {
             airspeed = f64::from(value);
         }
@@ -115,7 +127,8 @@ fn flown(directory: &Path, name: &str, seed: u64, of_flap: f64, of_slipstream: f
         }
         if let Some(value) = pressure.get(row) {
             let head_m = airspeed.powi(2) / 19.613_3;
-            let by_m = head_m * (of_flap * out * f64::from(u8::from(is_free)) + of_slipstream * throttle);
+            let by_m =
+                head_m * (of_flap * followed * f64::from(u8::from(is_free)) + of_slipstream * throttle);
             pressure.set(row, Some(raised(value, by_m)));
         }
     }
@@ -241,6 +254,54 @@ fn a_law_that_can_fly_is_learned_as_a_state() {
     assert!(added["rms_after_m"].as_f64().unwrap() < added["rms_before_m"].as_f64().unwrap(), "{added}");
     let ladder = stdout(at, &["ladder", "--model", "ours.toml", "friday.csv"]);
     assert!(ladder.contains("baro.fast_slipstream"), "{ladder}");
+}
+
+/// A formula with a `tau` is tried with every time constant of the grid, and keeps the right one.
+#[test]
+fn the_time_constant_of_a_formula_is_found_in_the_grid() {
+    let directory = tempfile::tempdir().unwrap();
+    let at = directory.path();
+    flown_late(at, "monday.csv", 51, [0.3, 0.0], 10.0);
+    let late = FLAP.replace("* flap *", "* lowpass(flap, tau) *").replace("flap_wash", "late_wash");
+    fs::write(at.join("ours.toml"), &late).unwrap();
+    let added =
+        json(at, &["add", "baro.late_wash", "--model", "ours.toml", "--from", "monday.csv", "--json"]);
+    let found_s = added["time_constant_s"].as_f64().unwrap();
+    // The grid has 3, 10 and 30 s.
+    assert!((5.0..=20.0).contains(&found_s), "{added}");
+    let (coefficient, sigma) = (added["coefficient"].as_f64().unwrap(), added["sigma"].as_f64().unwrap());
+    assert!(coefficient > 0.1 && sigma < 0.1, "{added}");
+    let model = fs::read_to_string(at.join("ours.toml")).unwrap();
+    assert!(model.contains(&format!("time_constant_s = {found_s}")), "{model}");
+    // The other formula's coefficient is none of this one's: nor is a time constant's of a formula without.
+    fs::write(at.join("changed.toml"), model.replace("lowpass(flap, tau)", "flap")).unwrap();
+    let said = run(at, &["compare", "monday.csv", "--model", "changed.toml"]);
+    assert_eq!(said.status.code(), Some(2), "{said:?}");
+}
+
+/// What can be no definition is refused by the program in one message that points at the place.
+#[test]
+fn a_definition_that_can_not_be_is_refused_where_it_is_wrong() {
+    let directory = tempfile::tempdir().unwrap();
+    let at = directory.path();
+    let of = |regressor: &str| FLAP.replace("tas_mps^2 / (2*g) * flap * step(launch)", regressor);
+    let cyclic = of("baro.other * flap")
+        + "\n[[effect_definition]]\nid = \"baro.other\"\non = \"baro\"\nregressor = \"2 * baro.flap_wash\"\nplausible = [-1, 1]\n";
+    let long = vec!["throttle"; 60].join(" + ");
+    for (text, said) in [
+        (cyclic, "baro.flap_wash -> baro.other -> baro.flap_wash"),
+        (of("tas_mps^2 / (2*g) * sine(roll_rad)"), "no function 'sine'; nearest: sin"),
+        (of("flap * (tas_mps > 20)"), "expected the same dimension on both sides"),
+        (of(&long), "operations"),
+        (FLAP.replace("baro.flap_wash", "baro.lag"), "has the id of an effect of the catalogue"),
+        (FLAP.replace("\"baro\"", "\"barro\""), "is no sensor; nearest: baro"),
+    ] {
+        fs::write(at.join("wrong.toml"), &text).unwrap();
+        let refused = run(at, &["effects", "--model", "wrong.toml"]);
+        let message = String::from_utf8(refused.stderr).unwrap();
+        assert_eq!(refused.status.code(), Some(2), "{text}\n{message}");
+        assert!(message.contains("wrong.toml") && message.contains(said), "{text}\n{message}");
+    }
 }
 
 /// What docs/effects.md has between its fences of that kind.

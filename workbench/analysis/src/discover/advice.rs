@@ -36,7 +36,7 @@ pub fn to_separate(
         let ticks = with_body_rates(manoeuvre.fly(trim));
         for moved in &moved {
             let blocks = blocks(&ticks, bench.search, *moved);
-            let Some(apart) = apart(bench, one, others, effects, &ticks, blocks) else { continue };
+            let Some(apart) = apart(bench, one, others, effects, &ticks, &blocks) else { continue };
             if best.as_ref().is_none_or(|(most, _)| apart > *most) {
                 let with = moved.map_or_else(String::new, |signal| {
                     let signal = &signals.signals[signal];
@@ -119,7 +119,7 @@ fn apart(
     others: &[&Fitted],
     effects: &[usize],
     ticks: &[TickInput],
-    blocks: Blocks,
+    blocks: &Blocks,
 ) -> Option<f64> {
     let mut series = flown(ticks, &bench.prepared.candidates, effects, bench.problem);
     let first = effects.len();

@@ -171,6 +171,21 @@ impl Bench<'_> {
         self.problem.flights.first().map_or(0, |flight| flight.columns.len())
     }
 
+    /// What the law gains with its coefficient, in twice the log likelihood, where nothing of the catalogue stands beside it on its own
+    /// subject. Two columns that take each other off can be the likeness of a third: such a law makes every flight worse for who takes it alone.
+    pub fn gain_alone(&self, fitted: &Fitted) -> f64 {
+        let others = self.variants(fitted.subject).pop().unwrap_or_default();
+        if others == fitted.beside {
+            return f64::INFINITY;
+        }
+        let series = self.with_columns(self.problem.flights, &[(fitted.subject, &fitted.column)]);
+        let problem = self.problem_of(&series);
+        let noise = &fitted.fit.noise;
+        let term = Term { noise, others: &others, column: self.law_column(), inflation: fitted.inflation };
+        let evidence = of_flights(&problem, &term);
+        fitted.coefficient * (2.0 * evidence.score - fitted.coefficient * evidence.information)
+    }
+
     /// What was held out, without a law and with it.
     pub fn held_out(&self, fitted: &Fitted) -> OnHeldOut {
         let column = self.law_column();

@@ -78,6 +78,10 @@ pub fn judge(
             reject(&one, Why::NoFormula, None);
             continue;
         }
+        if bench.gain_alone(&one) <= 0.0 {
+            reject(&one, Why::Shape, None);
+            continue;
+        }
         let held = bench.held_out(&one);
         step(progress)?;
         let is_harmful = |verdict: &crate::diagnose::HeldOutVerdict| verdict.is_worse || verdict.gain <= 0.0;
@@ -238,7 +242,8 @@ fn effects_alike(bench: &Bench<'_>, one: &Fitted) -> (Vec<Equal>, Vec<usize>) {
     picks.push(bench.law_column());
     let information = problem.information(&one.fit.noise, &picks);
     let law = picks.len() - 1;
-    let (mut found, mut columns): (Vec<Equal>, Vec<usize>) = Default::default();
+    let mut found: Vec<Equal> = Vec::new();
+    let mut columns: Vec<usize> = Vec::new();
     for (at, column) in picks[..law].iter().enumerate() {
         let correlation = information.shared(law, at, &[]).unwrap_or(0.0).sqrt();
         let Some(candidate) = bench.prepared.candidates.get(*column) else { continue };

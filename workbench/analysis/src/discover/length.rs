@@ -64,19 +64,23 @@ mod tests {
         all
     }
 
+    /// Nine of ten stretches speak for each of ten long laws, each time another nine: whoever chooses by all ten thinks well of them.
     #[test]
     fn a_part_must_pay_where_it_was_not_chosen() {
         let simple = stretches(40.0, [1.0; STRETCHES]);
         // Twice the information of the same: each stretch gains by it.
         let right = stretches(80.0, [1.0; STRETCHES]);
-        // As much over all, but in one stretch only, which the others can not know.
-        let mut lucky = stretches(40.0, [1.0; STRETCHES]);
-        lucky[3] = [300.0, 300.0 / 4.0];
-        lucky[4] = [-20.0, 40.0];
+        let lucky: Vec<ByStretch> = (0..STRETCHES)
+            .map(|bad| stretches(40.0, std::array::from_fn(|k| if k == bad { -0.5 } else { 1.5 })))
+            .collect();
         let law = |parts: usize, stretches| Chosen { parts, price: 10.0 * parts as f64, stretches };
         assert_eq!(parts_that_pay(&[law(1, &simple), law(2, &right)], 3), 2);
-        assert_eq!(parts_that_pay(&[law(1, &simple), law(3, &lucky)], 3), 1);
-        assert_eq!(parts_that_pay(&[law(1, &simple)], 3), 1);
+        let mut laws = vec![law(1, &simple)];
+        laws.extend(lucky.iter().map(|stretches| law(3, stretches)));
+        assert_eq!(parts_that_pay(&laws, 3), 1);
+        // Of equal ones the shorter.
+        assert_eq!(parts_that_pay(&[law(1, &simple), law(3, &simple)], 3), 1);
+        assert_eq!(parts_that_pay(&[law(2, &right)], 3), 2);
         assert_eq!(parts_that_pay(&[], 3), 1);
     }
 }

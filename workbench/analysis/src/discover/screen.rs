@@ -230,12 +230,13 @@ impl<'a> Screen<'a> {
                 }
                 for (sum, part) in sums.iter_mut().zip(parts) {
                     let (mut score, mut information) = (part.cross(0, k), part.square(k));
-                    for b in 1..known {
-                        score -= of_residual[b] * part.cross(b, k) + of_law[b] * part.base(0, b);
-                        information -= 2.0 * of_law[b] * part.cross(b, k);
-                        for c in 1..known {
-                            score += of_law[b] * of_residual[c] * part.base(b, c);
-                            information += of_law[b] * of_law[c] * part.base(b, c);
+                    let coefficients = || of_residual.iter().zip(&of_law).enumerate().skip(1);
+                    for (b, (residual, law)) in coefficients() {
+                        score -= residual * part.cross(b, k) + law * part.base(0, b);
+                        information -= 2.0 * law * part.cross(b, k);
+                        for (c, (other_residual, other_law)) in coefficients() {
+                            score += law * other_residual * part.base(b, c);
+                            information += law * other_law * part.base(b, c);
                         }
                     }
                     sum[0] += score;
