@@ -9,7 +9,7 @@ use survival::Start;
 
 use super::fault::{Drawn, Phase, Place};
 use super::flight::TICKS_PER_S;
-use super::run::{Case, Flown};
+use super::run::{Case, Flown, PUSH_TICKS};
 use super::watch::{REFERENCE, Restarted, TELLING_TICKS, Watched};
 
 /// A latched bias may be so many of its own sigmas from the clean run's.
@@ -245,9 +245,9 @@ impl Judge<'_> {
         }
         let restarts = &self.faulty.restarts;
         for (place, restart) in restarts.iter().enumerate().filter(|(_, restart)| !restart.is_told) {
-            // One that is off again before its text is out is told by the number of the next.
-            let is_next = |next: &&Restarted| next.tick <= restart.tick + TELLING_TICKS && next.is_told;
-            if restarts.get(place + 1).filter(is_next).is_some() {
+            // One that is off again before its text is out is told by the number of a later one, which counts them all.
+            let is_counted = |later: &Restarted| later.tick <= restart.tick + TELLING_TICKS && later.is_told;
+            if restarts.iter().skip(place + 1).any(is_counted) {
                 continue;
             }
             self.violations.push(Violation {
@@ -401,6 +401,13 @@ impl Judge<'_> {
             return;
         }
         let (sensor, i) = (failure.sensor, failure.sensor.index());
+        // A push that comes while the flight computer is away is none: no sample of it was taken, so nothing of it is in the altitude.
+        let has_unit = self.case.plan.own_unit.is_some();
+        let is_there = |tick: usize| self.faulty.ticks.get(tick).is_some_and(Option::is_some);
+        if sensor == Sensor::ImuSlave && !has_unit && !(failure.tick..failure.tick + PUSH_TICKS).any(is_there)
+        {
+            return;
+        }
         let Some(clean) = self.clean.flagged[i].filter(|clean| clean.tick >= failure.tick) else { return };
         // One that is doubtful before it fails is flagged for that sooner or later: when, tells nothing of the failure.
         if self.clean.trust(sensor, failure.tick) != Some(Trust::Trusted) {
@@ -417,7 +424,6 @@ impl Judge<'_> {
             .map(|fault| fault.to.min(latest).saturating_sub(fault.from.max(failure.tick)))
             .sum();
         // Nor is any time, however long, in which what the watch rests on is at fault: the sensor itself, the reference, the computer.
-        let has_unit = self.case.plan.own_unit.is_some();
         let bears = |fault: &&Drawn| {
             matches!(fault.place, Place::Gps | Place::Supply | Place::Clock | Place::Program)
                 || is_own(fault, sensor, has_unit)
@@ -482,7 +488,8 @@ impl Judge<'_> {
     /// When everything that goes wrong is over within a second: from when to when.
     fn transient(&self) -> Option<(usize, usize)> {
         let faults = &self.case.faults;
-        let is_brief = faults.iter().all(|fault| fault.is_transient() && fault.place != Place::Clock);
+        let is_brief = !faults.is_empty()
+            && faults.iter().all(|fault| fault.is_transient() && fault.place != Place::Clock);
         if !is_brief {
             return None;
         }
@@ -603,3 +610,6 @@ impl Judge<'_> {
         Consequence::None
     }
 }
+
+#[cfg(test)]
+mod tests;

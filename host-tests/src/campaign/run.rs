@@ -25,7 +25,7 @@ const STEP_SIGMAS: f32 = 10.0;
 /// The default model's `monitor.multiplier`.
 const MULTIPLIER: f32 = 3.0;
 /// An inertial unit whose own altitude drifts is pushed for so many ticks: half a second.
-const PUSH_TICKS: usize = 100;
+pub const PUSH_TICKS: usize = 100;
 
 /// How a sensor fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

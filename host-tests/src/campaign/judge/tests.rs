@@ -1,0 +1,101 @@
+use kf_core::latch::{LatchRecord, SensorLatch};
+use kf_core::sensor::SENSORS;
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
+use survival::{Cause, RestartReport};
+
+use super::super::plan::Plan;
+use super::super::run::{Failure, FailureKind};
+use super::super::watch::{Flagged, Seen};
+use super::*;
+
+/// A flight of two hundred seconds without a fault, in which a sensor fails.
+fn case(failure: Option<Failure>) -> Case {
+    let mut plan = Plan::draw(&mut ChaCha8Rng::seed_from_u64(1), false);
+    plan.own_unit = None;
+    Case { index: 0, plan, faults: Vec::new(), failure }
+}
+
+fn seen(true_error_m: f32) -> Seen {
+    Seen {
+        trust: [Trust::Trusted; SENSORS],
+        fresh: u8::MAX,
+        true_error_m: [true_error_m; SENSORS],
+        error_m: [None; SENSORS],
+        average_m: [None; SENSORS],
+    }
+}
+
+/// Restarts at these ticks, each told or not.
+fn restarted(restarts: &[(usize, bool)]) -> Vec<Invariant> {
+    let report = RestartReport {
+        start: Start::Resumed,
+        cause: Cause::Supply,
+        crash: None,
+        mark: None,
+        snapshot_us: None,
+        refused: [None, None],
+        resumed_us: 0,
+        restarts: 1,
+        pause_us: 0,
+    };
+    let restarts = restarts.iter().map(|(tick, is_told)| Restarted {
+        tick: *tick,
+        report: Some(report),
+        is_told: *is_told,
+    });
+    let mut faulty = Watched::default();
+    faulty.restarts = restarts.collect();
+    let verdict = judge(&case(None), &Flown { clean: Watched::default(), faulty });
+    verdict.violations.iter().map(|violation| violation.invariant).collect()
+}
+
+#[test]
+fn a_restart_is_told_by_its_text_or_by_the_number_of_any_within_a_second() {
+    assert_eq!(restarted(&[(1_000, true)]), []);
+    assert_eq!(restarted(&[(1_000, false)]), [Invariant::Told]);
+    assert_eq!(restarted(&[(1_000, false), (1_010, false), (1_048, true)]), []);
+    assert_eq!(restarted(&[(1_000, false), (1_201, true)]), [Invariant::Told]);
+    assert_eq!(restarted(&[(1_000, true), (1_010, false)]), [Invariant::Told]);
+}
+
+/// The integrated altitude is pushed at tick 12,000: 2 m/s, flagged at 13,000 in the clean flight and never in the faulty one, where the flight
+/// computer is away until a tick.
+fn pushed(away_until: usize) -> Vec<Invariant> {
+    let failure = Failure { sensor: Sensor::ImuSlave, kind: FailureKind::Drift, tick: 12_000, sign: 1.0 };
+    let error_m = |tick: usize| 0.01 * tick.saturating_sub(12_000) as f32;
+    let flown = |away: std::ops::Range<usize>| {
+        let mut watched = Watched::default();
+        watched.ticks =
+            (0..20_000).map(|tick| (!away.contains(&tick)).then(|| seen(error_m(tick)))).collect();
+        watched
+    };
+    let mut clean = flown(0..0);
+    clean.flagged[Sensor::ImuSlave.index()] = Some(Flagged { tick: 13_000, true_error_m: 9.0 });
+    let mut faulty = flown(11_990..away_until);
+    let sensor = SensorLatch {
+        bias_m: 0.0,
+        bias_variance_m2: 1.0,
+        readings: 1_000,
+        residual_variance_m2: 1.0,
+        mean_variance_m2: 0.0,
+        bound_m2: 49.0,
+    };
+    faulty.latch = Some(LatchRecord {
+        time_us: 0,
+        duration_s: 60.0,
+        failed_checks: 0,
+        sensors: [sensor; SENSORS],
+        state: heapless::Vec::new(),
+        covariance: heapless::Vec::new(),
+    });
+    let verdict = judge(&case(Some(failure)), &Flown { clean, faulty });
+    verdict.violations.iter().map(|violation| violation.invariant).collect()
+}
+
+#[test]
+fn a_push_that_no_sample_was_taken_of_is_none_and_any_other_is_owed_its_flag() {
+    assert_eq!(pushed(11_990), [Invariant::Detection]);
+    assert_eq!(pushed(12_000 + PUSH_TICKS - 1), [Invariant::Detection]);
+    assert_eq!(pushed(12_000 + PUSH_TICKS), []);
+}
