@@ -60,10 +60,21 @@ effect(() => { ownPrediction.value = defined.value ? ownCurve.answer.value : nul
 export async function addFormula(): Promise<void> {
   const found = defined.value;
   if (!found) return;
-  await learn(found.effect, found.model, forgetDraft);
+  pending = found.effect;
+  await learn(found.effect, found.model);
 }
 
-export function forgetDraft(): void {
+/** What was asked to be added: its formula stays in the box until it is in the model, as the user may be asked first. */
+let pending: string | null = null;
+
+effect(() => {
+  const { text } = model.value;
+  if (pending === null || !text.includes(`"${pending}"`)) return;
+  pending = null;
+  forgetDraft();
+});
+
+function forgetDraft(): void {
   draft.value = EMPTY;
 }
 

@@ -1,6 +1,6 @@
 // The curves and points in the middle of the screen: what is asked of the engine for them, and how they are to look.
 
-import { computed, signal } from "@preact/signals";
+import { computed, effect, signal } from "@preact/signals";
 
 import { ask } from "../ask";
 import type { Band, Gaps, Level, Line, Mark, TimeSpec, Values } from "../charts/time_chart";
@@ -12,7 +12,7 @@ import { resource } from "./resource";
 import type { Resource } from "./resource";
 import { before, model, standing } from "./model";
 import type { Of } from "./model";
-import { diagnosed, diagnosedBefore, guides, ribbons } from "./studio";
+import { diagnosed, diagnosedBefore, guides, isDrawn, ribbons } from "./studio";
 import { inside, view } from "./view";
 import type { Span } from "./view";
 
@@ -58,17 +58,22 @@ function acting({ effect, coefficient, time_constant_s, since }: CandidateFacts)
   return { effect, coefficient, time_constant_s, since };
 }
 
+/** Whether an effect is in a model, or defined there: what a diagnosis of the model before it found is no longer to be taken off. */
+function has(of: ModelText | null, id: string): boolean {
+  return of !== null && of.text.includes(`"${id}"`);
+}
+
 /** The error beyond the reference once there is a diagnosis, which knows the reference's wander; until then the error. */
-function errorSignal(name: string, found: Diagnosed | null): Signal {
+function errorSignal(name: string, found: Diagnosed | null, of: ModelText | null): Signal {
   const noise = found?.diagnosis.noise ?? null;
   if (!found || noise === null) return { signal: "error", sensor: name };
   const all = Object.values(found.diagnosis.sensors).flatMap((one) => one?.candidates ?? []);
-  return { signal: "beyond_reference", sensor: name, noise: noise as NoiseFacts, found: all.filter(({ chosen }) => chosen).map(acting) };
+  return { signal: "beyond_reference", sensor: name, noise: noise as NoiseFacts, found: all.filter(({ chosen, effect: id }) => chosen && !has(of, id)).map(acting) };
 }
 
 /** A sensor's error as the page shows it. */
 export function errorSignalOf(name: string): Signal {
-  return errorSignal(name, diagnosed.answer.value);
+  return errorSignal(name, diagnosed.answer.value, model.value);
 }
 
 const altitudes = resource(
@@ -79,8 +84,14 @@ const altitudes = resource(
   curves,
   REST,
 );
-const errorNow = resource(() => question(model.value, (name) => [errorSignal(name, diagnosed.answer.value)]), curves, REST);
-const errorBefore = resource(() => question(before.value, (name) => [errorSignal(name, diagnosedBefore.answer.value)]), curves, REST);
+effect(() => {
+  const flight = shown.value;
+  // Where nothing can be drawn, nothing waits for it.
+  const isNone = flight !== null && (sensor.value === null || flight.opened.overview.refused !== null);
+  if (isNone || altitudes.answer.value || altitudes.problem.value !== null) isDrawn.value = true;
+});
+const errorNow = resource(() => question(model.value, (name) => [errorSignal(name, diagnosed.answer.value, model.value)]), curves, REST);
+const errorBefore = resource(() => question(before.value, (name) => [errorSignal(name, diagnosedBefore.answer.value, before.value)]), curves, REST);
 const predictions = resource(
   () => (whatIf.value.length === 0 ? null : question(model.value, (name) => predicted(name))),
   curves,
@@ -286,7 +297,7 @@ export function signalOf(name: string): Signal {
     case "climb_rate": return { signal: "climb_rate" };
     case "load_factor": return { signal: "load_factor" };
     case "turn_rate": return { signal: "turn_rate" };
-    case "error": return errorSignal(sensor.value ?? "baro", diagnosed.answer.value);
+    case "error": return errorSignal(sensor.value ?? "baro", diagnosed.answer.value, model.value);
     default: return { signal: "column", name };
   }
 }
@@ -336,7 +347,7 @@ function correlationsWith(other: () => string | null): Resource<Correlations> {
       const name = other();
       return {
         flight: flight.flight, window: flight.window, model: model.value, before: before.value,
-        signal: errorSignal(sensor.value, diagnosed.answer.value), signalBefore: errorSignal(sensor.value, diagnosedBefore.answer.value),
+        signal: errorSignal(sensor.value, diagnosed.answer.value, model.value), signalBefore: errorSignal(sensor.value, diagnosedBefore.answer.value, before.value),
         with: name === null ? null : signalOf(name),
         from: settling.value?.to ?? null,
         longest: Math.min(LONGEST_LAG, LAG_SHARE * (flight.opened.last_s - flight.opened.first_s)),

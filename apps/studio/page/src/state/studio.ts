@@ -38,12 +38,17 @@ function comparisonOf(text: ModelText | null): { flight: string; model: ModelTex
   return { flight: flight.flight, model: text, window: flight.window };
 }
 
-export const compared = resource(() => comparisonOf(model.value), async (of): Promise<Compared> => await ask("compare", of));
+/** Curves are asked for first, and what takes long once they are there: the picture comes before the numbers. */
+export const isDrawn = signal(false);
+/** Milliseconds that numbers wait for curves, which wait for a view at rest. */
+const AFTER_CURVES = 150;
+
+export const compared = resource(() => comparisonOf(model.value), async (of): Promise<Compared> => await ask("compare", of), AFTER_CURVES);
 async function ribbonsOf(of: { flight: string; model: ModelText; window: Window | null }): Promise<Of<Ribbons>> {
   return { ...(await ask("ribbons", of)), asked: of.model };
 }
 
-export const ribbons = resource(() => comparisonOf(model.value), ribbonsOf);
+export const ribbons = resource(() => comparisonOf(model.value), ribbonsOf, AFTER_CURVES);
 export const ribbonsBefore = resource(() => comparisonOf(before.value), ribbonsOf);
 
 export const diagnosed = resource(
@@ -91,7 +96,7 @@ export const diagnosedBefore = resource(
 );
 
 function diagnosisOf(text: ModelText): { flights: string[]; hold_outs: string[]; model: ModelText; window: { start_s: number; end_s: number } | null } | null {
-  if (learners.value.length === 0) return null;
+  if (learners.value.length === 0 || !isDrawn.value) return null;
   return { flights: files(learners.value), hold_outs: files(holdOuts.value), model: text, window: windowOfAll() };
 }
 
@@ -105,7 +110,7 @@ export interface Judged {
 }
 
 export const ladder = resource(
-  () => (ready.value.length === 0 ? null : { flights: files([...learners.value, ...holdOuts.value]), model: model.value, window: windowOfAll() }),
+  () => (ready.value.length === 0 || !isDrawn.value ? null : { flights: files([...learners.value, ...holdOuts.value]), model: model.value, window: windowOfAll() }),
   async (of): Promise<Judged> => ({ ladder: await ask("ladder", of), learned: learners.value.length }),
 );
 
@@ -135,11 +140,11 @@ effect(() => {
 });
 
 export async function addEffect(id: string): Promise<void> {
-  await learn(id, model.value, () => undefined);
+  await learn(id, model.value);
 }
 
-/** Learns an effect of the catalogue or of that model's own; `then` once it is in the model, or the user is asked. */
-export async function learn(id: string, text: ModelText, then: () => void): Promise<void> {
+/** Learns an effect of the catalogue or of that model's own. */
+export async function learn(id: string, text: ModelText): Promise<void> {
   if (learners.value.length === 0) {
     notice.value = "No flight is to be learned from: choose “learn” for one on the left.";
     return;
@@ -158,7 +163,6 @@ export async function learn(id: string, text: ModelText, then: () => void): Prom
     }, options));
     if (answer.addition.concerns.length > 0) doubted.value = answer;
     else accept(answer);
-    then();
   } catch (error) {
     notice.value = messageOf(error);
   }

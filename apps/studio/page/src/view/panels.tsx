@@ -79,7 +79,7 @@ function PanelHead({ kind }: { readonly kind: PanelKind }): JSX.Element | null {
     return (
       <span class="legend-entry">
         {kind === "cross" ? <SignalChoice label="Correlated with" value={crossWith.value} choose={(name) => { crossWith.value = name; }} /> : null}
-        {then ? <><span class="swatch line" style={{ color: "var(--before)" }} />before <span class="swatch line" style={{ color: "var(--after)" }} />after </> : null}
+        {then && kind === "correlation" ? <><span class="swatch line" style={{ color: "var(--before)" }} />before <span class="swatch line" style={{ color: "var(--after)" }} />after </> : null}
         <span class="swatch dashed" style={{ color: "var(--ink)" }} />{kind === "cross" ? "99 %" : "99 % of white"}
       </span>
     );
