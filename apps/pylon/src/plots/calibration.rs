@@ -1,7 +1,8 @@
 //! Figure 2: the estimated parameters over captive flight, with their standard deviations.
 
 use kf_core::sensor::Sensor;
-use view::svg::{BLUE, DrawingError, Layer, PALE_BLUE, Panel, range};
+use view::svg::{DrawingError, Legends, range};
+use view::{Chart, Role, common_places};
 
 use super::envelope::{outline, span};
 use super::figure::figure;
@@ -13,27 +14,21 @@ const PRIOR_SHARE: f64 = 0.04;
 pub(super) fn draw(comparison: &Comparison, traces: &Traces) -> Option<Result<String, DrawingError>> {
     let seconds = |time_us: u64| time_us as f64 * 1e-6;
     let x_range = span(std::iter::once(&traces.altitude.value_m), seconds)?;
-    let mut panels = Vec::new();
+    let mut charts = Vec::new();
     let mut add = |trace: &EstimateTrace, y_name: String| {
         if !trace.value_m.slots().is_empty() {
-            panels.push(panel(trace, y_name, &x_range));
+            charts.push(chart(trace, y_name, &x_range));
         }
     };
     add(&traces.altitude, "altitude by gps, m".to_owned());
     for sensor in Sensor::ALL {
         add(&traces.biases[sensor.index()], format!("bias of {}, m", sensor.name()));
     }
-    if let Some(first) = panels.first_mut() {
-        first.has_legend = true;
-    }
-    if let Some(last) = panels.last_mut() {
-        last.x_name = "time, s";
-    }
     let title = "Estimated parameters in captive flight (as the paper's Figure 2)";
-    Some(figure(title, comparison, &panels))
+    Some(figure(title, comparison, &charts, Legends::First))
 }
 
-fn panel(trace: &EstimateTrace, y_name: String, x_range: &std::ops::Range<f64>) -> Panel<'static> {
+fn chart(trace: &EstimateTrace, y_name: String, x_range: &std::ops::Range<f64>) -> Chart {
     let seconds = |time_us: u64| time_us as f64 * 1e-6;
     let limits = |sign: f64| -> Vec<(f64, f64)> {
         let slots = trace.value_m.slots().iter().zip(trace.sigma_m.slots());
@@ -49,20 +44,12 @@ fn panel(trace: &EstimateTrace, y_name: String, x_range: &std::ops::Range<f64>) 
     let values = trace.value_m.slots().iter().filter(|slot| seconds(slot.time_us) > settled_s);
     let y_range =
         range(values.flat_map(|slot| [f64::from(slot.least), f64::from(slot.greatest)]).chain(band));
-    Panel {
-        x_range: x_range.clone(),
-        y_range,
-        x_name: "",
-        y_name,
-        has_legend: false,
-        layers: vec![
-            Layer::Band { from: lower, to: upper, colour: PALE_BLUE, name: "± 1 sigma of the filter" },
-            Layer::Curve {
-                points: outline(&trace.value_m, seconds),
-                colour: BLUE,
-                width: 3,
-                name: "estimate",
-            },
-        ],
-    }
+    let estimate = outline(&trace.value_m, seconds);
+    let (places, [lower, upper, estimate]) = common_places([&lower, &upper, &estimate]);
+    let mut chart = Chart::new(String::new(), String::new(), "time, s", y_name, places)
+        .band("± 1 sigma of the filter", Role::Modelled, lower, upper)
+        .line("estimate", Role::Modelled, estimate);
+    chart.x_range = Some([x_range.start, x_range.end]);
+    chart.y_range = Some([y_range.start, y_range.end]);
+    chart
 }

@@ -1,25 +1,15 @@
-//! A long series of a flight as layers of a diagram.
+//! A long series of a flight as curves of a diagram.
 
 use std::ops::Range;
 
-use view::svg::{Colour, Layer};
-
 use crate::compare::{Envelope, Slot};
 
-/// Layers of a dense series: the range of its values in each slot filled, and the line over it.
-pub(super) fn series<'a>(
-    envelope: &Envelope,
-    seconds: impl Fn(u64) -> f64 + Copy,
-    colour: Colour,
-    name: &'a str,
-) -> [Layer<'a>; 2] {
+/// The least and the greatest values, slot by slot; times by `seconds`.
+pub(super) fn edges(envelope: &Envelope, seconds: impl Fn(u64) -> f64) -> [Vec<(f64, f64)>; 2] {
     let edge = |value: fn(&Slot) -> f32| -> Vec<(f64, f64)> {
         envelope.slots().iter().map(|slot| (seconds(slot.time_us), f64::from(value(slot)))).collect()
     };
-    [
-        Layer::Band { from: edge(|slot| slot.least), to: edge(|slot| slot.greatest), colour, name: "" },
-        Layer::Curve { points: outline(envelope, seconds), colour, width: 2, name },
-    ]
+    [edge(|slot| slot.least), edge(|slot| slot.greatest)]
 }
 
 /// The envelope as one line that touches the least and the greatest value of every slot; times by

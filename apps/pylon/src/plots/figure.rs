@@ -1,16 +1,18 @@
 //! A figure of a flight: what every one of them says above its panels.
 
-use view::svg::{DrawingError, Panel, sheet};
+use view::Chart;
+use view::svg::{DrawingError, Legends, sheet, stack};
 
 use crate::compare::Comparison;
 
-/// Draws a figure: a title, where the data come from, and the panels.
+/// Draws a figure: a title, where the data come from, and the diagrams, one above the other.
 pub(super) fn figure(
     title: &str,
     comparison: &Comparison,
-    panels: &[Panel<'_>],
+    charts: &[Chart],
+    legends: Legends,
 ) -> Result<String, DrawingError> {
-    sheet(title, subtitles(comparison), panels)
+    sheet(title, subtitles(comparison), &stack(charts, legends))
 }
 
 /// Flight and model, and where the data come from: a figure says whether they were measured.

@@ -1,6 +1,7 @@
 //! How a sensor's error goes with one signal: dots, and their mean and spread by bin.
 
-use super::chart::{Chart, Role, Values};
+use view::{Chart, Role, Values};
+
 use super::signals::Signal;
 use super::table::rounded;
 

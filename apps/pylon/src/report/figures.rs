@@ -1,8 +1,8 @@
 //! The paper's three figures, and measured against modelled, as diagrams of the page.
 
 use kf_core::sensor::Sensor;
+use view::{Chart, Moment, Role, Shade};
 
-use super::chart::{Chart, Moment, Role, Shade};
 use super::recording::{AVERAGE, ERROR, MEASURED, MODELLED, Recording, SIGMA, VALUE};
 use super::table::{Table, rounded};
 use crate::compare::{Comparison, SensorComparison};
@@ -62,7 +62,7 @@ pub(super) fn residuals(flight: &str, recording: &Recording, comparison: &Compar
             let (id, group) = (format!("{flight}-fig3-{name}"), format!("{flight}-captive"));
             Chart::new(id, group, TIME, format!("residual of {name}, m"), table.times_s(0))
                 .band("residual", Role::Residual, table.least(VALUE), table.greatest(VALUE))
-                .bound("± 1 sigma of the residual", sigma_m.map(rounded))
+                .bound("± 1 sigma of the residual", Role::Sigma, sigma_m.map(rounded))
         })
         .collect()
 }
@@ -83,7 +83,7 @@ pub(super) fn free_flight(flight: &str, recording: &Recording, comparison: &Comp
             )
             .band("error", Role::Residual, table.least(VALUE), table.greatest(VALUE))
             .line("moving average", Role::Average, table.mean(AVERAGE))
-            .bound("alarm limit of the monitor", found.bound_m.map(rounded));
+            .bound("alarm limit of the monitor", Role::Bound, found.bound_m.map(rounded));
             chart.moments = flags(found);
             chart
         })
@@ -134,6 +134,7 @@ pub(super) fn measured(
                 .band("measured - modelled", Role::Residual, table.least(ERROR), table.greatest(ERROR))
                 .bound(
                     "alarm limit of the monitor",
+                    Role::Bound,
                     found.bound_m.filter(|_| sensor.flies_free()).map(rounded),
                 );
             difference.moments.extend(flags(found));

@@ -1,8 +1,8 @@
 //! The errors of every revision of the model on every flight, as diagrams of the page.
 
 use kf_core::sensor::Sensor;
+use view::{Chart, Role, Values};
 
-use super::chart::{Chart, Role, Values};
 use super::table::rounded;
 use crate::learn::{Ladder, LadderRevision, SensorScore};
 

@@ -3,7 +3,6 @@
 //! The page is one HTML file that needs no network: style, uPlot and all data are in it. Long flights are thinned out
 //! (least and greatest of each slot of time), so that it stays small.
 
-mod chart;
 mod dependence;
 mod figures;
 mod ladder;
@@ -25,7 +24,7 @@ use dependence::Dependence;
 use recording::{ERROR, Recording};
 use signals::{Blocks, signals};
 
-pub use chart::{Band, Chart, Level, Line, Moment, Role, Shade, Values};
+pub use view::{Band, Chart, Level, Line, Moment, Role, Shade, Values};
 
 /// What the page says of one flight.
 #[derive(Clone, Debug)]

@@ -5,7 +5,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::DrawingError;
 use super::canvas::{Area, SCALE};
-use super::panel::{DASH, GAP, LEGEND_HEIGHT, Layer};
+use super::panel::{DASH, DOT, GAP, LEGEND_HEIGHT, Layer};
 
 /// Length of a sample of a line.
 const SAMPLE: i32 = 20 * SCALE;
@@ -50,6 +50,11 @@ fn sample(area: &Area<'_>, layer: &Layer<'_>, x: i32, y: i32) -> Result<(), Draw
                 area.draw(&PathElement::new([(from, y), (to, y)], colour.stroke_width(2 * SCALE as u32)))?;
             }
         }
+        Layer::Dots { colour, .. } => {
+            area.draw(&Circle::new((x + SAMPLE / 2, y), DOT, colour.filled()))?;
+        }
+        // It stands on the axis itself.
+        Layer::Place { .. } => {}
         Layer::Moment { colour, .. } => {
             let line = [(x + SAMPLE / 2, y - 7 * SCALE), (x + SAMPLE / 2, y + 7 * SCALE)];
             area.draw(&PathElement::new(line, colour.stroke_width(2 * SCALE as u32)))?;

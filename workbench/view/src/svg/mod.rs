@@ -1,6 +1,7 @@
 //! Diagrams as SVG: a sheet of panels, one above the other.
 
 mod canvas;
+mod chart;
 mod legend;
 mod panel;
 
@@ -8,6 +9,7 @@ use plotters::prelude::{DrawingAreaErrorKind, DrawingBackend, SVGBackend};
 use thiserror::Error;
 
 pub use canvas::sheet;
+pub use chart::{Legends, stack};
 pub use panel::{
     BLACK, BLUE, GREEN, GREY, LIGHT_BLUE, Layer, MAGENTA, ORANGE, PALE_BLUE, PALE_GREY, Panel, range,
 };

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::canvas::{Area, SCALE};
 use super::{DrawingError, legend};
@@ -32,6 +33,9 @@ pub(super) const LEGEND_HEIGHT: i32 = 24;
 /// A dash, and the gap after it.
 pub(super) const DASH: i32 = 7 * SCALE;
 pub(super) const GAP: i32 = 5 * SCALE;
+
+/// Radius of a dot.
+pub(super) const DOT: i32 = 2 * SCALE;
 
 type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
@@ -69,6 +73,22 @@ pub enum Layer<'a> {
         /// Its name.
         name: &'a str,
     },
+    /// Dots.
+    Dots {
+        /// Where.
+        points: Vec<(f64, f64)>,
+        /// Their colour.
+        colour: RGBColor,
+        /// Their name.
+        name: &'a str,
+    },
+    /// A name on the horizontal axis; where there are such, the axis has no numbers.
+    Place {
+        /// Where.
+        at: f64,
+        /// What stands there.
+        name: &'a str,
+    },
     /// A vertical line.
     Moment {
         /// Where.
@@ -85,7 +105,9 @@ impl Layer<'_> {
     pub(super) fn name(&self) -> &str {
         match self {
             Self::Band { name, .. } | Self::Curve { name, .. } | Self::Level { name, .. } => name,
+            Self::Dots { name, .. } => name,
             Self::Moment { name, .. } => name,
+            Self::Place { .. } => "",
         }
     }
 }
@@ -118,10 +140,11 @@ impl Panel<'_> {
             .y_label_area_size(62 * SCALE)
             .build_cartesian_2d(self.x_range.clone(), self.y_range.clone())?;
         for layer in self.layers.iter().filter(|layer| matches!(layer, Layer::Band { .. })) {
-            self.draw_layer(&mut chart, layer)?;
+            self.draw_layer(area, &mut chart, layer)?;
         }
         let text = |size: i32| ("sans-serif", size * SCALE).into_font();
         let decimals = if self.y_range.end - self.y_range.start < 4.0 { 1 } else { 0 };
+        let has_places = self.layers.iter().any(|layer| matches!(layer, Layer::Place { .. }));
         chart
             .configure_mesh()
             .light_line_style(TRANSPARENT)
@@ -135,10 +158,12 @@ impl Panel<'_> {
             .axis_desc_style(text(13))
             .label_style(text(12))
             .y_label_formatter(&|value| format!("{:.decimals$}", value + 0.0))
-            .x_label_formatter(&|value| format!("{}", (value * 1e3).round() / 1e3))
+            .x_label_formatter(&|value| {
+                if has_places { String::new() } else { format!("{}", (value * 1e3).round() / 1e3) }
+            })
             .draw()?;
         for layer in self.layers.iter().filter(|layer| !matches!(layer, Layer::Band { .. })) {
-            self.draw_layer(&mut chart, layer)?;
+            self.draw_layer(area, &mut chart, layer)?;
         }
         if self.has_legend {
             legend::draw(area, &self.layers)?;
@@ -146,7 +171,12 @@ impl Panel<'_> {
         Ok(())
     }
 
-    fn draw_layer(&self, chart: &mut Chart<'_, '_>, layer: &Layer<'_>) -> Result<(), DrawingError> {
+    fn draw_layer(
+        &self,
+        sheet: &Area<'_>,
+        chart: &mut Chart<'_, '_>,
+        layer: &Layer<'_>,
+    ) -> Result<(), DrawingError> {
         match layer {
             Layer::Band { from, to, colour, .. } => {
                 let mut outline = self.clamped(from);
@@ -163,6 +193,23 @@ impl Panel<'_> {
                 let line = [(self.x_range.start, *value), (self.x_range.end, *value)];
                 let style = colour.stroke_width(2 * SCALE as u32);
                 chart.draw_series(DashedLineSeries::new(line, DASH, GAP, style))?;
+            }
+            Layer::Dots { points, colour, .. } => {
+                let inside = points.iter().filter(|(_, y)| self.y_range.contains(y));
+                let dot = |point: &(f64, f64)| Circle::new(*point, DOT, colour.filled());
+                chart.draw_series(inside.map(dot))?;
+            }
+            Layer::Place { at, name } => {
+                let below = (at - self.x_range.start) / (self.x_range.end - self.x_range.start);
+                let area = chart.plotting_area();
+                // Both in pixels of the whole sheet; text is placed within the panel.
+                let (across, down) = (area.get_x_axis_pixel_range(), area.get_y_axis_pixel_range());
+                let (left, top) = sheet.get_base_pixel();
+                let x = across.start + (below * f64::from(across.end - across.start)) as i32 - left;
+                let style = TextStyle::from(("sans-serif", 12 * SCALE).into_font());
+                let style = style.pos(Pos::new(HPos::Center, VPos::Top));
+                let y = down.start.max(down.end) + 7 * SCALE - top;
+                sheet.draw_text(name, &style, (x, y))?;
             }
             Layer::Moment { at, colour, .. } => {
                 let line = [(*at, self.y_range.start), (*at, self.y_range.end)];

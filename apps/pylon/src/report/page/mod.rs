@@ -10,15 +10,12 @@ mod glossary;
 mod ladder;
 mod signals;
 
-use std::collections::BTreeMap;
-
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::ladder::LadderFlight;
 use super::{Chart, Report};
 
 const STYLE: &str = include_str!("../assets/report.css");
-const CHARTS: &str = include_str!("../assets/charts.js");
 const PAGE: &str = include_str!("../assets/page.js");
 const UPLOT: &str = include_str!(concat!(env!("OUT_DIR"), "/uplot.js"));
 const UPLOT_STYLE: &str = include_str!(concat!(env!("OUT_DIR"), "/uplot.css"));
@@ -46,7 +43,7 @@ pub(super) fn page(report: &Report<'_>) -> String {
                     content="default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:";
                 link rel="icon" href="data:,";
                 title { (title) }
-                style { (PreEscaped(UPLOT_STYLE)) (PreEscaped(STYLE)) }
+                style { (PreEscaped(UPLOT_STYLE)) (PreEscaped(view::page::style())) (PreEscaped(STYLE)) }
             }
             body {
                 a.skip href="#main" { "Skip to the content" }
@@ -73,7 +70,7 @@ pub(super) fn page(report: &Report<'_>) -> String {
                 (footer())
                 script #chart-data type="application/json" { (PreEscaped(data(report, &revisions))) }
                 script { (PreEscaped(UPLOT)) }
-                script { (PreEscaped(CHARTS)) }
+                script { (PreEscaped(view::page::SCRIPT)) }
                 script { (PreEscaped(PAGE)) }
             }
         }
@@ -160,17 +157,12 @@ fn footer() -> Markup {
     }
 }
 
-/// The diagrams' data, such that no text in them can end the element that they stand in.
+/// The diagrams' data.
 fn data(report: &Report<'_>, revisions: &[LadderFlight<'_>]) -> String {
-    let charts: BTreeMap<&str, &Chart> = report
-        .flights
-        .iter()
-        .flat_map(super::FlightReport::charts)
-        .chain(revisions.iter().filter_map(|flight| flight.chart.as_ref()))
-        .map(|chart| (chart.id.as_str(), chart))
-        .collect();
+    let flights = report.flights.iter().flat_map(super::FlightReport::charts);
+    let charts = flights.chain(revisions.iter().filter_map(|flight| flight.chart.as_ref()));
     // Numbers and text only: nothing in them can fail to be written.
-    serde_json::to_string(&charts).unwrap_or_default().replace('<', "\\u003c")
+    view::page::data(charts).unwrap_or_default()
 }
 
 /// Where a diagram is drawn. Without scripts it says so.

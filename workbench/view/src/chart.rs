@@ -1,11 +1,11 @@
-//! What one diagram of the page shows. Serialised into the page; `assets/charts.js` draws it.
+//! What one diagram shows. `svg` draws it on paper; in a page, which gets it as JSON, `assets/charts.js` does.
 
 use serde::Serialize;
 
-/// A column of values; null where there is none.
+/// A column of values; null where there is none, which curves and areas span.
 pub type Values = Vec<Option<f64>>;
 
-/// What a line or an area means; the page's style sheet gives each its colour, light and dark.
+/// What a line or an area means; `palette.rs` gives each its colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Role {
@@ -17,20 +17,26 @@ pub enum Role {
     Residual,
     /// A mean of residuals.
     Average,
+    /// What an effect does to a sensor.
+    Effect,
     /// A bound that is not to be passed.
     Bound,
+    /// One standard deviation.
+    Sigma,
     /// When a sensor became doubtful.
     Doubtful,
     /// When it became untrustworthy.
     Untrustworthy,
     /// A moment of the flight.
     Event,
+    /// A stretch in which the model fails.
+    Shade,
 }
 
 /// A diagram over a common axis.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Chart {
-    /// The element of the page that it is drawn in.
+    /// Its name among the diagrams of a page.
     pub id: String,
     /// Diagrams of one group share their zoom and cursor.
     pub group: String,
@@ -54,6 +60,9 @@ pub struct Chart {
     pub moments: Vec<Moment>,
     /// Shaded stretches: where the model fails.
     pub shades: Vec<Shade>,
+    /// Places at which the horizontal axis should start and end, instead of the first and the last of `x`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub x_range: Option<[f64; 2]>,
     /// Values at which the vertical axis should start and end; wider data are still reached by zooming.
     pub y_range: Option<[f64; 2]>,
 }
@@ -91,6 +100,8 @@ pub struct Band {
 pub struct Level {
     /// Its name.
     pub name: String,
+    /// Its meaning.
+    pub role: Role,
     /// Where.
     pub y: f64,
 }
@@ -119,7 +130,8 @@ pub struct Shade {
 
 impl Chart {
     /// A diagram without anything in it.
-    pub(super) fn new(id: String, group: String, x_name: &str, y_name: String, x: Vec<f64>) -> Self {
+    #[must_use]
+    pub fn new(id: String, group: String, x_name: &str, y_name: String, x: Vec<f64>) -> Self {
         Self {
             id,
             group,
@@ -133,25 +145,31 @@ impl Chart {
             levels: Vec::new(),
             moments: Vec::new(),
             shades: Vec::new(),
+            x_range: None,
             y_range: None,
         }
     }
 
-    pub(super) fn line(mut self, name: &str, role: Role, y: Values) -> Self {
+    /// With a curve.
+    #[must_use]
+    pub fn line(mut self, name: &str, role: Role, y: Values) -> Self {
         self.lines.push(Line { name: name.to_owned(), role, y, dots: false, knots: false });
         self
     }
 
-    pub(super) fn band(mut self, name: &str, role: Role, from: Values, to: Values) -> Self {
+    /// With an area.
+    #[must_use]
+    pub fn band(mut self, name: &str, role: Role, from: Values, to: Values) -> Self {
         self.bands.push(Band { name: name.to_owned(), role, from, to });
         self
     }
 
-    /// Two lines at plus and minus a bound, if there is one.
-    pub(super) fn bound(mut self, name: &str, bound: Option<f64>) -> Self {
+    /// With two lines at plus and minus a bound, if there is one.
+    #[must_use]
+    pub fn bound(mut self, name: &str, role: Role, bound: Option<f64>) -> Self {
         if let Some(bound) = bound {
-            self.levels.push(Level { name: name.to_owned(), y: bound });
-            self.levels.push(Level { name: String::new(), y: -bound });
+            self.levels.push(Level { name: name.to_owned(), role, y: bound });
+            self.levels.push(Level { name: String::new(), role, y: -bound });
         }
         self
     }

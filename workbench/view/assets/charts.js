@@ -1,4 +1,4 @@
-// Draws the diagrams that `pylon::report::Chart` describes, with uPlot.
+// Draws the diagrams that `view::Chart` describes, with uPlot.
 "use strict";
 
 const pylonCharts = (() => {
@@ -122,15 +122,15 @@ const pylonCharts = (() => {
   function mark(plot, spec) {
     clipped(plot, (ctx, bbox, ratio) => {
       ctx.lineWidth = 2 * ratio;
-      ctx.strokeStyle = ctx.fillStyle = colour("bound");
       ctx.textBaseline = "bottom";
       ctx.textAlign = "left";
-      for (const { name, y } of spec.levels) {
+      for (const { name, y, role } of spec.levels) {
+        ctx.strokeStyle = colour(role);
         const at = plot.valToPos(y, "y", true);
         ctx.setLineDash([7 * ratio, 5 * ratio]);
         line(ctx, bbox.left, at, bbox.left + bbox.width, at);
         ctx.setLineDash([]);
-        if (name) label(ctx, name, bbox.left + 6 * ratio, at - 3 * ratio, "bound", ratio);
+        if (name) label(ctx, name, bbox.left + 6 * ratio, at - 3 * ratio, role, ratio);
       }
       spec.moments.forEach(({ name, x, role }, index) => {
         const at = plot.valToPos(x, "x", true);
