@@ -13,9 +13,11 @@ use super::blocks::{Heights, altitudes, median_interval_s};
 const RISE_S: f64 = 2.0;
 /// What it must come to, metres.
 const LEAST_RISE_M: f64 = 28.0;
-/// From standing, the second half of a steady acceleration has three times the rise of the first, and a steady climb the same;
-/// this is between them.
-const LEAST_RATIO: f64 = 2.0;
+/// From standing, the second half of a steady acceleration has three times the rise of the first, and a steady climb the same.
+/// With this ratio and that rise the acceleration is 1.2 g or more: what a multicopter does not have that is climbing already.
+const LEAST_RATIO: f64 = 2.5;
+/// It stands as long as it is within this of where the rise begins, metres.
+const STANDING_M: f64 = 1.0;
 /// Heights at either end of the rise are medians over this much around, seconds: single wild ones are none.
 const AROUND_S: f64 = 0.15;
 /// Of a barometer that is slower than this the beginning of a boost cannot be seen, seconds between samples.
@@ -59,7 +61,17 @@ pub fn boost(flight: &Flight) -> Option<Boost> {
             (around(*from_s)?, around(from_s + RISE_S / 2.0)?, around(from_s + RISE_S)?);
         let is_boost =
             last - first >= LEAST_RISE_M && last - middle >= LEAST_RATIO * (middle - first).max(0.0);
-        (is_boost && stands(flight, *from_s)).then_some(Boost { from_s: *from_s, rise_m: last - first })
+        if !is_boost || !stands(flight, *from_s) {
+            return None;
+        }
+        // The rise of a strong motor is enough before all of its two seconds have passed.
+        let during = heights_m.iter().map(|(time_s, _)| *time_s).skip_while(|time_s| time_s < from_s);
+        let during = during.take_while(|time_s| *time_s <= from_s + RISE_S);
+        let lit_s =
+            during.filter(|time_s| around(*time_s).is_some_and(|metres| metres <= first + STANDING_M)).last();
+        let lit_s = lit_s.unwrap_or(*from_s);
+        let rise_m = around(lit_s + RISE_S).unwrap_or(last) - first;
+        Some(Boost { from_s: lit_s, rise_m })
     })
 }
 
