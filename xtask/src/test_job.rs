@@ -22,6 +22,7 @@ struct Step {
 const STEPS: &[Step] = &[
     Step { name: "formatting", needs: &[Need::Rustfmt], run: formatting },
     Step { name: "clippy, host", needs: &[Need::Clippy, Need::Npm], run: clippy_host },
+    Step { name: "formats, one by one", needs: &[], run: formats_one_by_one },
     Step { name: "clippy, board-qemu", needs: &[Need::Clippy, Need::Target], run: clippy_qemu },
     Step { name: "clippy, board-hil", needs: &[Need::Clippy, Need::Target], run: clippy_hil },
     Step { name: "clippy, board-f405", needs: &[Need::Clippy, Need::Target], run: clippy_f405 },
@@ -95,6 +96,17 @@ fn formatting(echo: bool) -> anyhow::Result<Done> {
 
 fn clippy_host(echo: bool) -> anyhow::Result<Done> {
     cargo(["clippy", "--workspace", "--exclude", "firmware", "--all-targets", "--", "-D", "warnings"], echo)
+}
+
+/// The workbench's formats, each of which is a feature: without any, and with each alone, as who embeds them may want them.
+fn formats_one_by_one(echo: bool) -> anyhow::Result<Done> {
+    const FEATURES: [&str; 10] =
+        ["", "altus", "dataflash", "igc", "mcap", "parquet", "record", "table", "tlog", "ulog"];
+    for feature in FEATURES {
+        let arguments = ["check", "--package", "formats", "--no-default-features", "--features", feature];
+        child::run(&mut workspace::cargo(arguments), echo)?;
+    }
+    Ok(Done::all("none, and each of 9"))
 }
 
 fn clippy_qemu(echo: bool) -> anyhow::Result<Done> {

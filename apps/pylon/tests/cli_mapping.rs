@@ -111,3 +111,46 @@ fn what_is_wrong_is_said_in_one_line_and_nothing_is_written() {
     assert!(lost.contains("is the mapping, which would be lost"), "{lost}");
     assert_eq!(files(path), before);
 }
+
+/// A ten-millionth of a degree is a centimetre, and what receivers say; f32 would make a metre of it.
+#[test]
+fn every_digit_of_a_position_comes_through_import_csv_and_exports() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    let positions =
+        [("47.1234567", "-179.7654321"), ("47.1234568", "-179.765432"), ("47.1234569", "-179.7654319")];
+    let mut table = "time,lat,lon,alt,baro\n".to_owned();
+    for (second, (latitude, longitude)) in positions.iter().enumerate() {
+        table += &format!("{second},{latitude},{longitude},{},{}\n", 500 + second, 510 + second);
+    }
+    fs::write(path.join("log.csv"), table).unwrap();
+    let mapping = "pylon-mapping = 1\n[time]\ncolumn = \"time\"\nunit = \"s\"\n[signals]\n\
+                   gps_alt_m = { column = \"alt\", unit = \"m\" }\nbaro_alt_m = { column = \"baro\", unit = \"m\" }\n\
+                   latitude_deg = { column = \"lat\", unit = \"deg\" }\nlongitude_deg = { column = \"lon\", unit = \"deg\" }\n";
+    fs::write(path.join("mapping.toml"), mapping).unwrap();
+    stdout(path, &["import", "log.csv", "--mapping", "mapping.toml", "-o", "flight.csv"]);
+    let found = |file: &str| -> Vec<(String, String)> {
+        let text = fs::read_to_string(path.join(file)).unwrap();
+        let mut lines = text.lines().filter(|line| !line.starts_with('#'));
+        let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+        let place = |name: &str| names.iter().position(|found| *found == name).unwrap();
+        let (latitude, longitude) = (place("latitude_deg"), place("longitude_deg"));
+        let cells = lines.map(|line| line.split(',').collect::<Vec<_>>());
+        cells.map(|cells| (cells[latitude].to_owned(), cells[longitude].to_owned())).collect()
+    };
+    let expected: Vec<(String, String)> = positions
+        .iter()
+        .map(|(latitude, longitude)| ((*latitude).to_owned(), (*longitude).to_owned()))
+        .collect();
+    assert_eq!(found("flight.csv"), expected);
+    // Every export reads the flight's CSV; the two that can be imported again are written as CSV once more.
+    stdout(path, &["export", "flight.csv", "--format", "plain-csv", "-o", "plain.csv"]);
+    assert_eq!(found("plain.csv"), expected);
+    for (format, file, again) in
+        [("mcap", "a.mcap", "of_mcap.csv"), ("parquet", "a.parquet", "of_parquet.csv")]
+    {
+        stdout(path, &["export", "flight.csv", "--format", format, "-o", file]);
+        stdout(path, &["import", file, "-o", again]);
+        assert_eq!(found(again), expected, "{format}");
+    }
+}

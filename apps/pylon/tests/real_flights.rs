@@ -124,6 +124,11 @@ fn check(file: &Path, row: &[String]) -> Result<(), String> {
     if !agrees {
         return says("flights", format!("{:?}", overview.airborne));
     }
+    // Of all these only one is a rocket; gliders, copters and a lost motor among the others are none.
+    let is_launched = overview.notes.iter().any(|note| note.starts_with("launched by a rocket motor"));
+    if is_launched != (kind == "AltusMetrum CSV") {
+        return says("launched by a rocket motor", is_launched.to_string());
+    }
     if sensors(&overview) != *expected {
         return says("sensors", sensors(&overview));
     }

@@ -32,19 +32,23 @@ pub fn to_writer<W: Write>(out: W, flight: &Flight) -> io::Result<()> {
     let mut text = csv.into_inner().map_err(csv::IntoInnerError::into_error)?;
     // A number needs no quotes, and every row has its time: most of the writing is spared the look for what to escape.
     let mut buffer = zmij::Buffer::new();
+    let mut marks = Marks::new(&columns);
     for (row, time_s) in flight.time_s.iter().enumerate() {
         put(&mut text, buffer.format(*time_s), false);
         // Most cells are empty: their commas are written with the next one that is not.
-        let mut commas = 0;
-        for column in &columns {
-            commas += 1;
-            if let Some(value) = column.get(row) {
-                text.resize(text.len() + commas, b',');
-                commas = 0;
+        let mut written = 0;
+        marks.each_sample(row, |place, column| {
+            text.resize(text.len() + place + 1 - written, b',');
+            written = place + 1;
+            if column.is_double() {
+                let value = column.get_f64(row).unwrap_or(f64::NAN);
+                put(&mut text, buffer.format(value), value.abs() >= f64::from(LARGE));
+            } else {
+                let value = column.get(row).unwrap_or(f32::NAN);
                 put(&mut text, buffer.format(value), value.abs() >= LARGE);
             }
-        }
-        text.resize(text.len() + commas, b',');
+        });
+        text.resize(text.len() + columns.len() - written, b',');
         text.push(b'\n');
         if text.len() >= WRITTEN_AT_ONCE {
             out.write_all(&text)?;
@@ -53,6 +57,45 @@ pub fn to_writer<W: Write>(out: W, flight: &Flight) -> io::Result<()> {
     }
     out.write_all(&text)?;
     out.flush()
+}
+
+/// Which columns have a sample in which row, found out for some rows of one column after the other: a column lies in memory
+/// as a whole, and a row is a cell here and there.
+struct Marks<'a> {
+    columns: &'a [&'a Column],
+    /// Of each row of the block, bits for 64 columns, then those for the next 64, ...
+    bits: Vec<u64>,
+}
+
+/// Rows of a block.
+const BLOCK: usize = 256;
+
+impl<'a> Marks<'a> {
+    fn new(columns: &'a [&'a Column]) -> Self {
+        Self { columns, bits: vec![0; BLOCK * columns.len().div_ceil(64)] }
+    }
+
+    /// Every column with a sample in a row, with its place. Rows are asked for in order, from the first.
+    fn each_sample(&mut self, row: usize, mut take: impl FnMut(usize, &Column)) {
+        if row.is_multiple_of(BLOCK) {
+            self.bits.fill(0);
+            for (columns, bits) in self.columns.chunks(64).zip(self.bits.chunks_mut(BLOCK)) {
+                for (column, bit) in columns.iter().zip(0..) {
+                    column.mark_samples(row..(row + BLOCK).min(column.len()), bit, bits);
+                }
+            }
+        }
+        for (block, (columns, bits)) in self.columns.chunks(64).zip(self.bits.chunks(BLOCK)).enumerate() {
+            let mut left = bits.get(row % BLOCK).copied().unwrap_or(0);
+            while left != 0 {
+                let bit = left.trailing_zeros() as usize;
+                left &= left - 1;
+                if let Some(column) = columns.get(bit) {
+                    take(block * 64 + bit, column);
+                }
+            }
+        }
+    }
 }
 
 /// Appends a number without the `.0` of whole ones and, where it is large enough for an exponent, its plus sign; `nan` in lower case as the

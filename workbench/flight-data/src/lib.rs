@@ -22,8 +22,9 @@
 //! An empty cell means "no new sample at this time". `nan` and `inf` are samples: the estimator counts
 //! and rejects them. A time that repeats or runs backward is kept: the estimator counts and ignores it.
 //!
-//! Values are held as f32, the estimator's own precision, and written with the fewest digits that give
-//! the same f32 back: what [`to_writer`] wrote, [`parse`] and [`to_writer`] give back byte for byte.
+//! Values are held as f32, the estimator's own precision, positions (`latitude_deg`, `longitude_deg` and names that
+//! end so) as f64, and written with the fewest digits that give the same number back: what [`to_writer`] wrote,
+//! [`parse`] and [`to_writer`] give back byte for byte.
 
 mod channel;
 mod column;

@@ -33,6 +33,17 @@ pub enum ReplayError {
         /// Where it comes nearest to that.
         calmest: Option<Calmest>,
     },
+    /// The flight does not say when it was launched, and is shorter than any calibration.
+    #[error(
+        "too short to be used: {found_s:.0} s of flight, expected at least {wanted_s:.0} s, which calibrating the sensors' \
+         biases takes"
+    )]
+    TooShort {
+        /// How long it is, seconds.
+        found_s: f64,
+        /// How long it would have to be, seconds.
+        wanted_s: f64,
+    },
     /// The model is not valid.
     #[error(transparent)]
     Model(#[from] ModelError),

@@ -206,7 +206,7 @@ impl<'a> Replay<'a> {
         window: Option<CalibrationWindow>,
     ) -> Result<Self, ReplayError> {
         match Self::new(flight, model, window) {
-            Err(ReplayError::NoQuietStretch { .. })
+            Err(ReplayError::NoQuietStretch { .. } | ReplayError::TooShort { .. })
             | Ok(Self { source: CalibrationSource::Calmest(_), .. }) => Self::uncalibrated(flight, model),
             other => other,
         }

@@ -78,7 +78,7 @@ struct Block {
 /// The first quiet stretch between two times of the flight, seconds.
 ///
 /// # Errors
-/// [`ReplayError::NoQuietStretch`] with the calmest stretch there is.
+/// [`ReplayError::NoQuietStretch`] with the calmest stretch there is; [`ReplayError::TooShort`].
 pub fn find(
     flight: &Flight,
     quality: &QualityConfig,
@@ -132,7 +132,12 @@ pub fn find(
             is_on_ground: false,
         });
     }
-    Err(ReplayError::NoQuietStretch { wanted_s: BLOCKS as f64 * length_s, calmest })
+    let (found_s, wanted_s) = (last_s - origin_s, BLOCKS as f64 * length_s);
+    Err(if found_s < wanted_s {
+        ReplayError::TooShort { found_s, wanted_s }
+    } else {
+        ReplayError::NoQuietStretch { wanted_s, calmest }
+    })
 }
 
 /// The last quiet stretch on the ground between two times, seconds, of which the second is the take-off: a receiver's altitude
@@ -362,8 +367,22 @@ mod tests {
             )
         );
         assert!(error.ends_with("give one by --calibrate START..END (seconds)"), "{error}");
-        let without = find_default(&flight(std::iter::empty())).unwrap_err().to_string();
+        // Without a sensor there is no calmest one either.
+        let mut blind = climb_level_dive(12);
+        let rows = blind.rows();
+        blind.set_channel(Channel::BaroAltM, Column::empty(rows));
+        let without = find_default(&blind).unwrap_err().to_string();
         assert!(without.starts_with("no launch column and no quiet stretch of 30 s to calibrate on; give"));
+    }
+
+    #[test]
+    fn a_log_of_some_seconds_is_too_short_and_not_unquiet() {
+        let told = |rows: u16| {
+            find_default(&flight((0..rows).map(|_| (500.0, 0.0)))).map_err(|error| error.to_string())
+        };
+        let words = "too short to be used: 29 s of flight, expected at least 30 s, which calibrating the sensors' biases takes";
+        assert_eq!(told(30).unwrap_err(), words);
+        assert!(told(32).is_ok());
     }
 
     #[test]

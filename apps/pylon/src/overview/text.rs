@@ -21,8 +21,8 @@ pub fn text(overview: &Overview) -> String {
     put!(out, "{file}: {format}{of}");
     // What nothing below makes up for comes first.
     if let Some(why) = overview.refused.as_ref().or(overview.barometer_fault.as_ref()) {
-        let what = if overview.refused.is_some() { "not usable" } else { "beware" };
-        put!(out, "  {what:<11}{why}");
+        let what = if overview.refused.is_some() { "not usable:" } else { "beware:" };
+        put!(out, "  {what:<11} {why}");
     }
     put!(
         out,

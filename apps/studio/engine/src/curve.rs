@@ -193,13 +193,13 @@ fn column(engine: &Engine, flown: &Flown<'_>, name: &str) -> Result<Curve, Refus
         .ok_or_else(|| refused(format!("{}: no column '{name}'", open.file)))?;
     let (mut times, mut values) = (Vec::new(), Vec::new());
     let mut last_s = f64::NEG_INFINITY;
-    for (row, value) in column.samples() {
+    for (row, value) in column.samples_f64() {
         let Some(time_s) = flight.time_s.get(row).copied().filter(|time_s| *time_s > last_s) else {
             continue;
         };
         last_s = time_s;
         times.push(time_s);
-        values.push(f64::from(value));
+        values.push(value);
     }
     Ok(Curve::own(times, values, unit(name)))
 }

@@ -8,11 +8,14 @@ use serde::{Deserialize, Serialize};
 
 use flight_data::{Channel, Column, Flight, Note};
 use model::Model;
-use replay::airborne::{self, AirborneInterval};
+use replay::airborne::{self, AirborneInterval, EDGE_S};
 use replay::barometer;
-use replay::{CalibrationWindow, Replay, Usage, has_launch};
+use replay::{CalibrationWindow, Replay, Usage, clock, has_launch};
 
 pub use sensors::{SensorState, SensorView};
+
+/// What a flight's CSV is called as a format.
+pub const FLIGHT_FORMAT: &str = "Pylon's own CSV";
 
 /// What is in a log: the keys of `pylon open --json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -99,7 +102,23 @@ impl Overview {
         let first_s = flight.time_s.first().copied().unwrap_or(0.0);
         let last_s = flight.time_s.iter().copied().fold(first_s, f64::max);
         let replay = Replay::new(flight, &Model::default(), window);
-        let airborne = airborne::find(flight).airborne;
+        let mut airborne = airborne::find(flight).airborne;
+        // The blocks in which take-offs are found are too long for a launch that a log begins with.
+        let boost = airborne::boost(flight).filter(|_| !has_launch(flight));
+        if let Some(boost) = boost {
+            let interval =
+                airborne.iter_mut().find(|interval| (boost.from_s - interval.from_s).abs() <= EDGE_S);
+            if let Some(interval) = interval.filter(|interval| interval.take_off_s.is_none()) {
+                interval.take_off_s = Some(boost.from_s);
+            }
+        }
+        let launched = boost.map(|boost| {
+            format!(
+                "launched by a rocket motor at {}: from standing the height rises by {:.0} m within 2 s",
+                clock(boost.from_s),
+                boost.rise_m
+            )
+        });
         let (usage, calibration, window_s, refused, chosen) = match &replay {
             Ok(replay) => (
                 Usage::of(replay),
@@ -133,11 +152,11 @@ impl Overview {
             after_landing_s: chosen.and_then(|interval| Some(last_s - interval.landing_s?)),
             calibration,
             calibration_window_s: window_s,
-            next: next::next(file, refused.is_none()),
+            next: next::next(file, refused.is_none(), format == FLIGHT_FORMAT),
             refused,
             barometer_fault: barometer::check(flight).map(barometer::Fault::sentence),
             sensors: sensors::views(flight),
-            notes: notes.iter().map(ToString::to_string).collect(),
+            notes: launched.into_iter().chain(notes.iter().map(ToString::to_string)).collect(),
             usage,
         }
     }

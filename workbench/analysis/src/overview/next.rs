@@ -1,17 +1,12 @@
 //! What to do with a log next.
 
-/// Commands to go on with, to be pasted into a shell.
-pub(super) fn next(file: &str, is_usable: bool) -> Vec<String> {
+/// Commands to go on with, to be pasted into a shell. `import` refuses what is a flight's CSV already.
+pub(super) fn next(file: &str, is_usable: bool, is_flight: bool) -> Vec<String> {
     let file = quoted(file);
-    if !is_usable {
-        return vec![format!("pylon import {file} -o flight.csv")];
-    }
-    vec![
-        format!("pylon compare {file}"),
-        format!("pylon diagnose {file}"),
-        format!("pylon report {file} -o report.html"),
-        format!("pylon import {file} -o flight.csv"),
-    ]
+    let analysis = ["pylon compare", "pylon diagnose"].map(|command| format!("{command} {file}"));
+    let analysis = analysis.into_iter().chain([format!("pylon report {file} -o report.html")]);
+    let import = (!is_flight).then(|| format!("pylon import {file} -o flight.csv"));
+    analysis.filter(|_| is_usable).chain(import).collect()
 }
 
 /// A file's name as a shell takes it.
@@ -24,6 +19,14 @@ fn quoted(file: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_a_flight_already_is_not_to_be_imported() {
+        assert_eq!(next("a.csv", false, true), Vec::<String>::new());
+        assert_eq!(next("a.csv", true, true).len(), 3);
+        assert_eq!(next("a.igc", false, false), ["pylon import a.igc -o flight.csv"]);
+        assert_eq!(next("a.igc", true, false)[3], "pylon import a.igc -o flight.csv");
+    }
 
     #[test]
     fn names_are_quoted_for_a_shell() {

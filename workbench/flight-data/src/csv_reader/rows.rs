@@ -40,13 +40,17 @@ pub(super) fn parse_rows(
     let room = executor::map(executor, parts.iter().map(|part| move || most_rows(part, width)));
     let rows = room.iter().sum();
     let mut time_s = vec![0.0; rows];
-    let mut columns: Vec<Vec<f32>> = layout
+    let mut columns: Vec<Cells> = layout
         .meanings
         .iter()
-        .map(|meaning| vec![0.0; if *meaning == Meaning::Time { 0 } else { rows }])
+        .map(|meaning| match meaning {
+            Meaning::Time => Cells::Single(Vec::new()),
+            Meaning::Extra(name) if Column::is_double_named(name) => Cells::Double(vec![0.0; rows]),
+            _ => Cells::Single(vec![0.0; rows]),
+        })
         .collect();
     let mut pieces =
-        Pieces { time_s: &mut time_s, columns: columns.iter_mut().map(Vec::as_mut_slice).collect() };
+        Pieces { time_s: &mut time_s, columns: columns.iter_mut().map(Cells::as_piece).collect() };
     let pieces: Vec<Pieces<'_>> = room.iter().map(|rows| pieces.split_off(*rows)).collect();
     let jobs = parts.iter().zip(pieces).map(|(part, pieces)| move || parse_part(part, layout, pieces));
     let mut row = first_row;
@@ -56,9 +60,15 @@ pub(super) fn parse_rows(
         row += count_lines(part);
     }
     close_gaps(&mut time_s, &room, &filled);
-    let columns = columns.into_iter().map(|mut cells| {
-        close_gaps(&mut cells, &room, &filled);
-        Column::from_cells(cells)
+    let columns = columns.into_iter().map(|cells| match cells {
+        Cells::Single(mut cells) => {
+            close_gaps(&mut cells, &room, &filled);
+            Column::from_cells(cells)
+        }
+        Cells::Double(mut cells) => {
+            close_gaps(&mut cells, &room, &filled);
+            Column::from_double_cells(cells)
+        }
     });
     Ok((time_s, columns.collect()))
 }
@@ -93,10 +103,31 @@ fn close_gaps<T: Copy>(cells: &mut Vec<T>, room: &[usize], filled: &[usize]) {
     cells.truncate(to);
 }
 
+/// A column that is being filled.
+enum Cells {
+    Single(Vec<f32>),
+    Double(Vec<f64>),
+}
+
+impl Cells {
+    fn as_piece(&mut self) -> Piece<'_> {
+        match self {
+            Self::Single(cells) => Piece::Single(cells),
+            Self::Double(cells) => Piece::Double(cells),
+        }
+    }
+}
+
+/// Some rows of a column.
+enum Piece<'a> {
+    Single(&'a mut [f32]),
+    Double(&'a mut [f64]),
+}
+
 /// What one part of the text fills: its rows of every column.
 struct Pieces<'a> {
     time_s: &'a mut [f64],
-    columns: Vec<&'a mut [f32]>,
+    columns: Vec<Piece<'a>>,
 }
 
 impl<'a> Pieces<'a> {
@@ -110,7 +141,14 @@ impl<'a> Pieces<'a> {
         }
         Pieces {
             time_s: first(&mut self.time_s, rows),
-            columns: self.columns.iter_mut().map(|cells| first(cells, rows)).collect(),
+            columns: self
+                .columns
+                .iter_mut()
+                .map(|piece| match piece {
+                    Piece::Single(cells) => Piece::Single(first(cells, rows)),
+                    Piece::Double(cells) => Piece::Double(first(cells, rows)),
+                })
+                .collect(),
         }
     }
 }
@@ -134,18 +172,23 @@ pub(super) fn split_at_lines(text: &[u8], parts: usize) -> Vec<&[u8]> {
 fn parse_part(text: &[u8], layout: &Layout<'_>, pieces: Pieces<'_>) -> Result<usize, CsvProblem> {
     let width = layout.meanings.len();
     let Pieces { time_s, mut columns } = pieces;
-    let mut cells = Cells { rest: text };
+    let mut cells = Cursor { rest: text };
     let mut rows = 0;
     while cells.skip_line_ends() {
         let row = cells.rest;
         for (index, (column, meaning)) in columns.iter_mut().zip(layout.meanings).enumerate() {
             let before = cells.rest;
-            let good = match meaning {
-                Meaning::Time => match cells.number() {
+            let good = match (meaning, column) {
+                (Meaning::Time, _) => match cells.number() {
                     Cell::Number(time) if (0.0..=MAX_TIME_S).contains(&time) => put(time_s, rows, time),
                     _ => false,
                 },
-                _ => match cells.number::<f32>() {
+                (_, Piece::Double(column)) => match cells.number::<f64>() {
+                    Cell::Number(value) => put(column, rows, Column::double_cell(Some(value))),
+                    Cell::Empty => put(column, rows, Column::double_cell(None)),
+                    Cell::Text => false,
+                },
+                (_, Piece::Single(column)) => match cells.number::<f32>() {
                     Cell::Number(value) => {
                         put(column, rows, Column::cell(Some(value))) && is_possible(meaning, value)
                     }
@@ -189,7 +232,7 @@ enum Cell<T> {
 }
 
 /// Goes through the text cell by cell.
-struct Cells<'a> {
+struct Cursor<'a> {
     rest: &'a [u8],
 }
 
@@ -203,7 +246,7 @@ fn first_cell(text: &[u8]) -> &[u8] {
     text.get(..end).unwrap_or(text)
 }
 
-impl Cells<'_> {
+impl Cursor<'_> {
     /// Goes to the next line that is not blank; false at the end of the text.
     #[inline]
     fn skip_line_ends(&mut self) -> bool {

@@ -88,7 +88,7 @@ impl<'a> Fixes<'a> {
 
     /// The fix of a row, if it has one.
     fn message(&self, row: usize, time_ns: u64) -> Option<Value> {
-        let of = |column: &Column| column.get(row).map(number).filter(|value| !value.is_null());
+        let of = |column: &Column| cell(column, row).filter(|value| !value.is_null());
         Some(json!({
             "timestamp": { "sec": time_ns / 1_000_000_000, "nsec": time_ns % 1_000_000_000 },
             "frame_id": "gps",
@@ -122,9 +122,8 @@ fn write_all(out: &mut dyn Write, flight: &Flight) -> Result<McapSummary, McapEr
     for (row, time_s) in flight.time_s.iter().enumerate() {
         let time_ns = (time_s * 1e9).round() as u64;
         for device in &mut devices {
-            let cells = device.columns.iter().filter_map(|(name, column)| Some((*name, column.get(row)?)));
-            let message: Map<String, Value> =
-                cells.map(|(name, value)| (name.to_owned(), number(value))).collect();
+            let cells = device.columns.iter().filter_map(|(name, column)| Some((*name, cell(column, row)?)));
+            let message: Map<String, Value> = cells.map(|(name, value)| (name.to_owned(), value)).collect();
             if message.is_empty() {
                 continue;
             }
@@ -154,6 +153,15 @@ fn write_all(out: &mut dyn Write, flight: &Flight) -> Result<McapSummary, McapEr
     }
     writer.finish()?;
     Ok(summary)
+}
+
+/// A row's cell, as precise as the column is; null for a sample that is no finite number.
+fn cell(column: &Column, row: usize) -> Option<Value> {
+    if !column.is_double() {
+        return column.get(row).map(number);
+    }
+    let value = column.get_f64(row)?;
+    Some(if value.is_finite() { json!(value) } else { Value::Null })
 }
 
 /// The shortest decimal that reads back as the same f32.

@@ -1,7 +1,7 @@
 //! Apache Parquet (<https://parquet.apache.org/docs/file-format/>), which pandas, polars and DuckDB read.
 //!
-//! One row group a flight. `time_s` is a required double, every other column an optional float: null is an empty cell, NaN a sample
-//! that is none. The file's metadata has the flight's header (`pylon-flight`, `vehicle`, ...) and `pylon-units`, a JSON object of
+//! One row group a flight. `time_s` is a required double, every other column an optional float, of positions a double: null is an
+//! empty cell, NaN a sample that is none. The file's metadata has the flight's header (`pylon-flight`, `vehicle`, ...) and `pylon-units`, a JSON object of
 //! each column's unit. Pages are not compressed.
 
 use std::io::{self, Write};
@@ -45,8 +45,9 @@ pub fn write(out: &mut dyn Write, flight: &Flight) -> io::Result<usize> {
 fn bytes(flight: &Flight) -> Result<(Vec<u8>, usize), ParquetError> {
     let columns = columns(flight);
     let mut fields = vec![field("time_s", Physical::DOUBLE, Repetition::REQUIRED)?];
-    for (name, _) in &columns {
-        fields.push(field(name, Physical::FLOAT, Repetition::OPTIONAL)?);
+    for (name, column) in &columns {
+        let physical = if column.is_double() { Physical::DOUBLE } else { Physical::FLOAT };
+        fields.push(field(name, physical, Repetition::OPTIONAL)?);
     }
     let count = fields.len();
     let schema = Arc::new(Type::group_type_builder("flight").with_fields(fields).build()?);
@@ -62,9 +63,15 @@ fn bytes(flight: &Flight) -> Result<(Vec<u8>, usize), ParquetError> {
     }
     for (_, column) in &columns {
         let Some(mut writer) = group.next_column()? else { break };
-        let values: Vec<f32> = column.samples().map(|(_, value)| value).collect();
-        let levels: Vec<i16> = (0..column.len()).map(|row| i16::from(column.get(row).is_some())).collect();
-        writer.typed::<FloatType>().write_batch(&values, Some(&levels), None)?;
+        let levels: Vec<i16> =
+            (0..column.len()).map(|row| i16::from(column.get_f64(row).is_some())).collect();
+        if column.is_double() {
+            let values: Vec<f64> = column.samples_f64().map(|(_, value)| value).collect();
+            writer.typed::<DoubleType>().write_batch(&values, Some(&levels), None)?;
+        } else {
+            let values: Vec<f32> = column.samples().map(|(_, value)| value).collect();
+            writer.typed::<FloatType>().write_batch(&values, Some(&levels), None)?;
+        }
         writer.close()?;
     }
     group.close()?;

@@ -2,8 +2,28 @@
 
 use kf_core::atmosphere::pressure_altitude_m;
 
-use super::igc::units::{standard_temperature_c, true_airspeed_factor};
 use flight_data::{Channel, Column, Flight};
+
+/// Temperature of the standard atmosphere (ICAO Doc 7488), degrees Celsius.
+#[must_use]
+pub fn standard_temperature_c(altitude_m: f64) -> f64 {
+    15.0 - 0.0065 * altitude_m.min(11_000.0)
+}
+
+/// Square root of the standard sea-level density over the density at a pressure altitude (metres) and
+/// a temperature (degrees Celsius): the factor from indicated to true airspeed at speeds below 0.3 Mach.
+#[must_use]
+pub fn true_airspeed_factor(pressure_altitude_m: f64, temperature_c: f64) -> f64 {
+    let standard_k = standard_temperature_c(pressure_altitude_m) + 273.15;
+    let exponent = 9.806_65 / (287.052_87 * 0.0065);
+    let pressure_ratio = if pressure_altitude_m <= 11_000.0 {
+        (standard_k / 288.15).powf(exponent)
+    } else {
+        (216.65_f64 / 288.15).powf(exponent)
+            * (-9.806_65 * (pressure_altitude_m - 11_000.0) / (287.052_87 * 216.65)).exp()
+    };
+    ((temperature_c + 273.15) / 288.15 / pressure_ratio).sqrt()
+}
 
 /// Puts `tas_mps` in, made of calibrated airspeeds (rows and m/s, in row order) by the standard atmosphere's density at the
 /// pressure altitude, which is held from the last row that has one; at the reference's altitude without barometer. Says

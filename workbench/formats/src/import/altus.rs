@@ -15,10 +15,9 @@ use std::collections::BTreeSet;
 
 use super::damage::percent;
 use super::fixes::{Fix, Fixes};
-use super::igc::records::Position;
-use super::igc::velocity::{TimedPosition, velocities};
 use super::stamps::{self, Believed};
-use super::table::{Destination, Filling, Table, assemble};
+use super::table::{Destination, Filling, Samples, Table, assemble};
+use super::velocity::{Position, TimedPosition, velocities};
 use super::{ImportError, Importer};
 use crate::import::gps_time::utc_text;
 use flight_data::{Channel, Flight, Header, Note};
@@ -214,13 +213,13 @@ impl Lines {
         notes
     }
 
-    fn filling(&self, name: &str, destination: Destination) -> Option<Filling> {
+    fn filling(&self, name: &str, destination: Destination) -> Option<Filling<'static>> {
         let column = self.column(name, 0)?;
         let samples = self.rows.iter().zip(0_u32..).filter_map(|(row, stamp)| {
             let value = *row.get(column)?;
             value.is_finite().then_some((stamp, value as f32))
         });
-        Some(Filling { destination, samples: samples.collect() })
+        Some(Filling { destination, samples: Samples::Own(samples.collect()) })
     }
 
     /// The fixes, and how many lines have none.

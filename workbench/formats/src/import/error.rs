@@ -25,6 +25,7 @@ pub enum ImportError {
         file: String,
     },
     /// Parquet that can not be read.
+    #[cfg(feature = "parquet")]
     #[error(transparent)]
     Parquet(#[from] super::parquet::ParquetError),
     /// A log of a known maker in which there is no altitude of a receiver.

@@ -1,6 +1,6 @@
 //! A receiver's fixes as columns.
 
-use super::table::{Destination, Filling};
+use super::table::{Destination, Filling, Samples};
 use flight_data::Channel;
 
 /// A receiver's time that is farther from the autopilot's clock than the others are, is damaged.
@@ -66,13 +66,16 @@ impl Fixes {
     }
 
     /// The columns.
-    pub fn fillings(&self, times_us: &[Option<u64>]) -> Vec<Filling> {
+    pub fn fillings(&self, times_us: &[Option<u64>]) -> Vec<Filling<'static>> {
         let filling = |destination, value: &dyn Fn(&Fix) -> f64| Filling {
             destination,
-            samples: self.fixes.iter().map(|fix| (fix.stamp, value(fix) as f32)).collect(),
+            samples: Samples::Own(self.fixes.iter().map(|fix| (fix.stamp, value(fix) as f32)).collect()),
         };
         let channel = |channel, value: &dyn Fn(&Fix) -> f64| filling(Destination::Channel(channel), value);
-        let signal = |name: &str, value: &dyn Fn(&Fix) -> f64| filling(Destination::signal(name), value);
+        let position = |name: &str, value: &dyn Fn(&Fix) -> f64| Filling {
+            destination: Destination::signal(name),
+            samples: Samples::Double(self.fixes.iter().map(|fix| (fix.stamp, value(fix))).collect()),
+        };
         vec![
             channel(Channel::GpsAltM, &|fix| fix.altitude_m),
             channel(Channel::GpsVnMps, &|fix| fix.velocity_mps[0]),
@@ -80,9 +83,12 @@ impl Fixes {
             channel(Channel::GpsVdMps, &|fix| fix.velocity_mps[2]),
             channel(Channel::GpsSats, &|fix| fix.satellites),
             channel(Channel::GpsVaccM, &|fix| fix.vertical_accuracy_m),
-            Filling { destination: Destination::Channel(Channel::GpsTimeS), samples: self.times_s(times_us) },
-            signal("latitude_deg", &|fix| fix.latitude_deg),
-            signal("longitude_deg", &|fix| fix.longitude_deg),
+            Filling {
+                destination: Destination::Channel(Channel::GpsTimeS),
+                samples: self.times_s(times_us).into(),
+            },
+            position("latitude_deg", &|fix| fix.latitude_deg),
+            position("longitude_deg", &|fix| fix.longitude_deg),
         ]
     }
 

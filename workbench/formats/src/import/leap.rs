@@ -27,15 +27,9 @@ pub fn leave_out(flight: &mut Flight) -> Option<Note> {
     let leap = keeps.iter().position(|is_kept| !is_kept)?;
     let to_s = flight.time_s.get(leap).copied().unwrap_or(0.0);
     let rows = flight.rows();
-    let kept = |column: &Column| {
-        let mut found = Column::with_capacity(rows - left_out);
-        keeps
-            .iter()
-            .enumerate()
-            .filter(|(_, is_kept)| **is_kept)
-            .for_each(|(row, _)| found.push(column.get(row)));
-        found
-    };
+    let kept_rows: Vec<usize> =
+        keeps.iter().enumerate().filter_map(|(row, is_kept)| is_kept.then_some(row)).collect();
+    let kept = |column: &Column| column.picked(kept_rows.iter().copied());
     let channels: Vec<(Channel, Column)> =
         flight.channels.iter().map(|(channel, column)| (*channel, kept(column))).collect();
     flight.extra = flight.extra.iter().map(|(name, column)| (name.clone(), kept(column))).collect();

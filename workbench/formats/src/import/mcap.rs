@@ -131,7 +131,7 @@ struct Reader {
     header: Option<Header>,
     time_s: Vec<f64>,
     /// Of each column the rows that have a cell.
-    cells: BTreeMap<String, Vec<(usize, f32)>>,
+    cells: BTreeMap<String, Vec<(usize, f64)>>,
     /// The columns that the newest row has.
     in_row: BTreeSet<String>,
     messages: usize,
@@ -169,7 +169,7 @@ impl Reader {
         }
         let row = self.time_s.len() - 1;
         for (name, cell) in cells {
-            let value = cell.as_f64().map_or(f32::NAN, |value| value as f32);
+            let value = cell.as_f64().unwrap_or(f64::NAN);
             self.in_row.insert(name.clone());
             self.cells.entry(name.clone()).or_default().push((row, value));
         }
@@ -179,9 +179,9 @@ impl Reader {
         let rows = self.time_s.len();
         let mut flight = Flight { header, time_s: self.time_s, ..Flight::default() };
         for (name, cells) in self.cells {
-            let mut column = Column::empty(rows);
+            let mut column = Column::empty_named(&name, rows);
             for (row, value) in cells {
-                column.set(row, Some(value));
+                column.set_f64(row, Some(value));
             }
             match Channel::from_name(&name) {
                 Some(channel) => flight.set_channel(channel, column),

@@ -4,32 +4,44 @@
 //! [`flight_data`]'s units and axes and says in [`Note`]s what it inferred, left out or could not read.
 
 mod airspeed;
+#[cfg(feature = "altus")]
 pub mod altus;
 pub use replay::barometer;
 pub mod clock_offset;
 mod damage;
+#[cfg(feature = "dataflash")]
 pub mod dataflash;
 mod error;
 mod fixes;
 mod foreign;
 mod gps_time;
+#[cfg(feature = "table")]
 pub mod guess;
+#[cfg(feature = "igc")]
 pub mod igc;
 mod leap;
+#[cfg(feature = "table")]
 pub mod mapping;
+#[cfg(feature = "mcap")]
 pub mod mcap;
 mod own_header;
+#[cfg(feature = "parquet")]
 pub mod parquet;
+pub mod quantity;
 mod receivers;
+#[cfg(feature = "record")]
 pub mod record;
 pub mod signs;
 mod stamps;
 mod table;
 #[cfg(test)]
 mod testing;
+#[cfg(feature = "tlog")]
 pub mod tlog;
+#[cfg(feature = "ulog")]
 pub mod ulog;
 mod unit_check;
+mod velocity;
 mod words;
 
 use executor::Executor;
@@ -56,14 +68,23 @@ pub trait Importer: Sync {
 /// Every importer. Those whose beginning is the surest are asked first. The record is asked before the tlog: its frames
 /// have a check of 32 bits, and a MAVLink frame, whose check has 16, may be found in any long file.
 pub static IMPORTERS: &[&dyn Importer] = &[
+    #[cfg(feature = "ulog")]
     &ulog::Ulog,
+    #[cfg(feature = "mcap")]
     &mcap::Mcap,
+    #[cfg(feature = "parquet")]
     &parquet::Parquet,
+    #[cfg(feature = "altus")]
     &altus::Altus,
+    #[cfg(feature = "dataflash")]
     &dataflash::DataFlash,
+    #[cfg(feature = "dataflash")]
     &dataflash::DataFlashText,
+    #[cfg(feature = "igc")]
     &igc::Igc,
+    #[cfg(feature = "record")]
     &record::Record,
+    #[cfg(feature = "tlog")]
     &tlog::Tlog,
 ];
 
@@ -107,6 +128,7 @@ pub fn as_logged(log: &[u8]) -> Result<(Flight, Vec<Note>), ImportError> {
     }
     match IMPORTERS.iter().find(|importer| importer.recognises(log)) {
         Some(importer) => importer.import(log),
+        #[cfg(feature = "parquet")]
         None if parquet::is_cut(log) => Err(ImportError::Parquet(parquet::ParquetError::Cut)),
         None if is_utf16(log) => Err(ImportError::Utf16),
         None => {
@@ -158,12 +180,14 @@ pub fn open(bytes: &[u8], name: &str, executor: &dyn Executor) -> Result<(Flight
     if !is_csv && is_utf16(bytes) {
         return Err(ImportError::Utf16.into());
     }
+    #[cfg(feature = "parquet")]
     if parquet::is_cut(bytes) {
         return Err(ImportError::Parquet(parquet::ParquetError::Cut).into());
     }
     if let Some(what) = foreign::without_receiver(bytes).filter(|_| !is_csv) {
         return Err(ImportError::WithoutReceiver { what }.into());
     }
+    #[cfg(feature = "table")]
     if !is_csv && !has_flights_names(bytes) && mapping::is_table(bytes) {
         return Err(ImportError::Table { file: name.to_owned() }.into());
     }

@@ -4,7 +4,7 @@
 //! used as it stands, and what the others say is kept under names of their own, with how far they are from it.
 
 use super::fixes::{Fix, Fixes};
-use super::table::{Destination, Filling};
+use super::table::{Destination, Filling, Samples};
 
 /// Between fixes of the receiver that is used that are farther apart nothing is compared: what it would have said is not known.
 const APART_US: u64 = 2_000_000;
@@ -24,10 +24,12 @@ pub struct Other {
 
 impl Other {
     /// Its signals.
-    pub fn fillings(&self) -> Vec<Filling> {
+    pub fn fillings(&self) -> Vec<Filling<'static>> {
         let signal = |what: &str, value: &dyn Fn(&Fix) -> f64| Filling {
             destination: Destination::signal(format!("gps_{}_{what}", self.number)),
-            samples: self.fixes.fixes.iter().map(|fix| (fix.stamp, value(fix) as f32)).collect(),
+            samples: Samples::Own(
+                self.fixes.fixes.iter().map(|fix| (fix.stamp, value(fix) as f32)).collect(),
+            ),
         };
         vec![
             signal("alt_m", &|fix| fix.altitude_m),

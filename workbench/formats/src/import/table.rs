@@ -62,22 +62,53 @@ impl Group {
     }
 }
 
-/// One column to be filled.
+/// Stamps with values; NaN is no value.
 #[derive(Clone, Debug)]
-pub struct Filling {
-    /// Where it goes.
-    pub destination: Destination,
-    /// Stamp and value; NaN is no value.
-    pub samples: Vec<(u32, f32)>,
+pub enum Samples<'a> {
+    /// Made for this column.
+    Own(Vec<(u32, f32)>),
+    /// The same, positions.
+    Double(Vec<(u32, f64)>),
+    /// A group's values in one place, where they are.
+    Of(&'a Group, usize),
 }
 
-impl Filling {
-    /// Of a group's values in one place, times a factor.
-    pub fn of(destination: Destination, group: &Group, place: usize) -> Self {
-        // The length of a column is not known to its iterator: without room it would be moved with every doubling.
-        let mut samples = Vec::with_capacity(group.len());
-        samples.extend(group.column(place));
-        Self { destination, samples }
+impl From<Vec<(u32, f32)>> for Samples<'_> {
+    fn from(samples: Vec<(u32, f32)>) -> Self {
+        Self::Own(samples)
+    }
+}
+
+impl Samples<'_> {
+    /// Every stamp with a value.
+    pub fn each(&self, mut take: impl FnMut(u32, f64)) {
+        let single = |(stamp, value): (u32, f32)| (stamp, f64::from(value));
+        let mut take = |(stamp, value): (u32, f64)| {
+            if !value.is_nan() {
+                take(stamp, value);
+            }
+        };
+        match self {
+            Self::Own(samples) => samples.iter().copied().map(single).for_each(&mut take),
+            Self::Double(samples) => samples.iter().copied().for_each(&mut take),
+            Self::Of(group, place) => group.column(*place).map(single).for_each(&mut take),
+        }
+    }
+}
+
+/// One column to be filled.
+#[derive(Clone, Debug)]
+pub struct Filling<'a> {
+    /// Where it goes.
+    pub destination: Destination,
+    /// What is in it.
+    pub samples: Samples<'a>,
+}
+
+impl<'a> Filling<'a> {
+    /// Of a group's values in one place.
+    pub const fn of(destination: Destination, group: &'a Group, place: usize) -> Self {
+        Self { destination, samples: Samples::Of(group, place) }
     }
 }
 
@@ -113,12 +144,14 @@ fn rows_of(times_us: &[Option<u64>], is_used: &[bool], rows_us: &[u64]) -> Vec<u
 
 /// Puts columns together. `times_us` has the time of each stamp, or none for a stamp that is not to be believed; what
 /// has such a stamp is left out.
-pub fn assemble(header: Header, times_us: &[Option<u64>], fillings: Vec<Filling>) -> Table {
+pub fn assemble(header: Header, times_us: &[Option<u64>], fillings: Vec<Filling<'_>>) -> Table {
     let mut is_used = vec![false; times_us.len()];
-    for (stamp, value) in fillings.iter().flat_map(|filling| &filling.samples) {
-        if let Some(slot) = is_used.get_mut(*stamp as usize).filter(|_| !value.is_nan()) {
-            *slot = true;
-        }
+    for filling in &fillings {
+        filling.samples.each(|stamp, _| {
+            if let Some(slot) = is_used.get_mut(stamp as usize) {
+                *slot = true;
+            }
+        });
     }
     let used = times_us.iter().zip(&is_used).filter_map(|(time, used)| time.filter(|_| *used));
     let mut rows_us: Vec<u64> = used.collect();
@@ -135,16 +168,18 @@ pub fn assemble(header: Header, times_us: &[Option<u64>], fillings: Vec<Filling>
     let mut taken: BTreeSet<String> = BTreeSet::new();
     let mut doubled = Vec::new();
     for filling in fillings {
-        let mut column = Column::empty(rows_us.len());
+        let mut column = match &filling.destination {
+            Destination::Signal(name) => Column::empty_named(name, rows_us.len()),
+            Destination::Channel(_) => Column::empty(rows_us.len()),
+        };
         let mut any = false;
-        let mut latest = None;
-        for (stamp, value) in filling.samples {
-            let row = rows.get(stamp as usize).filter(|row| **row != NO_ROW && !value.is_nan());
-            let Some(row) = row.map(|row| *row as usize) else { continue };
-            repeated += usize::from(latest == Some(row));
-            latest = Some(row);
-            any |= column.set(row, Some(value));
-        }
+        let mut latest = NO_ROW;
+        filling.samples.each(|stamp, value| {
+            let Some(row) = rows.get(stamp as usize).copied().filter(|row| *row != NO_ROW) else { return };
+            repeated += usize::from(latest == row);
+            latest = row;
+            any |= column.set_f64(row as usize, Some(value));
+        });
         if !any {
             continue;
         }

@@ -28,6 +28,12 @@ pub fn signal(flight: &Flight, name: &str) -> Vec<f32> {
     found.map_or_else(Vec::new, |(_, column)| column.samples().map(|(_, value)| value).collect())
 }
 
+/// A signal's samples with every digit, as [`samples`].
+pub fn doubles(flight: &Flight, name: &str) -> Vec<f64> {
+    let found = flight.extra.iter().find(|(found, _)| found == name);
+    found.map_or_else(Vec::new, |(_, column)| column.samples_f64().map(|(_, value)| value).collect())
+}
+
 /// Whether a note has these words.
 pub fn said(notes: &[String], words: &str) -> bool {
     notes.iter().any(|note| note.contains(words))

@@ -6,7 +6,7 @@
 use flight_data::{Channel, Column, Flight, Note};
 use kf_core::atmosphere::pressure_altitude_m;
 
-use super::mapping::quantity::{Quantity, Unit, plausible};
+use super::quantity::{Quantity, Unit, plausible};
 use super::signs;
 
 /// Of fewer samples nothing is said.

@@ -68,7 +68,7 @@ pub(super) struct Blocks {
 }
 
 /// Row, time in seconds and metres of an altitude.
-type Sample = (usize, f64, f64);
+pub(super) type Sample = (usize, f64, f64);
 
 /// One row's cells that matter.
 struct Row {
@@ -149,7 +149,7 @@ impl Blocks {
 }
 
 /// Row, time and metres of every altitude of the sensor that shows heights best: the barometer, if there is one that is not stuck.
-fn altitudes(flight: &Flight) -> Option<(Vec<Sample>, Heights)> {
+pub(super) fn altitudes(flight: &Flight) -> Option<(Vec<Sample>, Heights)> {
     let of = |column: Option<&Column>, metres: &dyn Fn(f32) -> Option<f32>| -> Vec<Sample> {
         let samples = column.into_iter().flat_map(Column::samples);
         samples
@@ -191,7 +191,7 @@ fn spread_m(samples: &[Sample]) -> f64 {
 }
 
 /// Median time between samples, seconds; 0 for fewer than two.
-fn median_interval_s(times_s: Vec<f64>) -> f64 {
+pub(super) fn median_interval_s(times_s: Vec<f64>) -> f64 {
     let pairs = times_s.iter().zip(times_s.iter().skip(1));
     let mut intervals: Vec<f64> = pairs.map(|(one, next)| next - one).filter(|s| *s > 0.0).collect();
     median(&mut intervals).unwrap_or(0.0)

@@ -11,6 +11,7 @@
 //! air.
 
 mod blocks;
+mod boost;
 mod grouping;
 #[cfg(test)]
 mod tests;
@@ -18,6 +19,7 @@ mod tests;
 use flight_data::Flight;
 
 pub use blocks::Heights;
+pub use boost::{Boost, boost};
 pub use grouping::EDGE_S;
 
 /// One time in the air, by the flight's own clock.

@@ -45,7 +45,7 @@ pub fn convert(
     let mut fillings = receiver.fillings.clone();
     let mut used_notes = Vec::new();
     of_groups(&collected, &mut fillings, &mut used_notes);
-    let has = |fillings: &[Filling], channel| {
+    let has = |fillings: &[Filling<'_>], channel| {
         fillings.iter().any(|filling| filling.destination == Destination::Channel(channel))
     };
     if !has(&fillings, Channel::Throttle) {
@@ -192,8 +192,8 @@ fn interpolate(stamps_us: &[u64], times_us: &mut [Option<u64>]) -> usize {
 }
 
 /// Which instance of each kind of message is used: what a parameter says, else the one with most messages.
-fn of_groups(collected: &Collected, fillings: &mut Vec<Filling>, notes: &mut Vec<String>) {
-    let mut of_rule: BTreeMap<usize, Vec<(u8, &Group)>> = BTreeMap::new();
+fn of_groups<'a>(collected: &'a Collected, fillings: &mut Vec<Filling<'a>>, notes: &mut Vec<String>) {
+    let mut of_rule: BTreeMap<usize, Vec<(u8, &'a Group)>> = BTreeMap::new();
     for ((rule, instance), group) in &collected.groups {
         of_rule.entry(*rule).or_default().push((*instance, group));
     }
@@ -238,7 +238,7 @@ fn primary(collected: &Collected, rule: &Rule, instances: &[(u8, &Group)]) -> Op
     instances.iter().map(|(instance, _)| *instance).find(|instance| f64::from(*instance) == *wanted)
 }
 
-fn of_primary(rule: &Rule, group: &Group, fillings: &mut Vec<Filling>) {
+fn of_primary<'a>(rule: &Rule, group: &'a Group, fillings: &mut Vec<Filling<'a>>) {
     for (place, field) in rule.fields.iter().enumerate() {
         let destination = match field.target {
             Target::Channel(channel) => Destination::Channel(channel),
@@ -254,14 +254,14 @@ fn of_primary(rule: &Rule, group: &Group, fillings: &mut Vec<Filling>) {
     }
 }
 
-fn is_constant(filling: &Filling) -> bool {
-    let mut values = filling.samples.iter().map(|(_, value)| *value).filter(|value| !value.is_nan());
-    let first = values.next();
-    values.all(|value| Some(value) == first)
+fn is_constant(filling: &Filling<'_>) -> bool {
+    let (mut first, mut is_constant) = (None, true);
+    filling.samples.each(|_, value| is_constant &= *first.get_or_insert(value) == value);
+    is_constant
 }
 
 /// Puts in what is of use of an instance that is not used; says under which names.
-fn of_other(rule: &Rule, instance: u8, group: &Group, fillings: &mut Vec<Filling>) -> Vec<String> {
+fn of_other<'a>(rule: &Rule, instance: u8, group: &'a Group, fillings: &mut Vec<Filling<'a>>) -> Vec<String> {
     let mut names = Vec::new();
     for (place, field) in rule.fields.iter().enumerate() {
         let Some(suffix) = field.other else { continue };
@@ -273,9 +273,13 @@ fn of_other(rule: &Rule, instance: u8, group: &Group, fillings: &mut Vec<Filling
 }
 
 /// Takes the barometric altitude above the ground where there is no pressure; says what was done.
-fn without_barometer(fillings: &mut [Filling]) -> String {
+fn without_barometer(fillings: &mut [Filling<'_>]) -> String {
     let own = Destination::signal(BARO_ABOVE_GROUND);
-    let has_values = |filling: &&mut Filling| filling.samples.iter().any(|(_, value)| !value.is_nan());
+    let has_values = |filling: &&mut Filling<'_>| {
+        let mut any = false;
+        filling.samples.each(|_, _| any = true);
+        any
+    };
     match fillings.iter_mut().find(|filling| filling.destination == own).filter(has_values) {
         Some(filling) => {
             filling.destination = Destination::Channel(Channel::BaroAltM);

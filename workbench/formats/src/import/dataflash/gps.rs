@@ -6,7 +6,7 @@ use super::collect::{Collected, GpsMessage};
 use crate::import::fixes::{Fix, Fixes};
 use crate::import::gps_time::gps_us;
 use crate::import::receivers::Other;
-use crate::import::table::{Destination, Filling};
+use crate::import::table::{Destination, Filling, Samples};
 use flight_data::Channel;
 
 /// The least status of a fix with an altitude.
@@ -67,7 +67,7 @@ pub struct Receiver {
     /// Its fixes.
     pub fixes: Fixes,
     /// The columns.
-    pub fillings: Vec<Filling>,
+    pub fillings: Vec<Filling<'static>>,
     /// Its messages without a 3D fix.
     pub without: usize,
     /// Its number, from 0.
@@ -101,10 +101,12 @@ pub fn receiver(collected: &Collected, times_us: &[Option<u64>]) -> Receiver {
     fillings.extend(others.iter().flat_map(Other::fillings));
     fillings.push(Filling {
         destination: Destination::signal("gps_hdop"),
-        samples: own()
-            .filter(|message| message.is_3d())
-            .map(|message| (message.stamp, message.number(number::HDOP) as f32))
-            .collect(),
+        samples: Samples::Own(
+            own()
+                .filter(|message| message.is_3d())
+                .map(|message| (message.stamp, message.number(number::HDOP) as f32))
+                .collect(),
+        ),
     });
     fillings.extend(accuracies(collected, &fixes.fixes, instance, times_us));
     Receiver { fillings, without: own().filter(|message| !message.is_3d()).count(), instance, others, fixes }
@@ -116,7 +118,12 @@ pub fn name(instance: u8) -> String {
 }
 
 /// The accuracies that were logged behind the fixes, at the fixes' times.
-fn accuracies(collected: &Collected, taken: &[Fix], instance: u8, times_us: &[Option<u64>]) -> Vec<Filling> {
+fn accuracies(
+    collected: &Collected,
+    taken: &[Fix],
+    instance: u8,
+    times_us: &[Option<u64>],
+) -> Vec<Filling<'static>> {
     let Some(group) = collected.groups.get(&(super::rules::ACCURACY_PLACE, instance)) else {
         return Vec::new();
     };
@@ -133,7 +140,7 @@ fn accuracies(collected: &Collected, taken: &[Fix], instance: u8, times_us: &[Op
         // Of a fix that was logged twice there are two.
         let mut samples: Vec<(u32, f32)> = samples.collect();
         samples.dedup_by_key(|(stamp, _)| *stamp);
-        Filling { destination, samples }
+        Filling { destination, samples: samples.into() }
     };
     vec![
         of(Destination::Channel(Channel::GpsVaccM), 0),

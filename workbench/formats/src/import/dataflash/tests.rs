@@ -1,7 +1,7 @@
 use super::*;
 use crate::import::testing::{
-    assert_any_byte_costs_its_message, assert_channels, assert_garbage_costs_nothing_else, garbage, import,
-    said, samples, signal,
+    assert_any_byte_costs_its_message, assert_channels, assert_garbage_costs_nothing_else, doubles, garbage,
+    import, said, samples, signal,
 };
 use flight_data::Channel;
 
@@ -226,7 +226,7 @@ fn a_copters_log_is_the_same_flight_in_both_forms() {
     // The multiplier of FMTU makes -150 hundredths of m/s of a whole number.
     assert_eq!(signal(&flight, "autopilot_climb_mps")[0], -1.5);
     assert_eq!(signal(&flight, "baro_2_pa")[99], 95_199.0);
-    assert_eq!(signal(&flight, "latitude_deg")[0], 47.123_456_7_f64 as f32);
+    assert_eq!(doubles(&flight, "latitude_deg")[0], 47.123_456_7);
     for words in [
         "used: FMTU (2), PARM (1), MSG (1), BARO (200), GPS (50), GPA (50), IMU (200), ATT (100), CTUN (100)",
         "not used: MAG (100)",

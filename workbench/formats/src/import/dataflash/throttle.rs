@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::collect::Collected;
 use super::rules::RULES;
-use crate::import::table::{Destination, Filling};
+use crate::import::table::{Destination, Filling, Samples};
 use flight_data::Channel;
 
 /// SERVOn_FUNCTION of a throttle.
@@ -14,7 +14,7 @@ const MOTORS: [std::ops::RangeInclusive<f64>; 2] = [33.0..=40.0, 82.0..=85.0];
 
 /// Puts the throttle in that the outputs amount to: the throttle's, or the mean of the motors', each from its least to its
 /// greatest pulse. Says so, or why not.
-pub fn from_outputs(collected: &Collected, fillings: &mut Vec<Filling>) -> Option<String> {
+pub fn from_outputs(collected: &Collected, fillings: &mut Vec<Filling<'_>>) -> Option<String> {
     let place = RULES.iter().position(|rule| rule.family == "outputs")?;
     let group = collected.groups.get(&(place, 0))?;
     let parameter = |name: String| collected.parameters.get(&name).copied();
@@ -45,8 +45,10 @@ pub fn from_outputs(collected: &Collected, fillings: &mut Vec<Filling>) -> Optio
         }
     }
     let samples = sums.into_iter().map(|(stamp, (sum, count))| (stamp, (sum / f64::from(count)) as f32));
-    fillings
-        .push(Filling { destination: Destination::Channel(Channel::Throttle), samples: samples.collect() });
+    fillings.push(Filling {
+        destination: Destination::Channel(Channel::Throttle),
+        samples: Samples::Own(samples.collect()),
+    });
     Some(format!(
         "throttle is by the {what} output pulses (RCOU), from the least to the greatest of the parameters"
     ))

@@ -16,6 +16,7 @@ mod time_base;
 mod units;
 
 use self::board::Board;
+#[cfg(feature = "parquet")]
 use super::Importer as _;
 use super::mapping::quantity::Quantity;
 use super::mapping::{self, Fault, LoggedTable, changes};
@@ -43,6 +44,7 @@ pub fn guess_log(log: &[u8]) -> Result<Draft, Fault> {
                 .to_owned(),
         }
     };
+    #[cfg(feature = "parquet")]
     if super::parquet::Parquet.recognises(log) {
         return Err(Fault::Log(no_table()));
     }

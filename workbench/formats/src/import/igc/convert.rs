@@ -4,12 +4,10 @@ use std::collections::VecDeque;
 use std::mem;
 
 use super::log::{Altitudes, Log};
-use super::units::{
-    Inferred, SpeedSample, airspeed_unit, climb_unit, ground_speed_unit, standard_temperature_c,
-    temperature_unit, true_airspeed_factor,
-};
-use super::velocity::velocities;
+use super::units::{Inferred, SpeedSample, airspeed_unit, climb_unit, ground_speed_unit, temperature_unit};
 use crate::import::ImportError;
+use crate::import::airspeed::{standard_temperature_c, true_airspeed_factor};
+use crate::import::velocity::velocities;
 use flight_data::{AltitudeDatum, Channel, Column, Flight, Header, Note};
 
 /// A zero between pressure altitudes beyond this is a missing value, metres.
@@ -234,10 +232,11 @@ impl Converter {
             east.set(row, velocity.map(|found| found.1));
         }
         drop(found);
-        let (mut latitude, mut longitude) = (Column::with_capacity(rows), Column::with_capacity(rows));
+        let (mut latitude, mut longitude) =
+            (Column::double_with_capacity(rows), Column::double_with_capacity(rows));
         for position in valid() {
-            latitude.push(position.map(|found| found.latitude_deg as f32));
-            longitude.push(position.map(|found| found.longitude_deg as f32));
+            latitude.push_f64(position.map(|found| found.latitude_deg));
+            longitude.push_f64(position.map(|found| found.longitude_deg));
         }
         drop(positions);
         let is_speed = |code: &str| matches!(code, "TAS" | "IAS" | "GSP");

@@ -1,6 +1,7 @@
 //! An IGC file line by line, before its numbers get units.
 
-use super::records::{self, Extension, Position};
+use super::records::{self, Extension};
+use crate::import::velocity::Position;
 use flight_data::Column;
 
 /// Seconds of half a day: a clock that goes back further has passed midnight.

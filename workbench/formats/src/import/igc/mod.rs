@@ -18,7 +18,6 @@ mod convert;
 mod log;
 pub mod records;
 pub mod units;
-pub mod velocity;
 
 pub use log::{Altitudes, Log, Losses};
 

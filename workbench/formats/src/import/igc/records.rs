@@ -1,13 +1,6 @@
 //! Lines of an IGC file (FAI, "Technical Specification for GNSS Flight Recorders", appendix A).
 
-/// A position, degrees.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Position {
-    /// Latitude, north positive.
-    pub latitude_deg: f64,
-    /// Longitude, east positive.
-    pub longitude_deg: f64,
-}
+use crate::import::velocity::Position;
 
 /// A B record: one fix.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,9 +3,9 @@ use std::fmt::Write as _;
 use executor::Inline;
 use proptest::prelude::*;
 
-use super::units::true_airspeed_factor;
 use super::*;
 use crate::import;
+use crate::import::airspeed::true_airspeed_factor;
 use flight_data::{AltitudeDatum, Channel, parse, to_writer};
 
 fn import(log: &str) -> (Flight, Vec<String>) {
@@ -99,6 +99,9 @@ fn velocities_come_from_valid_positions() {
     assert!(flight.channel(Channel::GpsVdMps).is_none());
     assert!(has_note(&notes, "derived from positions"));
     assert_eq!(signal(&flight, "latitude_deg")[0], Some(45.0));
+    // 45 degrees and 0.108 minutes: a digit that f32 does not have.
+    let (_, latitudes) = flight.extra.iter().find(|(name, _)| name == "latitude_deg").unwrap();
+    assert!(latitudes.samples_f64().any(|(_, degrees)| (degrees - 45.001_8).abs() < 1e-12));
 }
 
 #[test]

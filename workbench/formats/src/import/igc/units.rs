@@ -6,6 +6,8 @@
 
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
+use crate::import::airspeed::standard_temperature_c;
+
 /// A unit: its name, and how many of its units make one of ours.
 pub type Unit = (&'static str, f64);
 
@@ -216,27 +218,6 @@ pub fn temperature_unit(samples: &[(f64, f64)]) -> Result<Inferred, String> {
     }
 }
 
-/// Temperature of the standard atmosphere (ICAO Doc 7488), degrees Celsius.
-#[must_use]
-pub fn standard_temperature_c(altitude_m: f64) -> f64 {
-    15.0 - 0.0065 * altitude_m.min(11_000.0)
-}
-
-/// Square root of the standard sea-level density over the density at a pressure altitude (metres) and
-/// a temperature (degrees Celsius): the factor from indicated to true airspeed at speeds below 0.3 Mach.
-#[must_use]
-pub fn true_airspeed_factor(pressure_altitude_m: f64, temperature_c: f64) -> f64 {
-    let standard_k = standard_temperature_c(pressure_altitude_m) + 273.15;
-    let exponent = 9.806_65 / (287.052_87 * 0.0065);
-    let pressure_ratio = if pressure_altitude_m <= 11_000.0 {
-        (standard_k / 288.15).powf(exponent)
-    } else {
-        (216.65_f64 / 288.15).powf(exponent)
-            * (-9.806_65 * (pressure_altitude_m - 11_000.0) / (287.052_87 * 216.65)).exp()
-    };
-    ((temperature_c + 273.15) / 288.15 / pressure_ratio).sqrt()
-}
-
 /// The unit of a variometer from samples of climb rate (m/s, by pressure altitude) and logged number.
 ///
 /// # Errors
@@ -267,6 +248,7 @@ pub fn climb_unit(samples: &[(f64, f64)]) -> Result<Inferred, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::import::airspeed::true_airspeed_factor;
 
     /// A glider at 28 m/s in a wind of 8 m/s from the west: circles, or straight to the north.
     fn flight(circles: bool, scale: f64) -> Vec<SpeedSample> {

@@ -6,10 +6,9 @@ use super::quantity::{Quantity, plausible};
 use super::table::LoggedTable;
 use crate::import::damage::percent;
 use crate::import::gps_time::utc_text;
-use crate::import::igc::records::Position;
-use crate::import::igc::velocity::velocities;
 use crate::import::stamps;
-use crate::import::table::{Destination, Filling, Table, assemble};
+use crate::import::table::{Destination, Filling, Samples, Table, assemble};
+use crate::import::velocity::{Position, velocities};
 use flight_data::{Channel, Column, Flight, Header, Note};
 
 /// A time that is farther than this from the middle of the others, seconds (30 years), is none.
@@ -50,7 +49,7 @@ pub fn apply(table: &LoggedTable, mapping: &Mapping, name: &str) -> Result<(Flig
         notes.extend(remarks(table, column, destination, &samples));
         let destination = Channel::from_name(destination)
             .map_or_else(|| Destination::signal(destination), Destination::Channel);
-        fillings.push(Filling { destination, samples });
+        fillings.push(Filling { destination, samples: Samples::Double(samples) });
     }
     let header = Header {
         vehicle: mapping.flight.vehicle.trim().replace(char::is_control, " "),
@@ -282,7 +281,7 @@ fn samples(
     destination: &str,
     signal: &Signal,
     fixes: Option<&[bool]>,
-) -> Vec<(u32, f32)> {
+) -> Vec<(u32, f64)> {
     let values = table.values(column);
     let own: Vec<bool>;
     let is_new: Option<&[bool]> = match (signal.held, fixes) {
@@ -296,13 +295,13 @@ fn samples(
     let (factor, offset) = signal.conversion(destination);
     let kept = |row: usize| is_new.is_none_or(|is_new| is_new.get(row).copied().unwrap_or(false));
     let converted = values.iter().enumerate().zip(0_u32..).filter_map(|((row, value), stamp)| {
-        (!value.is_nan() && kept(row)).then_some((stamp, (value * factor + offset) as f32))
+        (!value.is_nan() && kept(row)).then_some((stamp, value * factor + offset))
     });
-    converted.filter(|(_, value)| value.is_finite()).collect()
+    converted.filter(|(_, value)| (*value as f32).is_finite()).collect()
 }
 
 /// What is odd about a signal's values.
-fn remarks(table: &LoggedTable, column: usize, destination: &str, samples: &[(u32, f32)]) -> Vec<String> {
+fn remarks(table: &LoggedTable, column: usize, destination: &str, samples: &[(u32, f64)]) -> Vec<String> {
     let mut found = Vec::new();
     let name = table.name(column);
     if samples.is_empty() {
@@ -314,7 +313,7 @@ fn remarks(table: &LoggedTable, column: usize, destination: &str, samples: &[(u3
             "{destination}: cells of column '{name}' that are no numbers, taken as empty: {words}"
         ));
     }
-    let usual = middle(samples.iter().map(|(_, value)| f64::from(*value)));
+    let usual = middle(samples.iter().map(|(_, value)| *value));
     if let (Some((low, high)), Some(usual)) = (plausible(destination), usual)
         && !(low..=high).contains(&usual)
     {

@@ -6,10 +6,11 @@
 mod apply;
 pub(super) mod cell;
 mod document;
-pub mod quantity;
 pub mod table;
 
+#[cfg(feature = "parquet")]
 use super::parquet;
+pub use super::quantity;
 use flight_data::{Flight, Note};
 
 pub(super) use apply::{EPOCH_S, changes, middle, past_midnight};
@@ -42,7 +43,11 @@ pub fn import(log: &[u8], mapping: &Mapping, name: &str) -> Result<(Flight, Vec<
 /// Whether a log is a table that a mapping can be drafted for.
 #[must_use]
 pub fn is_table(log: &[u8]) -> bool {
-    parquet::is_parquet(log) || Layout::find(log).is_some()
+    #[cfg(feature = "parquet")]
+    if parquet::is_parquet(log) {
+        return true;
+    }
+    Layout::find(log).is_some()
 }
 
 /// The table in a log; of a text with the layout that is made of the one found.
@@ -56,6 +61,7 @@ pub fn table(
     if log.is_empty() {
         return Err(Fault::Log("an empty file: nothing was recorded".to_owned()));
     }
+    #[cfg(feature = "parquet")]
     if parquet::is_parquet(log) {
         return parquet::table(log).map_err(|error| Fault::Log(error.to_string()));
     }

@@ -88,10 +88,10 @@ fn flight(log: &[u8]) -> Result<(Flight, Vec<Note>), ParquetError> {
     let without = cells.footer.rows - times.len();
     let mut flight = Flight { header: own_header(keys), time_s: times, ..Flight::default() };
     for (leaf, own) in cells.footer.leaves.iter().enumerate().filter(|(leaf, _)| *leaf != time) {
-        let mut column = Column::empty(flight.time_s.len());
+        let mut column = Column::empty_named(&own.name, flight.time_s.len());
         let read = cells.column(leaf, &mut |row, cell| {
             if let (Some(Some(row)), Cell::Number(value)) = (places.get(row), cell) {
-                column.set(*row, Some(value as f32));
+                column.set_f64(*row, Some(value));
             }
         });
         problems.extend(said(&own.name, read));

@@ -143,9 +143,9 @@ impl Converter {
     }
 
     fn put_signal(&mut self, name: &str, samples: impl IntoIterator<Item = (usize, f64)>) {
-        let mut column = Column::empty(self.rows.len());
+        let mut column = Column::empty_named(name, self.rows.len());
         for (row, sample) in samples {
-            column.set(row, Some(sample as f32));
+            column.set_f64(row, Some(sample));
         }
         if column.samples().next().is_some() {
             self.flight.extra.push((name.to_owned(), column));

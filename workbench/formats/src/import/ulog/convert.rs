@@ -18,7 +18,7 @@ const LEAST_PA: f32 = 2_000.0;
 
 struct Converter<'a> {
     collected: &'a Collected,
-    fillings: Vec<Filling>,
+    fillings: Vec<Filling<'a>>,
     notes: Vec<String>,
 }
 
@@ -141,13 +141,13 @@ fn dropouts(collected: &Collected, start_us: u64, duration_s: f64) -> Option<Str
     ))
 }
 
-impl Converter<'_> {
+impl<'a> Converter<'a> {
     fn note(&mut self, text: impl Into<String>) {
         self.notes.push(text.into());
     }
 
     /// The instances of a topic, the first one first.
-    fn instances(&self, topic: &str) -> Vec<(u8, &Group)> {
+    fn instances(&self, topic: &str) -> Vec<(u8, &'a Group)> {
         let Some(place) = RULES.iter().position(|rule| rule.topic == topic) else { return Vec::new() };
         let own = self.collected.groups.range((place, 0)..=(place, u8::MAX));
         own.map(|((_, instance), group)| (*instance, group)).collect()
@@ -176,7 +176,7 @@ impl Converter<'_> {
     }
 
     fn put(&mut self, channel: Channel, samples: Vec<(u32, f32)>) {
-        self.fillings.push(Filling { destination: Destination::Channel(channel), samples });
+        self.fillings.push(Filling { destination: Destination::Channel(channel), samples: samples.into() });
     }
 
     fn receiver_notes(&mut self, receiver: &Receiver, times_us: &[Option<u64>]) {
@@ -256,7 +256,9 @@ impl Converter<'_> {
             let name = format!("baro_{}_pa", instance + 1);
             match first.take() {
                 Some(channel) => self.put(channel, samples),
-                None => self.fillings.push(Filling { destination: Destination::signal(name), samples }),
+                None => self
+                    .fillings
+                    .push(Filling { destination: Destination::signal(name), samples: samples.into() }),
             }
         }
     }
@@ -306,7 +308,7 @@ impl Converter<'_> {
     fn plain(&mut self) {
         for rule in RULES {
             let instances = self.instances(rule.topic);
-            let mut found: Vec<Filling> = Vec::new();
+            let mut found: Vec<Filling<'a>> = Vec::new();
             if let Some((_, group)) = instances.first() {
                 for (place, field) in rule.fields.iter().enumerate() {
                     let destination = match field.target {

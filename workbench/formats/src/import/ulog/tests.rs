@@ -1,7 +1,7 @@
 use super::*;
 use crate::import::testing::{
-    assert_any_byte_costs_its_message, assert_channels, assert_garbage_costs_nothing_else, garbage, import,
-    said, samples, signal,
+    assert_any_byte_costs_its_message, assert_channels, assert_garbage_costs_nothing_else, doubles, garbage,
+    import, said, samples, signal,
 };
 use flight_data::Channel;
 
@@ -199,7 +199,7 @@ fn a_copters_log_has_every_channel_in_the_flights_units() {
         (Channel::Throttle, 100, 0.55),
     ];
     assert_channels(&flight, &expected);
-    assert_eq!(signal(&flight, "latitude_deg")[0], 47.123_456_7_f64 as f32);
+    assert_eq!(doubles(&flight, "latitude_deg")[0], 47.123_456_7);
     // Hectopascals, as old releases have them.
     assert_eq!(signal(&flight, "baro_2_pa")[0], 95_100.0);
     for words in [

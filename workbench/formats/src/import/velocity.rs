@@ -2,7 +2,14 @@
 
 use std::iter;
 
-use super::records::Position;
+/// A position, degrees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Position {
+    /// Latitude, north positive.
+    pub latitude_deg: f64,
+    /// Longitude, east positive.
+    pub longitude_deg: f64,
+}
 
 /// WGS-84 equatorial radius, metres.
 const EQUATORIAL_RADIUS_M: f64 = 6_378_137.0;
