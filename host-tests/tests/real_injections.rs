@@ -70,7 +70,7 @@ fn effects_added_to_real_logs_are_named_and_nothing_else_is() {
     for name in [OPTLONG, NEW_ZEALAND, LANDING, PARAGLIDER] {
         let Some(flight) = log_flight(name).unwrap() else { continue };
         let before = diagnosis(&flight).unwrap();
-        let own = before.noise.sensor_wander.get("baro").map_or(0.0, |wander| wander.0);
+        let own = before.noise.sensor_wander.get("baro").map_or(0.0, |wander| wander.sigma_m);
         let noise = &before.noise;
         let noise_m = own.hypot(noise.reference_wander_m).hypot(noise.fix_sigma_m).hypot(noise.slow_wander_m);
         println!("{name}: noise {noise_m:.1} m, by itself {:?}", named(&before));

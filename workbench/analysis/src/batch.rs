@@ -12,7 +12,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use statistics::{Estimate, pooled};
 
-pub use crate::batch_result::DiagnoseResult;
+pub use crate::batch_result::{DiagnoseResult, FailedDiagnosis};
 use crate::diagnose::{Diagnosis, NamedReplay, Verdict, diagnose};
 use crate::name::Name;
 

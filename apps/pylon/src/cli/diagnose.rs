@@ -6,7 +6,7 @@ use clap::Args;
 use pylon::batch;
 use pylon::contained::contained;
 use pylon::diagnose::{diagnose, text};
-use pylon::results::DiagnoseResult;
+use pylon::results::{DiagnoseResult, FailedDiagnosis};
 
 use super::failure::Failure;
 use super::progress::Counter;
@@ -67,7 +67,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     flights.write_left_out();
     if arguments.json {
-        let (together, failed) = together.map_or_else(|why| (None, Some(why)), |found| (Some(found), None));
+        let (together, failed) =
+            together.map_or_else(|why| (None, Some(FailedDiagnosis::new(why))), |found| (Some(found), None));
         terminal::put_json(&DiagnoseResult { together, failed, one_by_one })
     } else {
         let together = together

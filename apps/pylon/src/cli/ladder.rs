@@ -50,7 +50,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let flights = load::named(&batch.files, &batch.flights);
     let mut progress = Progress::new("flying", (model.revisions.len() as u64 + 1) * batch.files.len() as u64);
     let mut ladder = ladder(&model, &flights, arguments.calibrate, &mut |done| progress.show(done))
-        .map_err(|(file, error)| Failure::input(format!("{file}: {error}")))?;
+        .map_err(|error| Failure::input(error.to_string()))?;
     drop(progress);
     ladder.model.clone_from(&arguments.model);
     given.write_notes();

@@ -110,7 +110,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut progress =
         Progress::new("flying every revision", (model.revisions.len() as u64 + 1) * all.len() as u64);
     let mut ladder = ladder(&model, &all, arguments.calibrate, &mut |done| progress.show(done))
-        .map_err(|(file, error)| Failure::input(format!("{file}: {error}")))?;
+        .map_err(|error| Failure::input(error.to_string()))?;
     drop(progress);
     ladder.model.clone_from(&arguments.model);
     let report = Report {

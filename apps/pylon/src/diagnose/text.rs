@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use comfy_table::{Attribute, Cell, CellAlignment, Color, ContentArrangement, LineStyle, Table, TableStyle};
 
 use crate::printable::printable;
-use analysis::diagnose::{CandidateFacts, Diagnosis, SensorDiagnosis, Verdict};
+use analysis::diagnose::{CandidateFacts, Diagnosis, Glitch, SensorDiagnosis, SensorWander, Verdict};
 
 /// A line below the column names and nothing else.
 const STYLE: TableStyle = TableStyle::new().header_separator(LineStyle::new('─', '─', '─', '─'));
@@ -35,7 +35,7 @@ pub fn text(diagnosis: &Diagnosis, colour: bool) -> String {
         for line in flight.usage.in_the_air().into_iter().chain(flight.usage.lines()) {
             put!(out, "  {line}");
         }
-        for (from_s, to_s) in &flight.glitches_s {
+        for Glitch { from_s, to_s } in &flight.glitches {
             put!(out, "  the reference jumped away and back between {from_s:.1} s and {to_s:.1} s; left out");
         }
         if let Some(fault) = &flight.fault {
@@ -75,7 +75,9 @@ pub fn text(diagnosis: &Diagnosis, colour: bool) -> String {
     let own: Vec<String> = noise
         .sensor_wander
         .iter()
-        .map(|(name, (sigma_m, time_s))| format!("{name} wanders by {sigma_m:.2} m over {time_s:.1} s"))
+        .map(|(name, SensorWander { sigma_m, time_s })| {
+            format!("{name} wanders by {sigma_m:.2} m over {time_s:.1} s")
+        })
         .collect();
     put!(out, "{}.", own.join(", "));
     if noise.slow_wander_m > 0.0 {

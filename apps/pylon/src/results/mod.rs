@@ -13,7 +13,7 @@ pub use fly::{
     ChipsResult, FirstDifference, FlyAgreement, FlyDifference, FlyResult, PartCost, SensorAgreementResult,
 };
 
-pub use crate::batch::DiagnoseResult;
+pub use crate::batch::{DiagnoseResult, FailedDiagnosis};
 pub use crate::compare::Comparison;
 pub use crate::discover::Discovery;
 pub use crate::learn::{Addition, Ladder};

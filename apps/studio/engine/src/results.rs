@@ -198,7 +198,7 @@ pub fn ladder(
     let all = (model.revisions.len() as u64 + 1) * flights.len() as u64;
     let mut flying = |done| progress("flying", done, all);
     let mut ladder = analysis::learn::ladder(&model, &flights, window(request.window), &mut flying)
-        .map_err(|(file, error)| refused(format!("{file}: {error}")))?;
+        .map_err(|error| refused(error.to_string()))?;
     ladder.model.clone_from(&request.model.name);
     Ok(ladder)
 }

@@ -85,7 +85,8 @@ fn processes(noise: &NoiseFacts) -> [(f64, f64); STATES] {
         |(sigma_m, time_s): (f64, f64)| (sigma_m.max(HARDLY_M), if time_s > 0.0 { time_s } else { 1.0 });
     let mut processes = [usable((noise.reference_wander_m, noise.reference_time_s)); STATES];
     for sensor in Sensor::ALL {
-        let own = noise.sensor_wander.get(sensor.name()).copied().unwrap_or((HARDLY_M, 1.0));
+        let own = noise.sensor_wander.get(sensor.name());
+        let own = own.map_or((HARDLY_M, 1.0), |wander| (wander.sigma_m, wander.time_s));
         processes[1 + sensor.index()] = usable(own);
     }
     processes
@@ -100,6 +101,7 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal};
 
     use super::*;
+    use crate::diagnose::diagnosis::SensorWander;
 
     #[test]
     fn the_wander_is_found_to_its_own_sigma() {
@@ -109,7 +111,10 @@ mod tests {
             reference_time_s: 60.0,
             slow_wander_m: 0.0,
             slow_time_s: 0.0,
-            sensor_wander: BTreeMap::from([("baro".into(), (0.5, 600.0)), ("imu_slave".into(), (1.0, 20.0))]),
+            sensor_wander: BTreeMap::from([
+                ("baro".into(), SensorWander { sigma_m: 0.5, time_s: 600.0 }),
+                ("imu_slave".into(), SensorWander { sigma_m: 1.0, time_s: 20.0 }),
+            ]),
             ..NoiseFacts::default()
         };
         let mut random = ChaCha8Rng::seed_from_u64(5);

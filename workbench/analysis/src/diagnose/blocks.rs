@@ -251,7 +251,7 @@ impl Builder {
             available,
             signals: self.signal_blocks,
             signal_names: self.signal_names,
-            glitches_s: Vec::new(),
+            glitches: Vec::new(),
             unreferenced: self.unreferenced,
             refused: self.refused,
         }

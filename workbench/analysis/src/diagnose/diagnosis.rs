@@ -68,7 +68,7 @@ pub struct Diagnosis {
 
 impl Diagnosis {
     /// The version that is written.
-    pub const VERSION: u32 = 1;
+    pub const VERSION: u32 = 2;
 
     /// Ids of the effects that are missing for sure, sensor by sensor.
     pub fn missing(&self) -> impl Iterator<Item = &str> {
@@ -182,8 +182,8 @@ pub struct DiagnosedFlight {
     pub blocks: usize,
     /// Their length, s.
     pub block_s: f64,
-    /// Stretches in which the reference jumped away and came back; they were left out. Seconds.
-    pub glitches_s: Vec<(f64, f64)>,
+    /// Stretches in which the reference jumped away and came back; they were left out.
+    pub glitches: Vec<Glitch>,
     /// Readings left out because the reference was lost around them.
     pub unreferenced_readings: u64,
     /// Readings that are no measurements, to the mission neither: not finite, implausible, or of a sensor that is stuck.
@@ -191,6 +191,16 @@ pub struct DiagnosedFlight {
     pub refused_readings: u64,
     /// What is wrong with a sensor for the whole flight, which was left out for it: one that is stuck, or a copy of the receiver.
     pub fault: Option<String>,
+}
+
+/// A stretch in which the reference jumped away and came back, by the flight's own clock.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub struct Glitch {
+    /// Its start, s.
+    pub from_s: f64,
+    /// Its end, s.
+    pub to_s: f64,
 }
 
 /// The noise that was found.
@@ -210,8 +220,18 @@ pub struct NoiseFacts {
     pub slow_time_s: f64,
     /// White noise of one fix, m.
     pub fix_sigma_m: f64,
-    /// Each sensor's own wander (captive flight): sigma, m, and correlation time, s.
-    pub sensor_wander: BTreeMap<Name, (f64, f64)>,
+    /// Each sensor's own wander (captive flight).
+    pub sensor_wander: BTreeMap<Name, SensorWander>,
+}
+
+/// A sensor's own wander.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub struct SensorWander {
+    /// Its sigma, m.
+    pub sigma_m: f64,
+    /// Its correlation time, s.
+    pub time_s: f64,
 }
 
 /// An effect that could not be tested.
@@ -248,7 +268,7 @@ struct FlatFlight {
     remarks: Vec<String>,
     blocks: usize,
     block_s: f64,
-    glitches_s: Vec<(f64, f64)>,
+    glitches: Vec<Glitch>,
     unreferenced_readings: u64,
     #[serde(default)]
     refused_readings: u64,
@@ -272,7 +292,7 @@ impl From<FlatFlight> for DiagnosedFlight {
             },
             blocks: flat.blocks,
             block_s: flat.block_s,
-            glitches_s: flat.glitches_s,
+            glitches: flat.glitches,
             unreferenced_readings: flat.unreferenced_readings,
             refused_readings: flat.refused_readings,
             fault: flat.fault,
@@ -315,7 +335,7 @@ mod tests {
         };
         let flight = DiagnosedFlight {
             usage,
-            glitches_s: vec![(1.0, 2.5)],
+            glitches: vec![Glitch { from_s: 1.0, to_s: 2.5 }],
             refused_readings: 3,
             ..DiagnosedFlight::default()
         };

@@ -1,5 +1,6 @@
 //! A flight as block means of residuals and regressors, and what is known of them.
 
+use super::diagnosis::Glitch;
 use super::series::Series;
 
 /// A flight ready to be diagnosed.
@@ -16,8 +17,8 @@ pub struct Epochs {
     pub signals: Vec<Vec<f64>>,
     /// Names of the signals.
     pub signal_names: Vec<String>,
-    /// Intervals in which the reference was off and came back, seconds.
-    pub glitches_s: Vec<(f64, f64)>,
+    /// Intervals in which the reference was off and came back.
+    pub glitches: Vec<Glitch>,
     /// Readings left out because the reference was lost around them.
     pub unreferenced: u64,
     /// Readings that the mission refuses as well: not finite, implausible, or of a sensor that is stuck.

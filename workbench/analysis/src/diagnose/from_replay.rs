@@ -7,6 +7,7 @@ use model::Model;
 
 use super::blocks::Builder;
 use super::candidates::Candidate;
+use super::diagnosis::Glitch;
 use super::epochs::Epochs;
 use super::follower::Follower;
 use super::glitches;
@@ -36,7 +37,9 @@ pub fn epochs(replay: &Replay<'_>, candidates: &[Candidate], executor: &dyn Exec
     let mut builder = Builder::new(replay, candidates, path);
     builder.run(replay, model, candidates);
     let mut epochs = builder.finish();
-    epochs.glitches_s = glitches_us.iter().map(|(a, b)| (*a as f64 * 1e-6, *b as f64 * 1e-6)).collect();
+    let glitch =
+        |(from_us, to_us): &(u64, u64)| Glitch { from_s: *from_us as f64 * 1e-6, to_s: *to_us as f64 * 1e-6 };
+    epochs.glitches = glitches_us.iter().map(glitch).collect();
     epochs
 }
 

@@ -72,7 +72,8 @@ mod work;
 
 pub use beyond_reference::{ErrorSlot, reference_wander};
 pub use diagnosis::{
-    CandidateFacts, DiagnosedFlight, Diagnosis, Follows, NoiseFacts, SensorDiagnosis, Untested, Verdict,
+    CandidateFacts, DiagnosedFlight, Diagnosis, Follows, Glitch, NoiseFacts, SensorDiagnosis, SensorWander,
+    Untested, Verdict,
 };
 pub use dump::dump;
 pub use envelope::envelope_m;

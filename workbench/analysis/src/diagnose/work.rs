@@ -113,7 +113,7 @@ fn facts(named: &NamedReplay<'_>, epochs: &Epochs) -> DiagnosedFlight {
         usage: Usage::of(&named.replay),
         blocks: epochs.series.len(),
         block_s: epochs.series.block_s,
-        glitches_s: epochs.glitches_s.clone(),
+        glitches: epochs.glitches.clone(),
         unreferenced_readings: epochs.unreferenced,
         refused_readings: epochs.refused,
         fault: barometer::check(named.replay.flight()).map(barometer::Fault::sentence),

@@ -3,6 +3,7 @@
 use model::Model;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use thiserror::Error;
 
 use super::addition::NamedFlight;
 use super::score::{Scores, score};
@@ -52,16 +53,27 @@ pub struct RevisionFlight {
     pub sensors: Scores,
 }
 
+/// A flight that can not be flown.
+#[derive(Debug, Error)]
+#[error("{file}: {reason}")]
+pub struct LadderError {
+    /// The file.
+    pub file: String,
+    /// Why not.
+    #[source]
+    pub reason: ReplayError,
+}
+
 /// Flies every revision of a model over every flight; `progress` is told how many of these are done.
 ///
 /// # Errors
-/// The file of a flight that can not be flown, and why.
+/// [`LadderError`], for the first flight that can not be flown.
 pub fn ladder(
     model: &Model,
     flights: &[NamedFlight<'_>],
     window: Option<CalibrationWindow>,
     progress: &mut dyn FnMut(u64),
-) -> Result<Ladder, (String, ReplayError)> {
+) -> Result<Ladder, LadderError> {
     let mut revisions = Vec::new();
     let mut done = 0;
     for number in std::iter::once(0).chain(model.revision_numbers().into_iter().filter(|number| *number > 0))
@@ -70,7 +82,7 @@ pub fn ladder(
         let mut at_revision = Vec::new();
         for (file, flight) in flights {
             let sensors = Replay::new(flight, &left, window).and_then(|replay| score(&replay));
-            let sensors = sensors.map_err(|error| (file.clone(), error))?;
+            let sensors = sensors.map_err(|reason| LadderError { file: file.clone(), reason })?;
             at_revision.push(RevisionFlight { file: file.clone(), sensors });
             done += 1;
             progress(done);

@@ -16,5 +16,5 @@ mod score;
 pub use addition::{AddError, Addition, FlightChange, JudgedOn, NamedFlight, Request, add};
 pub use document::DocumentError;
 pub use filter::{LearnError, Learned, learn};
-pub use ladder::{Ladder, LadderRevision, RevisionFlight, ladder};
+pub use ladder::{Ladder, LadderError, LadderRevision, RevisionFlight, ladder};
 pub use score::{Scores, SensorScore, pooled_rms_m, score};

@@ -152,8 +152,8 @@ fn details(diagnosis: &Diagnosis) -> Markup {
                     "Noise that was found beside the effects: the reference wanders by " (metres(Some(noise.reference_wander_m)))
                     " over " (seconds(Some(noise.reference_time_s))) ", and each fix adds " (metres(Some(noise.fix_sigma_m))) "."
                 }
-                @for (name, (sigma_m, time_s)) in &noise.sensor_wander {
-                    li { (name) " wanders by " (metres(Some(*sigma_m))) " over " (seconds(Some(*time_s))) "." }
+                @for (name, wander) in &noise.sensor_wander {
+                    li { (name) " wanders by " (metres(Some(wander.sigma_m))) " over " (seconds(Some(wander.time_s))) "." }
                 }
                 @if diagnosis.hold_outs.is_empty() {
                     li { "Held-out errors: each part of the flights was left out in turn and predicted from the others." }
@@ -161,8 +161,8 @@ fn details(diagnosis: &Diagnosis) -> Markup {
                     li { "Held-out errors are those on " (diagnosis.hold_outs.join(", ")) "." }
                 }
                 @for flight in &diagnosis.flights {
-                    @for (from_s, to_s) in &flight.glitches_s {
-                        li { (flight.file) ": the reference jumped away from " (seconds(Some(*from_s))) " to " (seconds(Some(*to_s))) "; left out." }
+                    @for glitch in &flight.glitches {
+                        li { (flight.file) ": the reference jumped away from " (seconds(Some(glitch.from_s))) " to " (seconds(Some(glitch.to_s))) "; left out." }
                     }
                     @if flight.refused_readings > 0 {
                         li { (flight.file) ": " (flight.refused_readings) " readings not finite, implausible or of a sensor that is stuck; left out." }

@@ -4,7 +4,7 @@ use kf_core::effect::EffectId;
 use kf_core::sensor::{SENSORS, Sensor};
 
 use super::{Findings, Judge};
-use crate::diagnose::diagnosis::{CandidateFacts, NoiseFacts};
+use crate::diagnose::diagnosis::{CandidateFacts, NoiseFacts, SensorWander};
 use crate::diagnose::held_out::{self, HeldOut};
 use crate::diagnose::roughness::{scale, unsteadiness};
 
@@ -172,7 +172,7 @@ impl Judge<'_> {
             sensor_wander: sensors
                 .map(|sensor| {
                     let wander = noise.sensors[sensor.index()].wander;
-                    (sensor.name().into(), (wander.sigma_m, wander.time_s))
+                    (sensor.name().into(), SensorWander { sigma_m: wander.sigma_m, time_s: wander.time_s })
                 })
                 .collect(),
         }
