@@ -676,9 +676,9 @@ blocks: number,
  */
 block_s: number, 
 /**
- * Stretches in which the reference jumped away and came back; they were left out. Seconds.
+ * Stretches in which the reference jumped away and came back; they were left out.
  */
-glitches_s: Array<[number, number]>, 
+glitches: Array<Glitch>, 
 /**
  * Readings left out because the reference was lost around them.
  */
@@ -1390,6 +1390,19 @@ equal_to: Array<Equal>,
 advice: string, };
 
 /**
+ * A stretch in which the reference jumped away and came back, by the flight's own clock.
+ */
+export type Glitch = { 
+/**
+ * Its start, s.
+ */
+from_s: number, 
+/**
+ * Its end, s.
+ */
+to_s: number, };
+
+/**
  * A result in one plain sentence, with the number that matters.
  */
 export type Headline = { 
@@ -1691,9 +1704,9 @@ slow_time_s: number,
  */
 fix_sigma_m: number, 
 /**
- * Each sensor's own wander (captive flight): sigma, m, and correlation time, s.
+ * Each sensor's own wander (captive flight).
  */
-sensor_wander: { [key in string]: [number, number] }, };
+sensor_wander: { [key in string]: SensorWander }, };
 
 /**
  * Where an array lies in the numbers that are handed over with an answer: f64, in the machine's own order.
@@ -2501,6 +2514,19 @@ rate_hz: number | null,
  * Its columns.
  */
 columns: Array<string>, };
+
+/**
+ * A sensor's own wander.
+ */
+export type SensorWander = { 
+/**
+ * Its sigma, m.
+ */
+sigma_m: number, 
+/**
+ * Its correlation time, s.
+ */
+time_s: number, };
 
 /**
  * Curves on one time axis.
