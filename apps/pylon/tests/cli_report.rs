@@ -116,6 +116,30 @@ fn the_diagrams_show_what_the_comparison_says() {
     assert!(page.contains("untrustworthy"));
 }
 
+/// A page is passed on: it says what files were called, and nothing of the folders they lay in.
+#[test]
+fn a_page_has_no_path_of_its_author() {
+    let directory = written(&late_baro());
+    let at = |name: &str| directory.path().join(name).display().to_string();
+    let revision = format!(
+        "\n[[revision]]\nnumber = 1\ndate = 2026-11-20\neffect = \"baro.lag\"\nlearned_from = \"{}, {}\"\n",
+        at("made.csv"),
+        at("other.csv")
+    );
+    fs::write(at("model.toml"), format!("{MODEL}{revision}")).unwrap();
+    // A reading that is left out, and said with its file.
+    let text = fs::read_to_string(at("made.csv")).unwrap();
+    fs::write(at("second.csv"), text + "0.5,,,,,,,,,\n").unwrap();
+    let [made, second, model] = [at("made.csv"), at("second.csv"), at("model.toml")];
+    let page = page(directory.path(), &[&made, "--hold-out", &second, "--model", &model]);
+    let folder = directory.path().file_name().unwrap().to_str().unwrap();
+    let around = page.find(folder).map(|at| &page[at.saturating_sub(200)..(at + 100).min(page.len())]);
+    assert_eq!(around, None);
+    for name in ["made.csv", "second.csv", "model.toml", "made.csv, other.csv"] {
+        assert!(page.contains(name), "{name}");
+    }
+}
+
 #[test]
 fn a_page_asks_for_nothing_from_a_network() {
     let directory = written(&Recipe { free_s: 20.0, ..Recipe::default() });

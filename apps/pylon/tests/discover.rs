@@ -1,5 +1,5 @@
 //! Laws over recorded signals: a simulated flight with a column that nobody knows in, the law on the command line out.
-#![allow(clippy::unwrap_used, reason = "a test may panic")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
 
 mod common;
 
@@ -22,6 +22,12 @@ fn flap(row: usize) -> f32 {
     ];
     let now = out.iter().find(|(from_s, to_s, _)| (*from_s..*to_s).contains(&time_s));
     now.map_or(0.0, |(.., deflection)| *deflection)
+}
+
+/// A door that moves with the flap, but for one time a little.
+fn door(row: usize) -> f32 {
+    let time_s = row as f64 / common::ROWS_PER_S;
+    if (128.0..139.0).contains(&time_s) { 0.85 * flap(row) } else { flap(row) }
 }
 
 /// A simulated flight in which the flap adds so many metres a unit to the barometer; its column is recorded.
@@ -95,6 +101,29 @@ fn the_law_of_a_column_that_nobody_knows_is_found_and_written() {
     assert!(added.status.success(), "{}", String::from_utf8_lossy(&added.stderr));
     let rest = json(folder, &["discover", "flap.csv", "--model", "ours.toml", "--json"]);
     assert_eq!(rest["laws"], serde_json::json!([]), "{rest:#}");
+}
+
+/// A door that moves with the flap could be the cause as well: both are said to be equal on this flight, and what to fly to tell them apart.
+#[test]
+fn laws_that_are_equal_on_a_flight_are_named_with_the_manoeuvre_that_tells_them_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut flown = flight(5, 1.5);
+    let mut column = Column::with_capacity(flown.rows());
+    (0..flown.rows()).for_each(|row| column.push(Some(door(row))));
+    flown.extra.push(("door".to_owned(), column));
+    write(folder.path(), "both.csv", &flown);
+    let found = json(folder.path(), &["discover", "both.csv", "--json"]);
+    let laws = found["laws"].as_array().unwrap();
+    let of = |name: &str| laws.iter().find(|law| law["regressor"] == name);
+    let law = of("flap").or_else(|| of("door")).unwrap_or_else(|| panic!("{found:#}"));
+    let other = if law["regressor"] == "flap" { "door" } else { "flap" };
+    let equals = law["equal_to"].as_array().unwrap();
+    assert!(equals.iter().any(|equal| equal["law"].as_str().unwrap().contains(other)), "{law:#}");
+    let advice = law["advice"].as_str().unwrap();
+    // Either is moved while the other stays.
+    assert!(advice.contains("moved in steps of 10 s between 0 and 0.9"), "{law:#}");
+    let said = String::from_utf8(pylon(folder.path(), &["discover", "both.csv"]).stdout).unwrap();
+    assert!(said.contains(advice), "{said}");
 }
 
 #[test]

@@ -12,7 +12,7 @@ use pylon::flight::Note;
 use pylon::learn::{NamedFlight, ladder};
 use pylon::output_file::write_atomically;
 use pylon::replay::{CalibrationWindow, Replay};
-use pylon::report::{FlightReport, Report, keep_most_telling};
+use pylon::report::{FlightReport, Report, file_name, keep_most_telling};
 use pylon::results::{ReportResult, VERSION};
 
 use super::failure::Failure;
@@ -75,11 +75,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let replay = Replay::calibrated_or_not(flight, &model, arguments.calibrate);
         replay.map(|_| ()).map_err(|error| error.to_string())
     })?;
-    let learned_from = load::replays(&batch.files, &batch.flights, &model, arguments.calibrate)?;
+    let learned_from = by_name(load::replays(&batch.files, &batch.flights, &model, arguments.calibrate)?);
+    let model_name = file_name(&arguments.model);
     let mut flights = Vec::with_capacity(batch.files.len());
     let mut without = Vec::new();
     for (index, (named, (_, notes))) in learned_from.iter().zip(&batch.flights).enumerate() {
-        match contained(|| flight(index, named, notes, &arguments.model)) {
+        match contained(|| flight(index, named, notes, &model_name)) {
             Ok(found) => flights.push(found?),
             Err(why) if learned_from.len() > 1 && !arguments.strict => {
                 without.push(defect(&named.file, &why))
@@ -90,11 +91,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut counter = Counter::new("diagnosing", "fits");
     // A diagnosis needs nothing quiet to calibrate on.
     let window = arguments.calibrate;
-    let to_diagnose = load::replays_to_diagnose(&batch.files, &batch.flights, &model, window)?;
-    let to_judge = load::replays_to_diagnose(&held.files, &held.flights, &model, window)?;
+    let to_diagnose = by_name(load::replays_to_diagnose(&batch.files, &batch.flights, &model, window)?);
+    let to_judge = by_name(load::replays_to_diagnose(&held.files, &held.flights, &model, window)?);
     let mut diagnosis = diagnose(&to_diagnose, &to_judge, &mut || counter.step());
     drop(counter);
-    diagnosis.model.clone_from(&arguments.model);
+    diagnosis.model.clone_from(&model_name);
     diagnosis.warnings.append(&mut without);
     let one_by_one = (to_diagnose.len() > 1).then(|| {
         let counter = Mutex::new(Counter::new("diagnosing one by one", "flights"));
@@ -107,16 +108,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     keep_most_telling(&mut flights, &one_by_one.iter().flat_map(Batch::odd_files).collect::<Vec<_>>());
     let mut all: Vec<NamedFlight<'_>> = load::named(&batch.files, &batch.flights);
     all.extend(load::named(&held.files, &held.flights));
+    all.iter_mut().for_each(|(file, _)| *file = file_name(file));
     let mut progress =
         Progress::new("flying every revision", (model.revisions.len() as u64 + 1) * all.len() as u64);
     let mut ladder = ladder(&model, &all, arguments.calibrate, &mut |done| progress.show(done))
         .map_err(|error| Failure::input(error.to_string()))?;
     drop(progress);
-    ladder.model.clone_from(&arguments.model);
+    ladder.model.clone_from(&model_name);
     let report = Report {
         flights: &flights,
         model: &model,
-        model_name: &arguments.model,
+        model_name: &model_name,
         diagnosis: &diagnosis,
         ladder: &ladder,
         batch: one_by_one.as_ref(),
@@ -138,6 +140,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (count, size) = (flights.len(), html.len() as f64 / 1e6);
     let flights = if count == 1 { "1 flight".to_owned() } else { format!("{count} flights") };
     terminal::put(&format!("{}: {flights}, {size:.1} MB\n", arguments.output.display()))
+}
+
+/// The flights by their files' names, as a page has them.
+fn by_name(mut named: Vec<NamedReplay<'_>>) -> Vec<NamedReplay<'_>> {
+    named.iter_mut().for_each(|named| named.file = file_name(&named.file));
+    named
 }
 
 fn defect(file: &str, why: &str) -> String {

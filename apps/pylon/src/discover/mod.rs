@@ -3,7 +3,7 @@
 mod text;
 
 pub use analysis::discover::*;
-pub use text::text;
+pub use text::{significant, text};
 
 use crate::diagnose::{NamedReplay, endless};
 use crate::threads::Threads;

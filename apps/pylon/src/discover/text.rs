@@ -146,7 +146,7 @@ fn percent(share: f64) -> String {
 }
 
 /// With three significant digits.
-fn significant(value: f64) -> String {
+pub fn significant(value: f64) -> String {
     let magnitude = value.abs();
     if magnitude == 0.0 {
         return "0".to_owned();

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use analysis::discover::{Discovery, FoundLaw, PictureSignal};
 
+use crate::discover::significant;
 use view::svg::{BLUE, DrawingError, GREY, Layer, ORANGE, PALE_BLUE, Panel, range, sheet};
 
 use super::PlotError;
@@ -61,7 +62,7 @@ fn draw_law(discovery: &Discovery, law: &FoundLaw, number: usize) -> Result<Stri
     }
     let title = format!("{number}. {} += c * {}", law.on, law.regressor);
     let lines = [
-        format!("c = {:.4e} +- {:.1e} {}", law.coefficient, law.sigma, law.unit),
+        format!("c = {} +- {} {}", significant(law.coefficient), significant(law.sigma), law.unit),
         format!("{}, model {}", discovery.flights.join(", "), discovery.model),
     ];
     sheet(&title, lines, &panels)

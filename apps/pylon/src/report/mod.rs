@@ -24,6 +24,7 @@ use dependence::Dependence;
 use recording::{ERROR, Recording};
 use signals::{Blocks, signals};
 
+pub use page::file_name;
 pub use view::{Band, Chart, Level, Line, Moment, Role, Shade, Values};
 
 /// What the page says of one flight.

@@ -1,6 +1,6 @@
 // A page of the studio in headless Chromium, and what is waited for in it.
 
-import { existsSync, readFileSync } from "node:fs";
+import { existsSync, mkdirSync, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { dirname, join, resolve } from "node:path";
 import { fileURLToPath, pathToFileURL } from "node:url";
@@ -15,6 +15,8 @@ export const studio = process.env.PYLON_STUDIO ?? join(root, "target/studio/stud
 export const pylon = process.env.PYLON_BIN ?? ["debug", "release"].map((profile) => join(root, "target", profile, "pylon")).find(existsSync);
 export const withoutPylon = pylon === undefined ? "no pylon is built: cargo build --bin pylon, or PYLON_BIN" : false;
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+/** A folder for pictures to look at, where one is named. */
+const shots = process.env.PYLON_SHOTS;
 /** Others may be building on the machine. */
 const PATIENCE_MS = 60_000;
 
@@ -96,7 +98,7 @@ export async function revisions(page) {
   return rows;
 }
 
-export async function rungsAre(page, count) {
+export async function revisionsAre(page, count) {
   await page.waitForFunction((wanted) => document.querySelectorAll(".revision").length === wanted && !document.querySelector(".progress"), count);
   return revisions(page);
 }
@@ -106,4 +108,11 @@ export async function violations(page) {
   await page.evaluate(axe);
   const found = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ["violations"] }));
   return found.violations.flatMap(({ id, nodes }) => nodes.map(({ html, failureSummary }) => `${id}: ${html.slice(0, 160)} ${failureSummary ?? ""}`));
+}
+
+/** Takes a picture to look at, if PYLON_SHOTS names a folder for them. */
+export async function shoot(page, name) {
+  if (!shots) return;
+  mkdirSync(shots, { recursive: true });
+  await page.screenshot({ path: join(shots, `${name}.png`), fullPage: true });
 }

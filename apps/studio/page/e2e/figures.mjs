@@ -6,7 +6,7 @@ import { loadavg, tmpdir } from "node:os";
 import { join } from "node:path";
 import { gzipSync } from "node:zlib";
 
-import { choose, launch, open, pylon, rungsAre, sentence, studio } from "./browser.mjs";
+import { choose, launch, open, pylon, revisionsAre, sentence, studio } from "./browser.mjs";
 
 /** As `cargo xtask bench` has its long flight (xtask/src/bench/long_flight.rs): manoeuvre, seconds, what it asks for. */
 const ROUND = [
@@ -64,7 +64,7 @@ try {
   const said = performance.now();
   await tab.waitForFunction(() => !document.querySelector(".progress") && document.querySelector(".effect"), undefined, { timeout: 600_000 });
   console.log(`the sentence: ${seconds(since())} (${await sentence(tab)})`);
-  await rungsAre(tab, 1);
+  await revisionsAre(tab, 1);
   const native = performance.now();
   execFileSync("taskset", ["-c", "0", pylon, "diagnose", "hour.csv", "--json"], { cwd: folder, stdio: "ignore" });
   const own = performance.now() - native;

@@ -7,7 +7,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 
-import { choose, launch, open, openSample, realLogs, root, rungsAre, sentence } from "./browser.mjs";
+import { choose, launch, open, openSample, pylon, realLogs, root, revisionsAre, sentence, withoutPylon } from "./browser.mjs";
 
 let browser;
 before(async () => { browser = await launch(); });
@@ -49,8 +49,7 @@ for (const file of [
   test(`opens ${file}`, { skip: !existsSync(path) && `skipped: ${path} is not there` }, async () => { await opens(path); });
 }
 
-const pylon = ["target/release/pylon", "target/debug/pylon"].map((path) => join(root, path)).find((path) => existsSync(path));
-test("judges by a second flight of `pylon simulate flights/quickstart.toml`", { skip: !pylon && "skipped: pylon is not built" }, async () => {
+test("judges by a second flight of `pylon simulate flights/quickstart.toml`", { skip: withoutPylon }, async () => {
   const folder = mkdtempSync(join(tmpdir(), "pylon-e2e-"));
   const { context, page, wrongs } = await open(browser);
   try {
@@ -63,9 +62,9 @@ test("judges by a second flight of `pylon simulate flights/quickstart.toml`", { 
     await page.getByLabel("What seed-8.csv is for").selectOption("hold_out");
     assert.match(await sentence(page), /static|dynamic/i, "the hidden cause is named");
     assert.ok(!(await page.locator("body").innerText()).includes(folder), "a file's name, never its path");
-    const [[learned, heldOut]] = await rungsAre(page, 1);
+    const [[learned, heldOut]] = await revisionsAre(page, 1);
     await page.locator(".effect.suspect .add").first().click();
-    const [, [lessLearned, lessHeldOut]] = await rungsAre(page, 2);
+    const [, [lessLearned, lessHeldOut]] = await revisionsAre(page, 2);
     assert.ok(lessLearned < learned && lessHeldOut < heldOut, `${learned} to ${lessLearned} m, held out ${heldOut} to ${lessHeldOut} m`);
     assert.deepEqual(wrongs, []);
   } finally {

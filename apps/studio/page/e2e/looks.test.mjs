@@ -1,23 +1,13 @@
 // Sizes, themes, accessibility, and the keyboard alone.
 
 import assert from "node:assert/strict";
-import { mkdirSync } from "node:fs";
-import { join } from "node:path";
 import { after, before, test } from "node:test";
 
-import { launch, open, openSample, rungsAre, sentence, violations } from "./browser.mjs";
+import { launch, open, openSample, revisionsAre, sentence, shoot, violations } from "./browser.mjs";
 
 let browser;
 before(async () => { browser = await launch(); });
 after(async () => browser.close());
-
-/** A folder for pictures to look at, where one is named. */
-const shots = process.env.PYLON_SHOTS;
-if (shots) mkdirSync(shots, { recursive: true });
-
-async function shoot(page, name) {
-  if (shots) await page.screenshot({ path: join(shots, `${name}.png`), fullPage: true });
-}
 
 const isWhole = async (page) => page.evaluate(() => {
   const { scrollWidth, scrollHeight } = document.documentElement;
@@ -47,7 +37,7 @@ for (const [width, height] of [[1280, 720], [1920, 1080], [390, 844]]) {
     await openSample(page, "hidden-static-port");
     await sentence(page);
     await page.locator(".effect.suspect .add").first().click();
-    await rungsAre(page, 2);
+    await revisionsAre(page, 2);
     await page.locator(".chart.error .legend-entry", { hasText: "After" }).waitFor();
     await inBoth("flight");
     if (width < 700) assert.ok((await page.locator("header").boundingBox()).height <= 60);
@@ -81,11 +71,11 @@ test("by the keyboard alone", async () => {
   assert.equal(await page.locator(".brushed").count(), 0);
   await reach(".effect.suspect .add");
   await page.keyboard.press("Enter");
-  await rungsAre(page, 2);
+  await revisionsAre(page, 2);
   await page.evaluate(() => { if (document.activeElement instanceof HTMLElement) document.activeElement.blur(); });
   await reach("header button:not(:disabled)");
   await page.keyboard.press("Enter");
-  await rungsAre(page, 1);
+  await revisionsAre(page, 1);
   assert.deepEqual(wrongs, []);
   await context.close();
 });

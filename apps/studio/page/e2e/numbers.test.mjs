@@ -7,7 +7,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 
-import { choose, launch, open, openSample, pylon, rungsAre, sentence, withoutPylon } from "./browser.mjs";
+import { choose, launch, open, openSample, pylon, revisionsAre, sentence, withoutPylon } from "./browser.mjs";
 
 let browser;
 let folder;
@@ -44,7 +44,7 @@ test("the page's numbers are the command line's, digit for digit", { skip: witho
   await page.getByRole("button", { name: /^Close hidden-static-port/ }).click();
   await choose(page, join(folder, "flight.csv"));
   await sentence(page);
-  await rungsAre(page, 1);
+  await revisionsAre(page, 1);
 
   const flight = ["flight.csv", "--model", "model.toml", "--json"];
   assert.equal(await exported(page, "Comparison (JSON)"), ran("compare", ...flight));
@@ -68,7 +68,7 @@ test("the page's numbers are the command line's, digit for digit", { skip: witho
 
   // The model that Add makes is the one that `pylon add` writes.
   await row.locator(".add").click();
-  await rungsAre(page, 2);
+  await revisionsAre(page, 2);
   const [download] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: "Save" }).click()]);
   ran("add", "baro.dynamic_pressure", "--model", "model.toml", "--from", "flight.csv");
   assert.equal(readFileSync(await download.path(), "utf8"), readFileSync(join(folder, "model.toml"), "utf8"));

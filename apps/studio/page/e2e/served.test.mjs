@@ -8,7 +8,7 @@ import { join } from "node:path";
 import { createInterface } from "node:readline";
 import { after, before, test } from "node:test";
 
-import { launch, pylon, root, rungsAre, sentence, studio, watched, withoutPylon } from "./browser.mjs";
+import { launch, pylon, root, revisionsAre, sentence, studio, watched, withoutPylon } from "./browser.mjs";
 
 let browser;
 let folder;
@@ -35,9 +35,9 @@ test("a served flight is open at once; Save writes the model, but not over anoth
     const wrongs = watched(page, (url) => url.startsWith(`${origin}/`));
     await page.goto(address);
     assert.match(await sentence(page), /static-port error/);
-    await rungsAre(page, 1);
+    await revisionsAre(page, 1);
     await page.locator(".effect.suspect .add").first().click();
-    await rungsAre(page, 2);
+    await revisionsAre(page, 2);
     assert.equal(readFileSync(file, "utf8"), "# ours\n", "nothing is written without Save");
     await page.getByRole("button", { name: "Save" }).click();
     await page.locator(".notice", { hasText: "ours.toml is written" }).waitFor();
@@ -50,7 +50,7 @@ test("a served flight is open at once; Save writes the model, but not over anoth
     // Another program changes the file: it is not overwritten, and shown.
     writeFileSync(file, `${written}\n# by hand\n`);
     await page.getByRole("button", { name: "Undo" }).click();
-    await rungsAre(page, 1);
+    await revisionsAre(page, 1);
     await page.getByRole("button", { name: "Save" }).click();
     await page.locator(".notice", { hasText: "was changed by another program" }).waitFor();
     assert.match(readFileSync(file, "utf8"), /# by hand/);

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { after, before, test } from "node:test";
 
-import { choose, drop, launch, open, openSample, rungsAre, sentence } from "./browser.mjs";
+import { choose, drop, launch, open, openSample, revisionsAre, sentence } from "./browser.mjs";
 
 let browser;
 before(async () => { browser = await launch(); });
@@ -41,9 +41,9 @@ test("a cause is read, added, undone, and kept over a reload", async () => {
   assert.ok(await page.getByRole("button", { name: "All", exact: true }).isEnabled());
   await page.locator(".chart.error .u-over").dblclick();
 
-  const [[was]] = await rungsAre(page, 1);
+  const [[was]] = await revisionsAre(page, 1);
   await page.locator(".effect.suspect .add").first().click();
-  const [[same], [less]] = await rungsAre(page, 2);
+  const [[same], [less]] = await revisionsAre(page, 2);
   assert.equal(same, was, "the revision before stays as it was");
   assert.ok(less < 0.7 * was, `${was} m before, ${less} m after`);
   const learned = await sentence(page);
@@ -57,7 +57,7 @@ test("a cause is read, added, undone, and kept over a reload", async () => {
 
   await page.waitForTimeout(400);
   await page.reload();
-  const kept = await rungsAre(page, 2);
+  const kept = await revisionsAre(page, 2);
   assert.deepEqual(kept, [[was], [less]], "the same after a reload");
   assert.notEqual(learned, "");
 
@@ -72,11 +72,11 @@ test("a cause is read, added, undone, and kept over a reload", async () => {
 
   // Undo leads back to the model that it was opened with.
   await page.getByRole("button", { name: "Undo" }).click();
-  assert.deepEqual(await rungsAre(page, 1), [[was]]);
+  assert.deepEqual(await revisionsAre(page, 1), [[was]]);
   assert.ok(await page.getByRole("button", { name: "Undo" }).isDisabled());
   // A model of one's own is dropped as well.
   await drop(page, "ours.toml", model);
-  await rungsAre(page, 2);
+  await revisionsAre(page, 2);
   await drop(page, "broken.toml", "[[effect]]\nid = 7\n");
   await page.getByRole("alert").waitFor();
   assert.match(await page.getByRole("alert").textContent(), /broken\.toml|line|id/);

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 
-import { launch, open, openSample, rungsAre, sentence } from "./browser.mjs";
+import { launch, open, openSample, revisionsAre, sentence } from "./browser.mjs";
 
 let browser;
 before(async () => { browser = await launch(); });
@@ -51,7 +51,7 @@ test("a log that is too large for the engine kills its worker; the page says so 
   const { context, page, wrongs } = await open(browser, { before: (page) => page.addInitScript(limitMemory, MEMORY_MB * 16) });
   await openSample(page, "hidden-static-port");
   await sentence(page);
-  await rungsAre(page, 1);
+  await revisionsAre(page, 1);
   await page.evaluate((megabytes) => {
     const columns = 40;
     const names = Array.from({ length: columns }, (_, i) => `c${i}`);
@@ -68,7 +68,7 @@ test("a log that is too large for the engine kills its worker; the page says so 
 
   // The flight beside it is worked on as before, also by the worker that was killed.
   await page.locator(".effect.suspect .add").first().click();
-  const [[was], [less]] = await rungsAre(page, 2);
+  const [[was], [less]] = await revisionsAre(page, 2);
   assert.ok(less < 0.7 * was, `${was} m before, ${less} m after`);
   await page.getByLabel("Formula of the effect").fill("tas_mps^2 / (2*g)");
   await page.locator(".formula-fit, .formula-problem").first().waitFor();

@@ -15,29 +15,39 @@ const PLACES: [f64; 6] = [0.0, 1.0, 0.5, 0.25, 0.75, 0.1];
 /// Sigmas below which a manoeuvre tells nothing apart.
 const APART: f64 = 3.0;
 
-/// What to fly, in words; empty where no manoeuvre would tell them apart. `effects` are columns of the catalogue's.
-pub fn to_separate(
-    bench: &Bench<'_>,
-    one: &Fitted,
-    others: &[&Fitted],
-    effects: &[usize],
-    trim: &Trim,
-) -> String {
-    if others.is_empty() && effects.is_empty() {
+/// What a law is equal to on the flights.
+pub struct Equals<'a> {
+    /// Columns of the catalogue's effects.
+    pub effects: &'a [usize],
+    /// Laws.
+    pub laws: &'a [&'a Fitted],
+    /// What the effects are called, then the laws.
+    pub names: &'a [String],
+}
+
+/// What to fly, in words; empty where no manoeuvre would tell the law from any of them. The manoeuvre that tells it from most of them is
+/// taken, and of several the one that brings these farthest apart.
+pub fn to_separate(bench: &Bench<'_>, one: &Fitted, equals: &Equals<'_>, trim: &Trim) -> String {
+    if equals.names.is_empty() {
         return String::new();
     }
     let signals = bench.search.signals;
-    let laws = || std::iter::once(one).chain(others.iter().copied());
+    let laws = || std::iter::once(one).chain(equals.laws.iter().copied());
     let mut moved: Vec<Option<usize>> = vec![None];
     moved.extend((0..signals.signals.len()).filter(|s| signals.signals[*s].is_unknown).map(Some));
     moved.retain(|signal| signal.is_none_or(|signal| laws().any(|law| law.law.uses(signal))));
-    let mut best: Option<(f64, String)> = None;
+    let mut best: Option<(usize, f64, Vec<f64>, String)> = None;
     for manoeuvre in &MANOEUVRES {
         let ticks = with_body_rates(manoeuvre.fly(trim));
         for moved in &moved {
             let blocks = blocks(&ticks, bench.search, *moved);
-            let Some(apart) = apart(bench, one, others, effects, &ticks, &blocks) else { continue };
-            if best.as_ref().is_none_or(|(most, _)| apart > *most) {
+            let Some(apart) = apart(bench, one, equals, &ticks, &blocks) else { continue };
+            let told: Vec<f64> = apart.iter().copied().filter(|sigmas| *sigmas >= APART).collect();
+            let least = told.iter().copied().fold(f64::INFINITY, f64::min);
+            let is_better = best.as_ref().is_none_or(|(most, farthest, ..)| {
+                told.len() > *most || (told.len() == *most && least > *farthest)
+            });
+            if !told.is_empty() && is_better {
                 let with = moved.map_or_else(String::new, |signal| {
                     let signal = &signals.signals[signal];
                     let [least, most] = signal.range.map(super::grammar::number);
@@ -48,16 +58,26 @@ pub fn to_separate(
                         signal.name.name
                     )
                 });
-                best = Some((apart, format!("{}{with}", manoeuvre.say(trim))));
+                best = Some((told.len(), least, apart, format!("{}{with}", manoeuvre.say(trim))));
             }
         }
     }
-    match best {
-        Some((apart, what)) if apart >= APART => {
-            format!("To tell them apart, fly {what}: they would be {apart:.0} sigmas apart.")
-        }
-        _ => String::new(),
+    best.map_or_else(String::new, |(_, least, apart, what)| say(&apart, least, &what, equals.names))
+}
+
+fn say(apart: &[f64], least: f64, what: &str, names: &[String]) -> String {
+    let named = |is_told: bool| -> Vec<&str> {
+        let chosen = names.iter().zip(apart).filter(|(_, sigmas)| (**sigmas >= APART) == is_told);
+        chosen.map(|(name, _)| name.as_str()).collect()
+    };
+    if named(false).is_empty() {
+        return format!("To tell them apart, fly {what}: they would be {least:.0} sigmas apart.");
     }
+    format!(
+        "To tell it from {}, fly {what}: they would be {least:.0} sigmas apart. No manoeuvre tells it from {} as well.",
+        named(true).join(" and "),
+        named(false).join(" or ")
+    )
 }
 
 /// The ticks with the body rates that their attitudes make.
@@ -116,27 +136,28 @@ fn blocks(ticks: &[TickInput], search: &Search<'_>, moved: Option<usize>) -> Blo
 fn apart(
     bench: &Bench<'_>,
     one: &Fitted,
-    others: &[&Fitted],
-    effects: &[usize],
+    equals: &Equals<'_>,
     ticks: &[TickInput],
     blocks: &Blocks,
-) -> Option<f64> {
-    let mut series = flown(ticks, &bench.prepared.candidates, effects, bench.problem);
-    let first = effects.len();
-    for fitted in std::iter::once(one).chain(others.iter().copied()) {
+) -> Option<Vec<f64>> {
+    let mut series = flown(ticks, &bench.prepared.candidates, equals.effects, bench.problem);
+    let first = equals.effects.len();
+    for fitted in std::iter::once(one).chain(equals.laws.iter().copied()) {
         let column = blocks.law(&fitted.law)?;
         series.columns.push(column.iter().map(|value| fitted.subject.spread(*value)).collect());
     }
     let series = [series];
     let planned = Problem::new(&series, bench.problem.prior.clone(), Vec::new(), &executor::Inline);
-    let picks: Vec<usize> = (0..=first + others.len()).collect();
+    let picks: Vec<usize> = (0..=first + equals.laws.len()).collect();
     let information = planned.information(&one.fit.noise, &picks);
     let left = 1.0 / information.solve(&[first])?.covariance.first()?;
-    let mut least = f64::INFINITY;
-    for other in (0..picks.len()).filter(|pick| *pick != first) {
+    let sigmas = |other: usize| {
         // One that the manoeuvre does not show at all is told from what it does show.
-        let shared = information.shared(first, other, &[]).unwrap_or(0.0);
-        least = least.min(one.coefficient * one.coefficient * left * (1.0 - shared));
-    }
-    Some(least.sqrt())
+        let shared = match information.solve(&[other]) {
+            Some(_) => information.shared(first, other, &[]).unwrap_or(1.0),
+            None => 0.0,
+        };
+        (one.coefficient * one.coefficient * left * (1.0 - shared)).sqrt()
+    };
+    Some((0..picks.len()).filter(|pick| *pick != first).map(sigmas).collect())
 }

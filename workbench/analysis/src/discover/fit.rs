@@ -10,7 +10,8 @@ use crate::diagnose::parts::{
     flights, inflation, manoeuvres, of_flights, of_folds,
 };
 
-/// Correlation (of the columns themselves) beyond which two laws are not both worth a fit.
+/// Correlation (of the columns themselves) beyond which two laws are the same: all but 0.2 % of the squares of one are the other's. A
+/// formula's shape is not right to that, so the likelihood does not choose between them, and the shortest stands for all.
 const SAME: f64 = 0.999;
 
 /// A law with its noise.
@@ -107,8 +108,9 @@ impl Bench<'_> {
         Problem::new(series, self.problem.prior.clone(), self.problem.known.clone(), self.search.executor)
     }
 
-    /// Those of some laws, the best first, that are not the same as a better one.
+    /// The first of some laws, the best first, that are not the same as another; of the same ones the shortest.
     pub fn different(&self, laws: &[Scored], most: usize) -> Vec<Scored> {
+        let bits = |law: &Law| law.bits(self.search.signals.signals.len(), self.search.subjects);
         let mut kept: Vec<(Scored, Vec<f64>)> = Vec::new();
         for scored in laws {
             let Some(column) = self.search.column(&scored.law, 0..self.search.flights) else { continue };
@@ -117,11 +119,13 @@ impl Bench<'_> {
                 let product: f64 = centred.iter().zip(other).map(|(a, b)| a * b).sum();
                 product.abs() > SAME
             };
-            if !kept.iter().any(|(_, other)| is_same(other)) {
+            let same = kept.iter().position(|(_, other)| is_same(other));
+            if let Some((shortest, _)) = same.and_then(|at| kept.get_mut(at)) {
+                if bits(&scored.law) < bits(&shortest.law) {
+                    *shortest = scored.clone();
+                }
+            } else if kept.len() < most {
                 kept.push((scored.clone(), centred));
-            }
-            if kept.len() == most {
-                break;
             }
         }
         kept.into_iter().map(|(scored, _)| scored).collect()

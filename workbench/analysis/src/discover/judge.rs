@@ -3,7 +3,7 @@
 use kf_core::sensor::Sensor;
 use model::formula::{Columns, Formula};
 
-use super::advice::to_separate;
+use super::advice::{Equals, to_separate};
 use super::discovery::{Discovery, Equal, FoundLaw, Rejected, Why};
 use super::fit::{Bench, Fitted, OnHeldOut};
 use super::grammar::MOST_PARTS;
@@ -135,9 +135,11 @@ pub fn judge(
             })
             .collect();
         let (alike, columns_alike) = effects_alike(bench, one);
+        let laws: Vec<&Fitted> = equals.iter().map(|other| &standing[*other].0).collect();
+        let named: Vec<String> = alike.iter().chain(&equal_to).map(|equal| equal.law.clone()).collect();
+        let equals = Equals { effects: &columns_alike, laws: &laws, names: &named };
+        let advice = to_separate(bench, one, &equals, &bench.trim);
         equal_to.extend(alike);
-        let others: Vec<&Fitted> = equals.iter().map(|other| &standing[*other].0).collect();
-        let advice = to_separate(bench, one, &others, &columns_alike, &bench.trim);
         step(progress)?;
         let dropped = bench.explanation.columns.iter().filter(|column| !one.beside.contains(column));
         let effect =

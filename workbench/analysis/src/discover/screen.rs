@@ -118,6 +118,23 @@ impl StretchProducts {
     }
 }
 
+/// What `judge` says of columns that `column` makes, in order; the executor has a chunk of them at a time.
+fn by_chunks<T: Clone + Send>(
+    columns: usize,
+    column: &(dyn Fn(usize) -> Option<Column> + Sync),
+    executor: &dyn Executor,
+    judge: &(dyn Fn(&[Option<Column>]) -> Vec<Option<T>> + Sync),
+) -> Vec<Option<T>> {
+    let jobs = (0..columns.div_ceil(CHUNK)).map(|chunk| {
+        move || {
+            let made: Vec<Option<Column>> =
+                (chunk * CHUNK..columns.min((chunk + 1) * CHUNK)).map(column).collect();
+            judge(&made)
+        }
+    });
+    executor::map(executor, jobs).concat()
+}
+
 impl<'a> Screen<'a> {
     /// Beside the effects of `picks`, under a noise, for laws on a subject.
     #[must_use]
@@ -151,14 +168,7 @@ impl<'a> Screen<'a> {
         column: &(dyn Fn(usize) -> Option<Column> + Sync),
         executor: &dyn Executor,
     ) -> Vec<Option<Score>> {
-        let jobs = (0..columns.div_ceil(CHUNK)).map(|chunk| {
-            move || {
-                let made: Vec<Option<Column>> =
-                    (chunk * CHUNK..columns.min((chunk + 1) * CHUNK)).map(column).collect();
-                self.chunk(&made)
-            }
-        });
-        executor::map(executor, jobs).concat()
+        by_chunks(columns, column, executor, &|made| self.chunk(made))
     }
 
     /// The scores by stretch of columns that `column` makes, in order; what is known beside is taken off by all blocks.
@@ -168,14 +178,7 @@ impl<'a> Screen<'a> {
         column: &(dyn Fn(usize) -> Option<Column> + Sync),
         executor: &dyn Executor,
     ) -> Vec<Option<ByStretch>> {
-        let jobs = (0..columns.div_ceil(CHUNK)).map(|chunk| {
-            move || {
-                let made: Vec<Option<Column>> =
-                    (chunk * CHUNK..columns.min((chunk + 1) * CHUNK)).map(column).collect();
-                self.stretches_of(&made)
-            }
-        });
-        executor::map(executor, jobs).concat()
+        by_chunks(columns, column, executor, &|made| self.stretches_of(made))
     }
 
     fn stretches_of(&self, made: &[Option<Column>]) -> Vec<Option<ByStretch>> {

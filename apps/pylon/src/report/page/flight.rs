@@ -13,7 +13,7 @@ pub(super) fn summary(report: &FlightReport, is_one_of_many: bool) -> Markup {
     let comparison = &report.comparison;
     let facts = &comparison.flight;
     html! {
-        section.summary aria-label=(format!("Summary of {}", facts.file)) {
+        section.summary aria-label=(format!("Summary of {}", file_name(&facts.file))) {
             @if is_one_of_many { h2 { (file_name(&facts.file)) } }
             p.meta {
                 (seconds(Some(facts.duration_s))) " in " (grouped(facts.rows)) " rows"

@@ -127,7 +127,7 @@ fn row(revision: &Revision, greatest: f64) -> Markup {
                 (revision.effect.map_or("another change", |effect| effect.name()))
                 @if let Some(date) = &revision.date { span.note { (date) } }
             }
-            td { (revision.learned_from.as_deref().unwrap_or("-")) }
+            td { (revision.learned_from.as_deref().map_or_else(|| "-".to_owned(), file_names)) }
             td { (bars(("before", before), ("after", after), greatest)) }
             td { (bars(("before", held_before), ("after", held_after), greatest)) }
         }
@@ -168,4 +168,9 @@ mod tests {
         assert_eq!(parts, ["10.0", "40.0"]);
         assert!(page.contains("never untrustworthy"), "{page}");
     }
+}
+
+/// Several files, as a model names them.
+fn file_names(paths: &str) -> String {
+    paths.split(", ").map(file_name).collect::<Vec<_>>().join(", ")
 }

@@ -175,7 +175,8 @@ fn place(chart: &Chart, small: bool) -> Markup {
     }
 }
 
-fn file_name(path: &str) -> String {
+/// What a page calls a file: it is passed on, and the author's folders are nobody's business.
+pub fn file_name(path: &str) -> String {
     std::path::Path::new(path)
         .file_name()
         .map_or_else(|| path.to_owned(), |name| name.to_string_lossy().into_owned())

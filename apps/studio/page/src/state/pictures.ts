@@ -63,10 +63,14 @@ function has(of: ModelText | null, id: string): boolean {
   return of !== null && of.text.includes(`"${id}"`);
 }
 
-/** The error beyond the reference once there is a diagnosis, which knows the reference's wander; until then the error. */
+/**
+ * The error beyond the reference once there is a diagnosis, which knows the reference's wander; until then the error. Where nothing known
+ * explains a sensor the noise was fitted to that, too: with the wander the misfit would be taken out of its own picture.
+ */
 function errorSignal(name: string, found: Diagnosed | null, of: ModelText | null): Signal {
   const noise = found?.diagnosis.noise ?? null;
-  if (!found || noise === null) return { signal: "error", sensor: name };
+  const isUnexplained = found?.diagnosis.sensors[name]?.verdict === "unknown_effect";
+  if (!found || noise === null || isUnexplained) return { signal: "error", sensor: name };
   const all = Object.values(found.diagnosis.sensors).flatMap((one) => one?.candidates ?? []);
   return { signal: "beyond_reference", sensor: name, noise: noise as NoiseFacts, found: all.filter(({ chosen, effect: id }) => chosen && !has(of, id)).map(acting) };
 }

@@ -1,7 +1,6 @@
 // On top: what was found, in one sentence, and what can be done with it.
 
 import type { JSX } from "preact";
-import { useEffect, useRef } from "preact/hooks";
 
 import { canUndo } from "../state/model";
 import { progress } from "../state/progress";
@@ -10,6 +9,7 @@ import { headline, undo } from "../state/studio";
 import { chooseFiles, exportFile, saveModel } from "../state/files";
 import type { ExportKind } from "../state/files";
 import { flights } from "../state/flights";
+import { Menu } from "./menu";
 import { isNarrow } from "./screen";
 
 const SIGNS = { good: "✓", caution: "!", bad: "✕", none: "" } as const;
@@ -64,31 +64,17 @@ const KINDS: ReadonlyArray<{ kind: ExportKind; text: string }> = [
 ];
 
 function Export(): JSX.Element | null {
-  const place = useRef<HTMLDetailsElement>(null);
-  useEffect(() => {
-    const away = (event: Event): void => {
-      const menu = place.current;
-      if (menu?.open && event.target instanceof Node && !menu.contains(event.target)) menu.open = false;
-    };
-    document.addEventListener("pointerdown", away);
-    return () => document.removeEventListener("pointerdown", away);
-  }, []);
-  const close = (): void => {
-    const menu = place.current;
-    if (!menu) return;
-    menu.open = false;
-    menu.querySelector("summary")?.focus();
-  };
   if (flights.value.length === 0) return null;
   return (
-    <details class="menu" ref={place} onKeyDown={(event) => { if (event.key === "Escape") close(); }}>
-      <summary class="button">Export</summary>
-      <div class="menu-list">
-        {KINDS.map(({ kind, text }) => (
-          <button key={kind} type="button" class="plain" onClick={() => { close(); void exportFile(kind); }}>{text}</button>
-        ))}
-        <button type="button" class="plain" onClick={() => { close(); print(); }}>Print this page</button>
-      </div>
-    </details>
+    <Menu summary={<summary class="button">Export</summary>}>
+      {(close) => (
+        <>
+          {KINDS.map(({ kind, text }) => (
+            <button key={kind} type="button" class="plain" onClick={() => { close(); void exportFile(kind); }}>{text}</button>
+          ))}
+          <button type="button" class="plain" onClick={() => { close(); print(); }}>Print this page</button>
+        </>
+      )}
+    </Menu>
   );
 }

@@ -2,28 +2,17 @@
 
 import { useSignal } from "@preact/signals";
 import type { JSX } from "preact";
-import { useEffect, useRef } from "preact/hooks";
 
 import { dropLayout, keepLayout, layouts, layOut } from "../state/layout";
+import { Menu } from "./menu";
+
+const BUTTON = (
+  <summary class="button" aria-label="Layouts" title="Layouts: what is where, kept under names"><span aria-hidden="true">▤</span></summary>
+);
 
 export function Layouts(): JSX.Element {
-  const place = useRef<HTMLDetailsElement>(null);
   const name = useSignal("");
-  useEffect(() => {
-    const away = (event: Event): void => {
-      const menu = place.current;
-      if (menu?.open && event.target instanceof Node && !menu.contains(event.target)) menu.open = false;
-    };
-    document.addEventListener("pointerdown", away);
-    return () => document.removeEventListener("pointerdown", away);
-  }, []);
-  const close = (): void => {
-    const menu = place.current;
-    if (!menu) return;
-    menu.open = false;
-    menu.querySelector("summary")?.focus();
-  };
-  const keep = (event: Event): void => {
+  const keep = (event: Event, close: () => void): void => {
     event.preventDefault();
     const wanted = name.value.trim();
     if (wanted === "") return;
@@ -32,20 +21,21 @@ export function Layouts(): JSX.Element {
     close();
   };
   return (
-    <details class="menu layouts" ref={place} onKeyDown={(event) => { if (event.key === "Escape") close(); }}>
-      <summary class="button" aria-label="Layouts" title="Layouts: what is where, kept under names"><span aria-hidden="true">▤</span></summary>
-      <div class="menu-list">
-        {layouts.value.map((one) => (
-          <span key={one.name} class="layout">
-            <button type="button" class="plain" onClick={() => { layOut(one.layout); close(); }}>{one.name}</button>
-            <button type="button" class="plain close" aria-label={`Forget the layout ${one.name}`} onClick={() => dropLayout(one.name)}>×</button>
-          </span>
-        ))}
-        <form onSubmit={keep}>
-          <input type="text" aria-label="Name of this layout" placeholder="Name of this layout" maxLength={40} value={name.value} onInput={(event) => { name.value = event.currentTarget.value; }} />
-          <button type="submit" disabled={name.value.trim() === ""}>Keep</button>
-        </form>
-      </div>
-    </details>
+    <Menu class="layouts" summary={BUTTON}>
+      {(close) => (
+        <>
+          {layouts.value.map((one) => (
+            <span key={one.name} class="layout">
+              <button type="button" class="plain" onClick={() => { layOut(one.layout); close(); }}>{one.name}</button>
+              <button type="button" class="plain close" aria-label={`Forget the layout ${one.name}`} onClick={() => dropLayout(one.name)}>×</button>
+            </span>
+          ))}
+          <form onSubmit={(event) => keep(event, close)}>
+            <input type="text" aria-label="Name of this layout" placeholder="Name of this layout" maxLength={40} value={name.value} onInput={(event) => { name.value = event.currentTarget.value; }} />
+            <button type="submit" disabled={name.value.trim() === ""}>Keep</button>
+          </form>
+        </>
+      )}
+    </Menu>
   );
 }

@@ -128,6 +128,8 @@ function Ribbons(): JSX.Element | null {
   if (!found || name === null) return null;
   const { trust, manoeuvres, motion } = found;
   const isAfter = before.value !== null && standing(found.asked) === "after";
+  // The newest revision is still being compared.
+  const isOld = before.value !== null && !isAfter;
   const past = ribbonsBefore.answer.value;
   const then = isAfter && past && standing(past.asked) === "before" ? past.trust[name] : undefined;
   const time = motion.time_s;
@@ -136,7 +138,7 @@ function Ribbons(): JSX.Element | null {
     <div class="ribbons">
       <PhaseRibbon />
       {then ? <Ribbon label="Trust before the newest revision" name="before" stretches={stretches(then)} look="trust" /> : null}
-      <Ribbon label={then ? "Trust after the newest revision" : "Trust"} name={then ? "after" : "trust"} stretches={stretches(trust[name] ?? [])} look="trust" />
+      <Ribbon label={then ? "Trust after the newest revision" : isOld ? "Trust before the newest revision" : "Trust"} name={then ? "after" : isOld ? "before" : "trust"} stretches={stretches(trust[name] ?? [])} look="trust" />
       <Ribbon label="Manoeuvres" name="manoeuvre" stretches={stretches(manoeuvres)} look="manoeuvre" />
       <div class="lanes">
         <Lane name="speed" unit="m/s" time={time} values={motion.speed_mps} />
