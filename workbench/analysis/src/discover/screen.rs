@@ -118,12 +118,15 @@ impl StretchProducts {
     }
 }
 
+/// What is said of each of a chunk of columns.
+type Judge<'a, T> = dyn Fn(&[Option<Column>]) -> Vec<Option<T>> + Sync + 'a;
+
 /// What `judge` says of columns that `column` makes, in order; the executor has a chunk of them at a time.
 fn by_chunks<T: Clone + Send>(
     columns: usize,
     column: &(dyn Fn(usize) -> Option<Column> + Sync),
     executor: &dyn Executor,
-    judge: &(dyn Fn(&[Option<Column>]) -> Vec<Option<T>> + Sync),
+    judge: &Judge<'_, T>,
 ) -> Vec<Option<T>> {
     let jobs = (0..columns.div_ceil(CHUNK)).map(|chunk| {
         move || {

@@ -140,6 +140,11 @@ fn errors(revision: &Revision) -> [Option<f64>; 4] {
     [rms_before_m, rms_after_m, held_out_before_m, held_out_after_m]
 }
 
+/// Several files, as a model names them.
+fn file_names(paths: &str) -> String {
+    paths.split(", ").map(file_name).collect::<Vec<_>>().join(", ")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -168,9 +173,4 @@ mod tests {
         assert_eq!(parts, ["10.0", "40.0"]);
         assert!(page.contains("never untrustworthy"), "{page}");
     }
-}
-
-/// Several files, as a model names them.
-fn file_names(paths: &str) -> String {
-    paths.split(", ").map(file_name).collect::<Vec<_>>().join(", ")
 }
