@@ -7,7 +7,7 @@ use crate::latch::{LatchRecord, SensorLatch};
 use crate::monitor::{KeptMonitor, Monitor, longest_step_us};
 use crate::moving_average::{KeptAverage, MovingAverage};
 use crate::output::Trust;
-use crate::reference_check::{ReferenceCheck, Standing};
+use crate::reference_check::{Play, ReferenceCheck, Standing};
 use crate::sensor::Sensor;
 use crate::time::{microseconds, seconds_between};
 use crate::ud::{NoiseVariance, Row, UdFilter};
@@ -422,7 +422,7 @@ impl FreeFlight {
         }
         let own = (error_m, own.monitor.bound_m2());
         let other = (other.testimony.error_m, other.monitor.bound_m2());
-        !is_likelier_own(own, other, self.reference.stiffness_per_m2())
+        !is_likelier_own(own, other, self.reference.play())
     }
 
     /// What a sensor is worth. A flag that was raised stays; otherwise, a sensor without a reference that may be
@@ -443,22 +443,28 @@ impl FreeFlight {
 /// Whether an error of a sensor beyond its bound is likelier its own than the reference's, by what the other sensor's error is. Of each the
 /// error, metres, and the square of its bound; the bounds are the same multiple of each one's sigma, and chi squared is in units of its square.
 ///
-/// A reference that is off by `r` costs `(own - r)^2 / own_bound^2 + (others - r)^2 / others_bound^2 + r^2 stiffness`, at the best `r`: a receiver
-/// whose climb rate agrees with its altitude has gone no further than that allows ([`ReferenceCheck::stiffness_per_m2`]). An error of the sensor
+/// A reference that is off by `r` costs `(own - r)^2 / own_bound^2 + (others - r)^2 / others_bound^2 + d^2 stiffness`, at the best `r`, where `d` is
+/// how far `r` is from what the receiver's two words have between them ([`Play`]): one whose climb rate agrees with its altitude has gone no
+/// further than its fixes' own errors, and one that converges is off to the one side by what it has left, and not to the other. An error of the sensor
 /// costs the other's alone, `others^2 / others_bound^2`, and no more than 1: beyond its bound the other is off as well. Were that left open,
-/// two sensors that fail would hide each other for ever. Of a reference of which nobody knows how far it is off (a stiffness of zero) it
+/// two sensors that fail would hide each other for ever. Of a reference of which nobody knows how far it is off it
 /// is left open: both beyond their bounds, and on one side, are the reference's before they are two failures.
 fn is_likelier_own(
     (own_m, own_bound_m2): (f32, f32),
     (others_m, others_bound_m2): (f32, f32),
-    stiffness_per_m2: f32,
+    play: Option<Play>,
 ) -> bool {
     let (own, others) = (1.0 / own_bound_m2, 1.0 / others_bound_m2);
     let others_cost = others * others_m * others_m;
+    let by_itself = if play.is_some() { others_cost.min(1.0) } else { others_cost };
+    let Play { other_m, stiffness_per_m2 } = play.unwrap_or(Play { other_m: 0.0, stiffness_per_m2: 0.0 });
+    // What the two errors have in common, as far as the words go; beyond them the stiffness holds it.
+    let common_m = (own * own_m + others * others_m) / (own + others);
+    let word_m = common_m.max(other_m.min(0.0)).min(other_m.max(0.0));
+    let (own_m, others_m) = (own_m - word_m, others_m - word_m);
     let pulled_per_m = own * own_m + others * others_m;
     let explained = pulled_per_m * pulled_per_m / (own + others + stiffness_per_m2);
-    let by_itself = if others_cost < 1.0 || stiffness_per_m2 <= 0.0 { others_cost } else { 1.0 };
-    by_itself < own * own_m * own_m + others_cost - explained
+    by_itself < own * own_m * own_m + others * others_m * others_m - explained
 }
 
 #[cfg(test)]
@@ -480,10 +486,11 @@ mod tests {
             (-23.0, 9.0, true),
             (8.0, f32::NAN, false),
         ] {
-            assert_eq!(is_likelier_own((own_m, 49.0), (others_m, 49.0), 0.0), is_own, "{own_m} {others_m}");
+            assert_eq!(is_likelier_own((own_m, 49.0), (others_m, 49.0), None), is_own, "{own_m} {others_m}");
         }
         for (others_m, is_own) in [(21.0, false), (19.0, true)] {
-            assert_eq!(is_likelier_own((30.0, 49.0), (others_m, 49.0), 1e-9), is_own, "{others_m}");
+            let play = Some(Play { other_m: 0.0, stiffness_per_m2: 1e-9 });
+            assert_eq!(is_likelier_own((30.0, 49.0), (others_m, 49.0), play), is_own, "{others_m}");
         }
     }
 
@@ -493,7 +500,27 @@ mod tests {
         for (own_m, others_m, is_own) in
             [(8.0, 8.0, false), (12.0, 12.0, true), (20.0, 20.0, true), (8.0, 3.2, true), (8.0, -6.0, true)]
         {
-            assert_eq!(is_likelier_own((own_m, 49.0), (others_m, 49.0), 0.01), is_own, "{own_m} {others_m}");
+            let play = Some(Play { other_m: 0.0, stiffness_per_m2: 0.01 });
+            assert_eq!(is_likelier_own((own_m, 49.0), (others_m, 49.0), play), is_own, "{own_m} {others_m}");
+        }
+    }
+
+    /// A receiver that converges, with 5.7 m left between its two words, explains errors of 8.7 m and 4.7 m to the one side, and not to the
+    /// other; nor one of 8.7 m alone, nor what is far beyond its words.
+    #[test]
+    fn a_reference_is_off_to_the_side_of_its_other_word() {
+        for (own_m, others_m, other_m, is_own) in [
+            (8.7, 4.7, 5.7, false),
+            (-8.7, -4.7, -5.7, false),
+            (8.7, 4.7, -5.7, true),
+            (8.7, 4.7, 0.0, true),
+            (8.7, 0.3, 5.7, true),
+            (30.0, 28.0, 5.7, true),
+            (30.0, 28.0, 30.0, false),
+        ] {
+            let play = Some(Play { other_m, stiffness_per_m2: 1.0 / 72.0 });
+            let said = is_likelier_own((own_m, 47.0), (others_m, 49.0), play);
+            assert_eq!(said, is_own, "{own_m} {others_m} {other_m}");
         }
     }
 

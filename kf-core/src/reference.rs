@@ -37,6 +37,9 @@ pub struct ReferenceTracker {
     /// The usual time between two fixes, microseconds; 0 before there were two. Not kept over a restart: the next two say it anew.
     #[serde(skip)]
     usual_us: u64,
+    /// The flight computer was away since the last fix, and its clock does not know for how long.
+    #[serde(skip)]
+    is_interrupted: bool,
 }
 
 /// For how long a climb rate carries the altitude at least, microseconds: an aircraft that begins to fall, or pulls 2 g, is by then 2 m
@@ -44,7 +47,8 @@ pub struct ReferenceTracker {
 const CARRIED_US: u64 = 640_000;
 
 /// Where the time between two fixes is another by the receiver's clock than by the flight computer's, by more than this (microseconds), it is
-/// the receiver's: a clock has leapt, or the supply was away for longer than anything on board knows. A fix that is late is late by less.
+/// the receiver's: a clock has leapt. A fix that is late is late by less. After a restart it is the receiver's in any case: for how long the
+/// supply was away nothing on board knows, and what is climbed meanwhile is not to be taken for a receiver that contradicts itself.
 const CLOCK_LEAP_US: u64 = CARRIED_US / 2;
 
 /// So many repeats are a receiver that stands still: a fix has its altitude in millimetres and three velocities in mm/s, all of
@@ -71,7 +75,13 @@ impl ReferenceTracker {
             climbed_m: 0.0,
             repeats: 0,
             usual_us: 0,
+            is_interrupted: false,
         }
+    }
+
+    /// It goes on after a restart: how long that took, the receiver's clock knows better than the flight computer's, by whatever it is.
+    pub(crate) const fn interrupt(&mut self) {
+        self.is_interrupted = true;
     }
 
     /// Whether a fix is a measurement at all.
@@ -122,6 +132,7 @@ impl ReferenceTracker {
             self.repeats = if repeats(fix, last) { self.repeats.saturating_add(1) } else { 0 };
         }
         self.last = Some((time_us, *fix));
+        self.is_interrupted = false;
         self.correction_m = 0.0;
         let altitude_minus_climb_m = fix.velocity_down_mps.map(|_| fix.altitude_m - self.climbed_m);
         AcceptedFix { altitude_m: fix.altitude_m, interval_s, altitude_minus_climb_m }
@@ -136,8 +147,8 @@ impl ReferenceTracker {
             _ => return own_us,
         };
         // Nor has a receiver's clock that leaps itself, at a start or at the week's end, the last word.
-        let has_leapt = own_us.abs_diff(receivers_us) > CLOCK_LEAP_US && receivers_us <= self.lost_after_us;
-        if has_leapt { receivers_us } else { own_us }
+        let has_leapt = self.is_interrupted || own_us.abs_diff(receivers_us) > CLOCK_LEAP_US;
+        if has_leapt && receivers_us <= self.lost_after_us { receivers_us } else { own_us }
     }
 
     /// Takes the reference's constant effects, metres, off the fix that was just accepted.
@@ -310,6 +321,26 @@ mod tests {
         assert!((next.interval_s.unwrap() - 0.2).abs() < 1e-6);
         // 2.7 s at 1 m/s were climbed.
         assert!((next.altitude_minus_climb_m.unwrap() - 98.5).abs() < 1e-4);
+    }
+
+    /// After a restart the interval is the receiver's however little the two clocks differ; otherwise a fix that is late is only late.
+    #[test]
+    fn after_a_restart_the_receivers_clock_says_how_long_it_was() {
+        for (is_restarted, interval_s) in [(false, 0.2), (true, 0.35)] {
+            let mut tracker = ReferenceTracker::new(&config(true));
+            let at =
+                |altitude_m, fix_time_us| GpsFix { fix_time_us: Some(fix_time_us), ..fix(altitude_m, -20.0) };
+            tracker.take(1_000_000, &at(100.0, 5_000_000)).unwrap();
+            if is_restarted {
+                tracker.interrupt();
+            }
+            let accepted = tracker.take(1_200_000, &at(107.0, 5_350_000)).unwrap();
+            assert!((accepted.interval_s.unwrap() - interval_s).abs() < 1e-6, "{is_restarted}");
+            let left_m = accepted.altitude_minus_climb_m.unwrap() - 100.0;
+            assert!((left_m - (7.0 - 20.0 * interval_s)).abs() < 1e-3, "{is_restarted}: {left_m}");
+            let next = tracker.take(1_400_000, &at(111.0, 5_560_000)).unwrap();
+            assert!((next.interval_s.unwrap() - 0.2).abs() < 1e-6, "{is_restarted}");
+        }
     }
 
     #[test]

@@ -9,6 +9,7 @@
 //! - An error of both sensors is the reference's before it is two sensors' by coincidence. With two sensors to ask, the error
 //!   of one counts against it only where its own fault is the likelier reading of both errors (`is_likelier_own` in
 //!   `free_flight`). Otherwise the reading is not judged, and the sensor is `unmonitored`.
+//! - A fix that brings altitude and climb rate together again, after they lay apart, is good however far it departs.
 //! - A receiver that contradicts itself has two words: an altitude that has left its own climb rate may be as wrong as that, and a
 //!   fix that was refused may be right and what was carried on wrong. An error counts only if the sensor is beyond its bound by both, or
 //!   the other sensor, calibrated before the two lay apart, is within its own by the reference and beyond it by the other word.
@@ -29,6 +30,17 @@ const MEMORY_S: f32 = 300.0;
 /// The altitude leaves the climb rate's integral by so many of a fix's sigmas without a fault: the bound allows for that, and it excuses
 /// nobody. What is left of a fault with that taken off is within any bound, which is three.
 const WANDER_SIGMAS: f32 = 2.0;
+
+/// How far the reference may be off: by anything between nothing and what its other word makes of it, and by a fix's own errors beyond
+/// that.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Play {
+    /// The error that both sensors show if the climb rate is right and the altitude is not, metres.
+    pub(crate) other_m: f32,
+    /// One over the square of how far a fix is off by itself, 1/m^2, at the monitor's multiple of sigma: two errors, one in the
+    /// calibration and one now.
+    pub(crate) stiffness_per_m2: f32,
+}
 
 /// The reference's standing.
 #[derive(Clone, Debug)]
@@ -181,12 +193,19 @@ impl ReferenceCheck {
         !self.standing.was_doubted && spoke_us >= self.standing.refused_us
     }
 
-    /// One over the square of how far the reference may be off by itself, 1/m^2, at the monitor's multiple of sigma: zero where nobody
-    /// knows. Two errors of a fix, one in the calibration and one now, and what the climb rate says that it has left.
+    /// How far the reference may be off; `None` where nobody knows.
     #[inline]
-    pub(crate) fn stiffness_per_m2(&self) -> f32 {
+    pub(crate) fn play(&self) -> Option<Play> {
         let Standing { carried_m, left_m, .. } = self.standing;
-        if carried_m.is_some() { 0.0 } else { 1.0 / (self.gate_m2 + left_m * left_m) }
+        let is_known = carried_m.is_none() && left_m.is_finite();
+        is_known.then(|| Play { other_m: -left_m, stiffness_per_m2: 1.0 / self.gate_m2 })
+    }
+
+    /// Whether a fix that departs by so much, metres, brings altitude and climb rate together again, after they lay apart: a receiver that
+    /// jumped and comes back, once what it had jumped to was taken for the reference.
+    fn is_reconciled(&self, departure_m: f32) -> bool {
+        let left_m = self.standing.left_m;
+        left_m.is_finite() && left_m.abs() > self.wander_m && (left_m + departure_m).abs() <= self.wander_m
     }
 
     /// Fixes have been refused for so long that what they were carried on from is worth nothing.
@@ -208,7 +227,10 @@ impl ReferenceCheck {
         let seconds = seconds_between(self.standing.good_us, time_us);
         let gate_m2 = self.gate_m2 + self.gate_m2_per_s * seconds;
         // A departure that overflows is beyond any gate.
-        let is_good = carried_m.is_none() || departure_m * departure_m <= gate_m2 || is_vouched();
+        let is_good = carried_m.is_none()
+            || departure_m * departure_m <= gate_m2
+            || self.is_reconciled(departure_m)
+            || is_vouched();
         if is_good {
             // After a loss nobody knows what it has left, and where no climb rate carries it nobody ever does.
             let is_known = carried_m.is_some() && seconds < MEMORY_S;

@@ -153,6 +153,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         self.read_signals(&mut fields)?;
         self.read_formulas(&mut fields, last_us)?;
         self.tracker = fields.tracker()?;
+        self.tracker.interrupt();
         let fix_regressors_m = fields.fix_regressors_m()?;
         for (kept_m, regressor_m) in self.fix_regressors_m.iter_mut().zip(&fix_regressors_m) {
             *kept_m = *regressor_m;

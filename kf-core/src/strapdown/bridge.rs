@@ -6,7 +6,8 @@
 //! are mended: fixes are taken, weighed by what the gaps have cost, until the climb rate is known to [`MENDED_M2PS2`], and
 //! to [`MENDED_BY_CLIMB_M2PS2`] by a receiver that measures its own: after its first fix the altitude is known again. Nor is that enough: the
 //! level that a gap has cost goes on pulling at the climb rate, so the acceleration that is lacking has to be known as well
-//! ([`MENDED_LACKING_M2PS4`]). After a gap of a second altitudes alone take 10 to 30 s for it.
+//! ([`MENDED_LACKING_M2PS4`]). After a gap of a second altitudes alone take 10 to 30 s for it. A gap under the pylon that the launch leaves no time to
+//! mend is mended after it.
 
 /// Variance of the climb rate to which gaps are mended, (m/s)^2: half a metre a second, 30 m in a
 /// minute of free flight, is what a MEMS unit drifts anyway.

@@ -194,7 +194,7 @@ pub struct VerticalChannel {
     tie: Tie,
     /// What the tie's covariance is of.
     tie_time_us: u64,
-    /// Variance of the climb rate that bridges have cost since launch and nothing has mended, (m/s)^2.
+    /// Variance of the climb rate that bridges have cost and nothing has mended, (m/s)^2.
     bridged_m2ps2: f32,
     /// In free flight: fixes are taken.
     is_mending: bool,
@@ -332,8 +332,10 @@ impl VerticalChannel {
             let down = self.down.map_or([0.0; 3], |down| down.get());
             let accel_bias = down.map(|part| part * lacking);
             self.phase = Phase::Free { accel_bias, aligned: self.is_aligned() };
-            self.bridged_m2ps2 = 0.0;
-            self.is_mending = false;
+            // What the reference had no time to mend under the pylon it mends now.
+            self.is_mending = self.bridged_m2ps2 > MENDED_BY_CLIMB_M2PS2;
+            self.drifted_m2 = self.tie.altitude_m2();
+            self.climb_fix_us = self.is_mending.then_some(self.tie_time_us);
             self.is_captive_leap = self.spikes > 0;
         }
     }

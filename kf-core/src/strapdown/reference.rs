@@ -81,6 +81,7 @@ impl VerticalChannel {
         if is_captive {
             self.lacking_mps2.add(lacking);
             self.is_unconfirmed = moved_m * moved_m > CONFIRMED_SIGMAS_SQUARED * self.tie.altitude_m2();
+            self.end_mending(MENDED_BY_CLIMB_M2PS2, MENDED_M2);
         } else {
             self.lack(lacking);
             // Who measures climb rates has not had the last word.

@@ -578,6 +578,25 @@ fn what_was_calibrated_while_the_receiver_contradicted_itself_is_no_witness() {
     assert_eq!([seen.flags_s[0][1], seen.flags_s[1][1]], [None; 2]);
 }
 
+/// A receiver that was believed while it went off, because it did so slowly, comes back at once: altitude and climb rate are one again, so
+/// it is the reference, and a barometer that fails then is flagged. One that leaps to the other side is refused, and nobody is blamed.
+#[test]
+fn a_fix_that_brings_altitude_and_climb_rate_together_again_is_good() {
+    for (back_to_m, is_good) in [(0.0, true), (-15.0, false)] {
+        let (seen, counters) = flown(&config(true), |time_s, input| {
+            let off_m = if time_s < 7.0 { 5.0 * (time_s - 1.0).clamp(0.0, 3.0) } else { back_to_m };
+            add_to_fix(input, off_m);
+            if is_good && time_s > 7.5 {
+                add_to_baro(input, 25.0);
+            }
+        });
+        assert_eq!(seen.flags_s[0][1], None, "{back_to_m}");
+        assert_eq!(counters.gps.gated == 0, is_good, "{back_to_m}: {}", counters.gps.gated);
+        let is_flagged = seen.flags_s[1][1].is_some_and(|flag_s| (8.7..9.1).contains(&flag_s));
+        assert_eq!(is_flagged, is_good, "{back_to_m}: {:?}", seen.flags_s[1]);
+    }
+}
+
 /// A receiver that was lost and has come back elsewhere: nobody knows how far it is off. A barometer that fails then brings no blame on the
 /// sensor that is well.
 #[test]

@@ -170,6 +170,36 @@ fn a_receiver_that_has_jumped_mends_nothing() {
     assert!((rig.channel.altitude.value() - altitude_m).abs() < 0.1);
 }
 
+/// A gap that ends just before the launch is mended after it, and one that the reference had time to mend under the pylon is not.
+#[test]
+fn a_gap_that_the_launch_leaves_no_time_to_mend_is_mended_after_it() {
+    for (captive_s, is_mended_later) in [(0, true), (1, true), (60, false)] {
+        let mut rig = Rig::captive(60);
+        rig.tick += 199;
+        rig.step(&rest());
+        rig.channel.climb_rate.add(1.5);
+        fly_on(&mut rig, captive_s, |_| Some(1_000.0));
+        rig.channel.hold();
+        assert_eq!(rig.channel.is_mending(), is_mended_later, "{captive_s} s");
+        // It was no launch, and then it is one.
+        rig.channel.resume_captive();
+        rig.channel.launch();
+        assert_eq!(rig.channel.is_mending(), is_mended_later, "{captive_s} s");
+        let mut fixes = 0;
+        while rig.channel.is_mending() && fixes < 1_000 {
+            (0..40).for_each(|_| rig.step(&rest()));
+            rig.channel.reference(rig.time_us(), 1_000.0).unwrap();
+            rig.channel.climb_rate_fix(rig.time_us(), 0.0).unwrap();
+            fixes += 1;
+        }
+        let climb_mps = rig.channel.climb_rate.value();
+        assert!(
+            fixes < 300 && climb_mps.abs() < 3.0 * 0.14,
+            "{captive_s} s: {climb_mps} after {fixes} fixes"
+        );
+    }
+}
+
 #[test]
 fn without_a_gap_nothing_is_mended() {
     let mut rig = Rig::captive(60);
