@@ -99,3 +99,85 @@ fn every_command_leaves_out_what_follows_the_landing_and_says_so() {
     let given = stdout(directory, &["compare", "glider.csv", "--calibrate", "20..90"]);
     assert!(given.contains("20..90 s of the flight's own clock, as given"), "{given}");
 }
+
+/// Writes the log of a vehicle that is carried up, hangs under a mother ship in level flight for two minutes from 200 s on, is dropped at
+/// 320 s and pulls out after three seconds; without a launch column. Barometer at 20 Hz, receiver at 5 Hz.
+fn dropped(file: &Path) {
+    let mut text = "# pylon-flight: 1\ntime_s,gps_alt_m,gps_vn_mps,gps_ve_mps,baro_alt_m\n".to_owned();
+    for row in 0..10_000 {
+        let time_s = f64::from(row) / 20.0;
+        let (height_m, speed_mps) = match row {
+            0..2_000 => (100.0, 0.0),
+            2_000..4_000 => (100.0 + 4.0 * (time_s - 100.0), 25.0),
+            4_000..6_400 => (500.0, 30.0),
+            6_400..6_460 => (500.0 - 4.9 * (time_s - 320.0).powi(2), 30.0),
+            6_460..8_000 => (455.9 - 4.5 * (time_s - 323.0), 30.0),
+            _ => (109.4, 0.0),
+        };
+        let baro_m = height_m + 40.0 + 0.2 * (f64::from(row) * 2.9).sin();
+        let fix = if row % 4 == 0 {
+            format!("{:.2},{speed_mps},0", height_m + 0.4 * (f64::from(row) * 1.7).sin())
+        } else {
+            ",,".to_owned()
+        };
+        writeln!(text, "{time_s},{fix},{baro_m:.2}").unwrap();
+    }
+    fs::write(file, text).unwrap();
+}
+
+#[test]
+fn a_drop_from_a_carrier_is_found_and_the_sensors_are_calibrated_under_it() {
+    let directory = tempfile::tempdir().unwrap();
+    let directory = directory.path();
+    dropped(&directory.join("drop.csv"));
+    let text = stdout(directory, &["open", "drop.csv"]);
+    for said in [
+        "take-off at 00:01:4",
+        "drop       at 00:05:",
+        "dropped from a carrier at 00:05:",
+        "calibrated on the quiet flight under the carrier before the drop",
+    ] {
+        assert!(text.contains(said), "no '{said}' in {text}");
+    }
+    let found: Value = serde_json::from_str(&stdout(directory, &["open", "drop.csv", "--json"])).unwrap();
+    assert!((found["drop_s"].as_f64().unwrap() - 320.0).abs() <= 0.5, "{found}");
+    let window_s = [0, 1].map(|end| found["calibration_window_s"][end].as_f64().unwrap());
+    assert!(window_s[0] >= 195.0 && (310.0..=320.5).contains(&window_s[1]), "{window_s:?}");
+    let compared = stdout(directory, &["compare", "drop.csv"]);
+    assert!(compared.contains("quiet flight under the carrier"), "{compared}");
+}
+
+#[test]
+fn altitudes_of_two_datums_are_refused_until_one_is_converted_by_name() {
+    let directory = tempfile::tempdir().unwrap();
+    let directory = directory.path();
+    glider(&directory.join("glider.csv"));
+    let text = fs::read_to_string(directory.join("glider.csv")).unwrap();
+    let with_master = |line: &str| match line.split_once(',') {
+        Some(("time_s", _)) => format!("{line},imu_master_alt_m"),
+        Some((_, cells)) => {
+            let altitude_m: f64 = cells.split(',').next().unwrap().parse().unwrap();
+            format!("{line},{}", altitude_m + 47.0)
+        }
+        None => line.to_owned(),
+    };
+    let text: String = text.lines().map(|line| with_master(line) + "\n").collect();
+    let head = "# pylon-flight: 1\n# altitude_datum imu_master_alt_m: ellipsoid";
+    fs::write(directory.join("mixed.csv"), text.replacen("# pylon-flight: 1", head, 1)).unwrap();
+    let words =
+        "mixed.csv: imu_master_alt_m is measured above the ellipsoid and gps_alt_m above mean sea level";
+    for command in ["compare", "diagnose"] {
+        let said = refusal(directory, &[command, "mixed.csv"]);
+        assert!(said.contains(words) && said.contains("--to-msl imu_master_alt_m=GEOID_HEIGHT"), "{said}");
+    }
+    let opened = stdout(directory, &["open", "mixed.csv"]);
+    assert!(opened.contains("(gps_alt_m), above mean sea level"), "{opened}");
+    assert!(opened.contains("(imu_master_alt_m), above the ellipsoid"), "{opened}");
+    assert!(opened.contains("(baro_alt_m), above 1013.25 hPa"), "{opened}");
+    stdout(directory, &["import", "mixed.csv", "--to-msl", "imu_master_alt_m=47", "-o", "one.csv"]);
+    let found: Value = serde_json::from_str(&stdout(directory, &["compare", "one.csv", "--json"])).unwrap();
+    let bias_m = found["sensors"]["imu_master"]["bias_m"].as_f64().unwrap();
+    assert!(bias_m.abs() < 1.0, "{bias_m}");
+    let said = refusal(directory, &["import", "glider.csv", "-o", "again.csv"]);
+    assert!(said.contains("it is a flight already"), "{said}");
+}

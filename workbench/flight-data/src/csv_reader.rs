@@ -8,6 +8,7 @@ use csv::{ByteRecord, ReaderBuilder};
 use executor::{Executor, Inline};
 
 use self::rows::{Layout, parse_rows};
+use super::datum;
 use super::error::CsvProblem;
 use super::names::{self, Meaning};
 use super::note::Note;
@@ -121,7 +122,18 @@ fn parse_header_line<'a>(
                 }
             }
         }
-        _ => header.other.push((key.to_owned(), value.to_owned())),
+        _ => {
+            if datum::column_of(key).is_some() && AltitudeDatum::from_name(value).is_none() {
+                let (key, found) = (key.to_owned(), shorten(value.as_bytes()));
+                return Err(CsvProblem::HeaderValue {
+                    row,
+                    key,
+                    found,
+                    expected: "msl, ellipsoid or pressure",
+                });
+            }
+            header.other.push((key.to_owned(), value.to_owned()));
+        }
     }
     Ok(())
 }

@@ -11,7 +11,8 @@
 //! | `pylon-flight` | version of the format; required, `1` |
 //! | `vehicle` | the vehicle |
 //! | `source` | where the flight comes from; a simulation says so here |
-//! | `altitude_datum` | `msl` (default) or `ellipsoid`: what the altitudes are measured from |
+//! | `altitude_datum` | `msl` (default) or `ellipsoid`: what the altitudes are measured from; `baro_alt_m` from 1013.25 hPa |
+//! | `altitude_datum COLUMN` | the same for one column: `msl`, `ellipsoid` or `pressure` |
 //! | any other | kept as it is; a header line without a colon is kept as a remark |
 //!
 //! The known columns and their units are [`Channel`]'s; `time_s` (seconds, f64, from 0 on) is the time
@@ -30,6 +31,7 @@ mod channel;
 mod column;
 mod csv_reader;
 mod csv_writer;
+mod datum;
 mod error;
 mod names;
 mod note;
@@ -38,33 +40,13 @@ pub use channel::Channel;
 pub use column::Column;
 pub use csv_reader::{parse, parse_with};
 pub use csv_writer::to_writer;
+pub use datum::{AltitudeDatum, is_altitude};
 pub use error::{CsvProblem, FlightError};
 pub use names::unit_slip;
 pub use note::Note;
 
 /// Largest time of a row, seconds (285 years): microseconds of it are still whole numbers in f64.
 pub const MAX_TIME_S: f64 = 9.0e9;
-
-/// What the altitudes of a flight are measured from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum AltitudeDatum {
-    /// Mean sea level.
-    #[default]
-    Msl,
-    /// The WGS-84 ellipsoid.
-    Ellipsoid,
-}
-
-impl AltitudeDatum {
-    /// The name used in files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Msl => "msl",
-            Self::Ellipsoid => "ellipsoid",
-        }
-    }
-}
 
 /// The `# key: value` lines at a flight's head.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -7,7 +7,7 @@ use thiserror::Error;
 use super::barometer::Fault;
 use super::quiet::Calmest;
 use super::window::WindowError;
-use flight_data::CsvProblem;
+use flight_data::{AltitudeDatum, CsvProblem};
 
 /// Why a flight can not be replayed; displays as one line, without the flight's name.
 #[derive(Debug, Error)]
@@ -19,6 +19,21 @@ pub enum ReplayError {
     /// What is in the barometer's column was not measured by a barometer that works, and there is no other altitude.
     #[error("{}; there is no other altitude to compare with the receiver's", .0.sentence())]
     NoBarometer(Fault),
+    /// An altitude is measured from something else than the reference's.
+    #[error(
+        "{column} is measured {} and gps_alt_m {}, which differ by the geoid's height above the ellipsoid (up to 107 m): \
+         'pylon import FLIGHT --to-msl {}=GEOID_HEIGHT -o CORRECTED' converts it, with the metres by which the geoid is above the \
+         ellipsoid there",
+        own.words(), reference.words(), if *own == AltitudeDatum::Ellipsoid { column } else { "gps_alt_m" }
+    )]
+    MixedDatums {
+        /// The altitude's column.
+        column: &'static str,
+        /// What it is measured from.
+        own: AltitudeDatum,
+        /// What the reference is.
+        reference: AltitudeDatum,
+    },
     /// The calibration window does not fit the flight.
     #[error(transparent)]
     Window(#[from] WindowError),

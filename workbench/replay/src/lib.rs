@@ -28,14 +28,14 @@ use kf_core::output::TickOutput;
 use kf_core::strapdown;
 use model::Model;
 
-use flight_data::{Channel, Column, Flight};
+use flight_data::{AltitudeDatum, Channel, Column, Flight};
 
 pub use effect_columns::{column_notes, missing_columns};
 pub use error::ReplayError;
 pub use extent::{Extent, Unused};
 pub use inputs::{InputCounters, TickInputs};
 pub use mission::{AnyMission, mission};
-pub use quiet::{Calmest, QuietStretch};
+pub use quiet::{Calmest, Place, QuietStretch};
 pub use usage::{Usage, clock};
 pub use wild::WildCells;
 pub use window::{CalibrationWindow, WindowError};
@@ -152,7 +152,8 @@ impl<'a> Replay<'a> {
     /// before the take-off, the first quiet stretch of the flight or, where there is none, the calmest.
     ///
     /// # Errors
-    /// A flight without reference or second altitude, or with a barometer in its place that is stuck or a copy of the receiver, a window outside the flight or after
+    /// A flight without reference or second altitude, or with a barometer in its place that is stuck or a copy of the receiver, altitudes
+    /// of several datums, a window outside the flight or after
     /// its landing, or no launch column and nothing to calibrate on.
     pub fn new(
         flight: &'a Flight,
@@ -226,7 +227,7 @@ impl<'a> Replay<'a> {
         let mut replay = Self::calibrated_or_not(flight, model, window)?;
         // A stretch in the air would cost what was flown before it.
         if let CalibrationSource::Quiet(stretch) = replay.source
-            && !stretch.is_on_ground
+            && stretch.place == Place::Flight
             && replay.extent.interval().is_some()
         {
             replay = Self::uncalibrated(flight, model)?;
@@ -355,13 +356,20 @@ fn quiet_or_calmest(
     model: &Model,
     extent: &Extent,
 ) -> Result<CalibrationSource, ReplayError> {
-    let take_off = extent.interval().and_then(|interval| interval.take_off_s);
-    let on_ground = take_off
-        .and_then(|take_off_s| quiet::find_on_ground(flight, &model.quality, (extent.used_s.0, take_off_s)));
-    if let Some(stretch) = on_ground {
+    let (from_s, to_s) = extent.used_s;
+    let before = |end_s: f64, place| quiet::find_before(flight, &model.quality, (from_s, end_s), place);
+    let take_off_s = extent.interval().and_then(|interval| interval.take_off_s);
+    let drop_s = airborne::drop(flight).map(|drop| drop.from_s).filter(|at_s| (from_s..to_s).contains(at_s));
+    // What hangs under a carrier is calibrated there, as near to the drop as can be.
+    let captive = drop_s.and_then(|drop_s| {
+        let aloft_s = take_off_s.filter(|take_off_s| *take_off_s < drop_s).unwrap_or(from_s);
+        quiet::find_before(flight, &model.quality, (aloft_s, drop_s), Place::Captive)
+    });
+    let on_ground = || before(take_off_s?, Place::Ground);
+    if let Some(stretch) = captive.or_else(on_ground) {
         return Ok(CalibrationSource::Quiet(stretch));
     }
-    match quiet::find(flight, &model.quality, extent.used_s) {
+    match quiet::find(flight, &model.quality, (from_s, drop_s.unwrap_or(to_s))) {
         Err(ReplayError::NoQuietStretch { calmest: Some(calmest), .. }) => {
             Ok(CalibrationSource::Calmest(calmest))
         }
@@ -383,6 +391,7 @@ fn latitude_deg(flight: &Flight) -> Result<Option<f32>, ReplayError> {
 /// Whether there is a barometer to be believed, beside a reference and another altitude.
 fn has_barometer(flight: &Flight) -> Result<bool, ReplayError> {
     flight.require_altitudes()?;
+    require_one_datum(flight)?;
     let fault = barometer::check(flight);
     let inertial = [Channel::ImuSlaveAltM, Channel::ImuMasterAltM, Channel::AccelXMps2];
     match fault {
@@ -391,6 +400,20 @@ fn has_barometer(flight: &Flight) -> Result<bool, ReplayError> {
         }
         fault => Ok(fault.is_none()),
     }
+}
+
+/// Whether all altitudes that are compared are measured from the same. A pressure altitude is compared with any.
+fn require_one_datum(flight: &Flight) -> Result<(), ReplayError> {
+    let datum = |channel: Channel| flight.header.datum_of(channel.name());
+    let reference = datum(Channel::GpsAltM);
+    let compared = [Channel::ImuMasterAltM, Channel::ImuSlaveAltM, Channel::BaroAltM];
+    let mixed = compared.into_iter().find(|channel| {
+        let is_other = !matches!(datum(*channel), AltitudeDatum::Pressure) && datum(*channel) != reference;
+        is_other && flight.channel(*channel).is_some()
+    });
+    mixed.map_or(Ok(()), |channel| {
+        Err(ReplayError::MixedDatums { column: channel.name(), own: datum(channel), reference })
+    })
 }
 
 #[cfg(test)]

@@ -35,14 +35,29 @@ pub struct QuietStretch {
     pub altitude_range_m: f32,
     /// Median speed in it, m/s, if the flight has a speed.
     pub speed_mps: Option<f32>,
-    /// Whether it is on the ground before the take-off.
-    pub is_on_ground: bool,
+    /// Where it is.
+    pub place: Place,
+}
+
+/// Where a stretch is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// On the ground before the take-off.
+    Ground,
+    /// Under a carrier, before the drop.
+    Captive,
+    /// In flight.
+    Flight,
 }
 
 impl fmt::Display for QuietStretch {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let CalibrationWindow { start_s, end_s } = self.window;
-        let place = if self.is_on_ground { "ground before the take-off" } else { "first quiet stretch" };
+        let place = match self.place {
+            Place::Ground => "ground before the take-off",
+            Place::Captive => "quiet flight under the carrier before the drop",
+            Place::Flight => "first quiet stretch",
+        };
         write!(
             formatter,
             "the {place}, {start_s:.1}..{end_s:.1} s (altitude within {:.1} m",
@@ -129,7 +144,7 @@ pub fn find(
             window: found,
             altitude_range_m: range(stretch.iter().map(|block| block.altitude_m)),
             speed_mps: median(&mut speeds),
-            is_on_ground: false,
+            place: Place::Flight,
         });
     }
     let (found_s, wanted_s) = (last_s - origin_s, BLOCKS as f64 * length_s);
@@ -140,13 +155,14 @@ pub fn find(
     })
 }
 
-/// The last quiet stretch on the ground between two times, seconds, of which the second is the take-off: a receiver's altitude
-/// has settled by then, and the air has not changed yet. `None` where the vehicle stood for less than is needed.
+/// The last quiet stretch between two times, seconds, of which the second is the take-off or the drop: a receiver's altitude
+/// has settled by then, and the air has not changed yet. `None` where the vehicle was quiet for less than is needed.
 #[must_use]
-pub fn find_on_ground(
+pub fn find_before(
     flight: &Flight,
     quality: &QualityConfig,
     (from_s, take_off_s): (f64, f64),
+    place: Place,
 ) -> Option<QuietStretch> {
     let length_s = block_s(flight, quality);
     // The blocks end at the take-off.
@@ -169,7 +185,7 @@ pub fn find_on_ground(
             window: CalibrationWindow { start_s: time_s(first.index), end_s: time_s(last.index + 1) },
             altitude_range_m: range(stretch.iter().map(|block| block.altitude_m)),
             speed_mps: median(&mut speeds),
-            is_on_ground: true,
+            place,
         })
     })
 }

@@ -298,3 +298,22 @@ fn what_has_the_altitude_or_too_few_samples_is_flown_as_it_is() {
         assert_eq!(run(&replay).1.inertial_altitude, None);
     }
 }
+
+#[test]
+fn altitudes_of_two_datums_are_not_compared() {
+    let head = "# altitude_datum: ellipsoid\n";
+    let rows = "time_s,gps_alt_m,imu_slave_alt_m,baro_alt_m\n0,1,2,3\n";
+    let refused = |more: &str| {
+        let flight = read(&format!("{head}{more}{rows}"));
+        Replay::uncalibrated(&flight, &Model::default()).err().map(|error| error.to_string())
+    };
+    // A pressure altitude is compared with any.
+    assert_eq!(refused(""), None);
+    let said = refused("# altitude_datum imu_slave_alt_m: msl\n").unwrap();
+    let words = "imu_slave_alt_m is measured above mean sea level and gps_alt_m above the ellipsoid";
+    assert!(said.starts_with(words) && said.contains("--to-msl gps_alt_m=GEOID_HEIGHT"), "{said}");
+    assert!(refused("# altitude_datum baro_alt_m: msl\n").is_some());
+    assert_eq!(refused("# altitude_datum imu_slave_alt_m: ellipsoid\n"), None);
+    let typo = parse(format!("# pylon-flight: 1\n# altitude_datum baro_alt_m: mls\n{rows}").as_bytes());
+    assert!(typo.unwrap_err().to_string().contains("expected msl, ellipsoid or pressure"));
+}

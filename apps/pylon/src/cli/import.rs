@@ -26,6 +26,8 @@ Examples:
       a recorded MAVLink stream, of Pylon's own telemetry or of another autopilot
   pylon import flight.tlog --turn gps_vd_mps -o flight.csv
       the same for an autopilot that logged its velocity with the wrong sign; import reports a log that looks like that
+  pylon import flight.csv --to-msl imu_master_alt_m=47.2 -o corrected.csv
+      one altitude above mean sea level like the others, where the geoid is 47.2 m above the ellipsoid; a flight CSV is read if it is corrected
   pylon import logger.csv --guess -o mapping.toml
       any table of numbers, CSV or Parquet: a draft of what its columns are, each guess with its reason, doubtful ones commented out
   pylon import logger.csv --mapping mapping.toml -o flight.csv
@@ -56,6 +58,10 @@ pub struct Arguments {
     /// Invert the sign of a velocity that the log has the wrong way round (may be repeated)
     #[arg(long, value_name = "COLUMN", value_parser = clap::builder::PossibleValuesParser::new(import::signs::names()))]
     turn: Vec<String>,
+    /// Convert an altitude above the ellipsoid to one above mean sea level, by the metres that the geoid is above the ellipsoid there
+    /// (may be repeated)
+    #[arg(long, value_name = "COLUMN=METRES", conflicts_with = "guess")]
+    to_msl: Vec<import::to_msl::ToMsl>,
     /// Print JSON: what was written
     #[arg(long, conflicts_with = "guess")]
     json: bool,
@@ -75,10 +81,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         .chain(arguments.mapping.as_deref().map(|file| Role::new(file, "the mapping")))
         .collect();
     refuse_overwriting(&inputs, &[Role::new(output, "the flight")])?;
+    let corrections =
+        import::Corrections { turned: arguments.turn.clone(), to_msl: arguments.to_msl.clone() };
     let (flight, notes) = while_busy("importing", || -> Result<_, Failure> {
         Ok(match &arguments.mapping {
-            Some(file) => mapping::import_file(&arguments.log, file, &arguments.turn)?,
-            None => import::import_file_turned(&arguments.log, &arguments.turn)?,
+            Some(file) => mapping::import_file(&arguments.log, file, &corrections)?,
+            None => import::import_file_corrected(&arguments.log, &corrections)?,
         })
     })?;
     while_busy("writing", || flight::write(output, &flight))?;

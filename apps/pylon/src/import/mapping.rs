@@ -7,6 +7,7 @@ use thiserror::Error;
 
 pub use formats::import::mapping::{Fault, Layout, LoggedTable, Mapping, import, is_table, quantity, table};
 
+use super::Corrections;
 use crate::flight::{Flight, Note};
 
 /// Why a log could not be read by a mapping, or no mapping be drafted; displays as one line.
@@ -26,7 +27,7 @@ pub struct MappingError {
 pub fn import_file(
     log: &Path,
     mapping: &Path,
-    turned: &[String],
+    corrections: &Corrections,
 ) -> Result<(Flight, Vec<Note>), MappingError> {
     let in_log = |what: String| MappingError { file: log.to_path_buf(), what };
     let in_mapping = |what: String| MappingError { file: mapping.to_path_buf(), what };
@@ -39,7 +40,7 @@ pub fn import_file(
         Fault::Log(what) => in_log(what),
         Fault::Mapping(what) => in_mapping(what),
     })?;
-    formats::import::turn_and_check(&mut flight, &mut notes, turned)
+    formats::import::correct_and_check(&mut flight, &mut notes, corrections)
         .map_err(|error| in_log(error.to_string()))?;
     Ok((flight, notes))
 }

@@ -7,8 +7,8 @@ use std::io;
 use std::path::Path;
 
 pub use formats::import::{
-    IMPORTERS, ImportError, Importer, OpenError, altus, clock_offset, dataflash, igc, import, mcap, parquet,
-    record, signs, tlog, ulog,
+    Corrections, IMPORTERS, ImportError, Importer, OpenError, altus, clock_offset, dataflash, igc, import,
+    mcap, parquet, record, signs, tlog, to_msl, ulog,
 };
 pub use replay::barometer;
 
@@ -21,17 +21,24 @@ use crate::whole_file;
 /// # Errors
 /// [`Problem::Io`], [`Problem::Import`].
 pub fn import_file(path: &Path) -> Result<(Flight, Vec<Note>), ReadError> {
-    import_file_turned(path, &[])
+    import_file_corrected(path, &Corrections::default())
 }
 
-/// Imports a log and turns the signs of columns, by their names.
+/// Imports a log and corrects columns, by their names; with a correction, a flight's CSV too.
 ///
 /// # Errors
-/// As [`import_file`]; [`ImportError::NothingToTurn`] for a column that the flight does not have.
-pub fn import_file_turned(path: &Path, turned: &[String]) -> Result<(Flight, Vec<Note>), ReadError> {
+/// As [`import_file`]; as [`formats::import::correct_and_check`].
+pub fn import_file_corrected(
+    path: &Path,
+    corrections: &Corrections,
+) -> Result<(Flight, Vec<Note>), ReadError> {
     let log = read(path)?;
     if formats::import::is_flight(&log) {
-        return Err(ReadError::new(path, ImportError::AlreadyFlight.into()));
+        if corrections.is_empty() {
+            return Err(ReadError::new(path, ImportError::AlreadyFlight.into()));
+        }
+        return formats::import::corrected(&log, corrections, &Threads)
+            .map_err(|error| ReadError::new(path, error.into()));
     }
     let imported = formats::import::as_logged(&log).map_err(|error| {
         let is_table = error == ImportError::UnknownFormat && mapping::is_table(&log);
@@ -41,7 +48,7 @@ pub fn import_file_turned(path: &Path, turned: &[String]) -> Result<(Flight, Vec
     drop(log);
     imported
         .and_then(|(mut flight, mut notes)| {
-            formats::import::turn_and_check(&mut flight, &mut notes, turned)?;
+            formats::import::correct_and_check(&mut flight, &mut notes, corrections)?;
             Ok((flight, notes))
         })
         .map_err(|error| ReadError::new(path, error.into()))

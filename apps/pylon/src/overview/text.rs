@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use super::{AirborneTime, Overview, SensorState};
+use crate::flight::AltitudeDatum;
 use crate::replay::clock;
 
 /// Writing a line to a string, which can not fail.
@@ -55,7 +56,9 @@ pub fn text(overview: &Overview) -> String {
         let rate = sensor.rate_hz.map_or_else(String::new, |rate| format!(" at {}", hertz(rate)));
         let said = match sensor.state {
             SensorState::Present => {
-                format!("{} samples{rate} ({})", sensor.samples, sensor.columns.join(", "))
+                let datum = sensor.datum.as_deref().and_then(AltitudeDatum::from_name);
+                let datum = datum.map_or_else(String::new, |datum| format!(", {}", datum.words()));
+                format!("{} samples{rate} ({}){datum}", sensor.samples, sensor.columns.join(", "))
             }
             SensorState::Stuck => format!("stuck: {} samples, all the same", sensor.samples),
             SensorState::Copied => "no barometer: a copy of the receiver's altitude".to_owned(),
@@ -96,6 +99,9 @@ fn flights(out: &mut String, overview: &Overview) {
     }
     if overview.airborne.is_empty() {
         put!(out, "  flight     no take-off or landing in this log: treated as one flight");
+    }
+    if let Some(drop_s) = overview.drop_s {
+        put!(out, "  drop       at {}, from a carrier, by how it falls", clock(drop_s));
     }
     if let Some(seconds) = overview.ground_before_s {
         put!(out, "  ground     {} before take-off", duration(seconds));

@@ -37,6 +37,8 @@ pub struct Overview {
     pub duration_s: f64,
     /// When it was launched or dropped, by its own `launch` column, seconds.
     pub launch_s: Option<f64>,
+    /// When it was dropped from a carrier, by how it falls, seconds; null where it was not, or has a `launch` column.
+    pub drop_s: Option<f64>,
     /// Which part of it is analysed.
     #[serde(flatten, deserialize_with = "crate::json::whole")]
     pub usage: Usage,
@@ -119,6 +121,14 @@ impl Overview {
                 boost.rise_m
             )
         });
+        let drop = airborne::drop(flight).filter(|_| !has_launch(flight));
+        let dropped = drop.map(|drop| {
+            format!(
+                "dropped from a carrier at {}: out of steady flight it falls by {:.0} m within 2 s",
+                clock(drop.from_s),
+                drop.fall_m
+            )
+        });
         let (usage, calibration, window_s, refused, chosen) = match &replay {
             Ok(replay) => (
                 Usage::of(replay),
@@ -138,6 +148,7 @@ impl Overview {
             first_s,
             duration_s: last_s - first_s,
             launch_s: launch_s(flight),
+            drop_s: drop.map(|drop| drop.from_s),
             diagnosed_share: Replay::to_diagnose(flight, &Model::default(), window)
                 .ok()
                 .filter(|_| refused.is_none())
@@ -156,7 +167,7 @@ impl Overview {
             refused,
             barometer_fault: barometer::check(flight).map(barometer::Fault::sentence),
             sensors: sensors::views(flight),
-            notes: launched.into_iter().chain(notes.iter().map(ToString::to_string)).collect(),
+            notes: launched.into_iter().chain(dropped).chain(notes.iter().map(ToString::to_string)).collect(),
             usage,
         }
     }

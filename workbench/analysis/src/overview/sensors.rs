@@ -1,6 +1,6 @@
 //! Which sensors a log has, and whether they measured.
 
-use flight_data::{Channel, Column, Flight};
+use flight_data::{Channel, Column, Flight, is_altitude};
 use replay::barometer::{self, Fault};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -36,6 +36,8 @@ pub struct SensorView {
     pub rate_hz: Option<f64>,
     /// Its columns.
     pub columns: Vec<Name>,
+    /// What its altitudes are measured from, `msl`, `ellipsoid` or `pressure`; null for what is no altitude.
+    pub datum: Option<Name>,
 }
 
 /// A sensor and its columns, the telling one first.
@@ -70,6 +72,11 @@ pub(super) fn views(flight: &Flight) -> Vec<SensorView> {
             samples: telling.map_or(0, |column| column.samples().count() as u64),
             rate_hz: telling.and_then(|column| rate_hz(flight, column)),
             columns: columns.iter().map(|(channel, _)| channel.name().into()).collect(),
+            datum: columns
+                .iter()
+                .map(|(channel, _)| channel.name())
+                .find(|name| is_altitude(name))
+                .map(|name| flight.header.datum_of(name).name().into()),
         })
     };
     SENSORS.iter().enumerate().filter_map(view).collect()

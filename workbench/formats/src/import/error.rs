@@ -115,6 +115,24 @@ pub enum ImportError {
         /// The column.
         name: String,
     },
+    /// An altitude to be converted that is not there.
+    #[error(
+        "no altitude {name} in this flight, expected one of its altitudes (such as gps_alt_m) to convert"
+    )]
+    NoSuchAltitude {
+        /// What was given.
+        name: String,
+    },
+    /// An altitude to be converted that is measured from something else.
+    #[error(
+        "{name} is measured {is}, expected an altitude above the ellipsoid to convert to one above mean sea level"
+    )]
+    NotAboveEllipsoid {
+        /// The column.
+        name: String,
+        /// What it is measured from, in words.
+        is: &'static str,
+    },
     /// Several files in one.
     #[error("a {kind}: unpack it, and give the log that is in it")]
     Packed {

@@ -14,6 +14,7 @@ pub mod dataflash;
 mod error;
 mod fixes;
 mod foreign;
+mod gaps;
 mod gps_time;
 #[cfg(feature = "table")]
 pub mod guess;
@@ -38,6 +39,7 @@ mod table;
 mod testing;
 #[cfg(feature = "tlog")]
 pub mod tlog;
+pub mod to_msl;
 #[cfg(feature = "ulog")]
 pub mod ulog;
 mod unit_check;
@@ -45,7 +47,7 @@ mod velocity;
 mod words;
 
 use executor::Executor;
-use flight_data::{Flight, Note};
+use flight_data::{CsvProblem, Flight, Note};
 
 pub use error::{ImportError, OpenError};
 
@@ -94,31 +96,50 @@ pub static IMPORTERS: &[&dyn Importer] = &[
 /// [`ImportError`].
 pub fn import(log: &[u8]) -> Result<(Flight, Vec<Note>), ImportError> {
     let (mut flight, mut notes) = as_logged(log)?;
-    turn_and_check(&mut flight, &mut notes, &[])?;
+    correct_and_check(&mut flight, &mut notes, &Corrections::default())?;
     Ok((flight, notes))
 }
 
-/// Turns the signs of columns, by their names, and says what contradicts what.
+/// What a user corrects of a log, by the columns' names.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Corrections {
+    /// Velocities whose sign is turned.
+    pub turned: Vec<String>,
+    /// Altitudes above the ellipsoid that are converted.
+    pub to_msl: Vec<to_msl::ToMsl>,
+}
+
+impl Corrections {
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.turned.is_empty() && self.to_msl.is_empty()
+    }
+}
+
+/// Corrects columns, by their names, and says what contradicts what.
 ///
 /// # Errors
-/// [`ImportError::NothingToTurn`] for a column that the flight does not have.
-pub fn turn_and_check(
+/// [`ImportError::NothingToTurn`] for a column that the flight does not have; as [`to_msl::to_msl`].
+pub fn correct_and_check(
     flight: &mut Flight,
     notes: &mut Vec<Note>,
-    turned: &[String],
+    corrections: &Corrections,
 ) -> Result<(), ImportError> {
-    for name in turned {
+    corrections.to_msl.iter().try_for_each(|conversion| to_msl::to_msl(flight, conversion))?;
+    for name in &corrections.turned {
         if !signs::turn(flight, name) {
             return Err(ImportError::NothingToTurn { name: name.clone() });
         }
     }
+    notes.extend(gaps::note(flight));
     notes.extend(signs::notes(flight));
     notes.extend(unit_check::notes(flight));
     notes.extend(barometer::note(flight));
     Ok(())
 }
 
-/// Imports a log without what [`turn_and_check`] does: the checks need memory of their own, and no byte of the log.
+/// Imports a log without what [`correct_and_check`] does: the checks need memory of their own, and no byte of the log.
 ///
 /// # Errors
 /// As [`import`].
@@ -194,11 +215,31 @@ pub fn open(bytes: &[u8], name: &str, executor: &dyn Executor) -> Result<(Flight
     if !is_csv && !bytes.is_empty() && !is_text(bytes) {
         return Err(ImportError::UnknownFormat.into());
     }
+    let (flight, mut notes) = open_csv(bytes, executor)?;
+    notes.extend(gaps::note(&flight));
+    notes.extend(unit_check::notes(&flight));
+    notes.extend(barometer::note(&flight));
+    Ok((flight, notes))
+}
+
+fn open_csv(bytes: &[u8], executor: &dyn Executor) -> Result<(Flight, Vec<Note>), CsvProblem> {
     let (mut flight, mut notes) = flight_data::parse_with(bytes, executor)?;
     notes.extend(leap::leave_out(&mut flight));
     notes.extend(leap::backward(&flight));
-    notes.extend(unit_check::notes(&flight));
-    notes.extend(barometer::note(&flight));
+    Ok((flight, notes))
+}
+
+/// A flight's CSV, corrected.
+///
+/// # Errors
+/// As [`flight_data::parse`] and [`correct_and_check`].
+pub fn corrected(
+    csv: &[u8],
+    corrections: &Corrections,
+    executor: &dyn Executor,
+) -> Result<(Flight, Vec<Note>), OpenError> {
+    let (mut flight, mut notes) = open_csv(csv, executor)?;
+    correct_and_check(&mut flight, &mut notes, corrections)?;
     Ok((flight, notes))
 }
 

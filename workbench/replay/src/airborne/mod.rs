@@ -12,6 +12,7 @@
 
 mod blocks;
 mod boost;
+mod drop;
 mod grouping;
 #[cfg(test)]
 mod tests;
@@ -20,6 +21,7 @@ use flight_data::Flight;
 
 pub use blocks::Heights;
 pub use boost::{Boost, boost};
+pub use drop::{Drop, drop};
 pub use grouping::EDGE_S;
 
 /// One time in the air, by the flight's own clock.

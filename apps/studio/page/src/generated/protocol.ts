@@ -1837,6 +1837,10 @@ duration_s: number,
  */
 launch_s: number | null, 
 /**
+ * When it was dropped from a carrier, by how it falls, seconds; null where it was not, or has a `launch` column.
+ */
+drop_s: number | null, 
+/**
  * The share of it that a diagnosis works on, which needs no calibration; null where it can not be analysed.
  */
 diagnosed_share: number | null, 
@@ -2513,7 +2517,11 @@ rate_hz: number | null,
 /**
  * Its columns.
  */
-columns: Array<string>, };
+columns: Array<string>, 
+/**
+ * What its altitudes are measured from, `msl`, `ellipsoid` or `pressure`; null for what is no altitude.
+ */
+datum: string | null, };
 
 /**
  * A sensor's own wander.

@@ -215,6 +215,10 @@ pub const RULES: [Rule; 14] = [
         fields: &[
             signal(&["VWN"], Quantity::Speed, "autopilot_wind_n_mps"),
             signal(&["VWE"], Quantity::Speed, "autopilot_wind_e_mps"),
+            signal(&["AX"], Quantity::Acceleration, "autopilot_accel_bias_x_mps2"),
+            signal(&["AY"], Quantity::Acceleration, "autopilot_accel_bias_y_mps2"),
+            // The second filter estimates that of the third axis alone.
+            signal(&["AZ", "AZbias"], Quantity::Acceleration, "autopilot_accel_bias_z_mps2"),
         ],
     },
     Rule {

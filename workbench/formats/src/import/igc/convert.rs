@@ -7,6 +7,7 @@ use super::log::{Altitudes, Log};
 use super::units::{Inferred, SpeedSample, airspeed_unit, climb_unit, ground_speed_unit, temperature_unit};
 use crate::import::ImportError;
 use crate::import::airspeed::{standard_temperature_c, true_airspeed_factor};
+use crate::import::damage::percent;
 use crate::import::velocity::velocities;
 use flight_data::{AltitudeDatum, Channel, Column, Flight, Header, Note};
 
@@ -50,6 +51,11 @@ pub fn convert(mut log: Log) -> Result<(Flight, Vec<Note>), ImportError> {
     converter.horizontal();
     converter.additional();
     Ok((converter.flight, converter.notes))
+}
+
+/// A second of the day as a clock shows it.
+fn time_of_day(second: u32) -> String {
+    format!("{:02}:{:02}:{:02}", second / 3_600, second / 60 % 60, second % 60)
 }
 
 fn header(log: &Log) -> Header {
@@ -133,13 +139,39 @@ impl Converter {
                 losses.before_first_fix, losses.records, losses.first_before_line
             ));
         }
+        let judged = &losses.times;
         let times = &self.flight.time_s;
-        let pairs = || times.iter().zip(times.iter().skip(1));
-        let repeated = pairs().filter(|(time, next)| time == next).count();
-        let backward = pairs().filter(|(time, next)| next < time).count();
-        if repeated + backward > 0 {
+        if judged.restarts > 0 {
             notes.push(format!(
-                "records that repeat the time of the one before: {repeated}, that go back in time: {backward}; the \
+                "the recorder's clock was set back within the log ({}x): the longest stretch is used; fixes of the others, left \
+                 out: {} ({})",
+                judged.restarts,
+                judged.of_other_runs,
+                percent(judged.of_other_runs, losses.records)
+            ));
+        }
+        if let Some(first) = judged.first {
+            let before =
+                first.before.map_or_else(String::new, |before| format!(" after {}", time_of_day(before)));
+            notes.push(format!(
+                "records whose time contradicts those around them, left out: {} ({}); the first is line {}, with {}{before}",
+                judged.contradicting,
+                percent(judged.contradicting, losses.records),
+                first.line + 1,
+                time_of_day(first.second)
+            ));
+        }
+        let repeated = times.iter().zip(times.iter().skip(1)).filter(|(time, next)| time == next).count();
+        let mut latest_s = f64::NEG_INFINITY;
+        let mut is_behind = |time_s: f64| {
+            let is_behind = time_s < latest_s;
+            latest_s = latest_s.max(time_s);
+            is_behind
+        };
+        let behind = times.iter().filter(|time_s| is_behind(**time_s)).count();
+        if repeated + behind > 0 {
+            notes.push(format!(
+                "records that repeat the time of the one before: {repeated}, that are earlier than one before them: {behind}; the \
                  estimator ignores them"
             ));
         }

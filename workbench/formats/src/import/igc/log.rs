@@ -1,11 +1,11 @@
 //! An IGC file line by line, before its numbers get units.
 
 use super::records::{self, Extension};
+use super::times::{self, Judged};
 use crate::import::velocity::Position;
 use flight_data::Column;
 
-/// Seconds of half a day: a clock that goes back further has passed midnight.
-const HALF_DAY_S: f64 = 43_200.0;
+const HALF_DAY_S: f64 = times::HALF_DAY_S as f64;
 const DAY_S: f64 = 86_400.0;
 
 /// The altitudes of a fix.
@@ -36,6 +36,8 @@ pub struct Losses {
     pub first_before_line: usize,
     /// B and K records.
     pub records: usize,
+    /// B and K records whose time contradicts those around them.
+    pub times: Judged,
 }
 
 /// A log as read: one cell a row in each column, because a row of its own on the heap takes several times its line.
@@ -103,10 +105,16 @@ impl Log {
         let mut fix_extensions = Vec::new();
         let mut data_extensions = Vec::new();
         let mut date = None;
+        log.losses.times = times::judge(text);
+        let left_out = std::mem::take(&mut log.losses.times.left_out);
+        let mut left_out = left_out.into_iter().peekable();
         for (index, line) in lines(text).enumerate() {
             let line = line.trim_ascii_end();
             let before = log.losses.before_first_fix;
             log.losses.records += usize::from(matches!(line.first(), Some(b'B' | b'K')));
+            if left_out.next_if_eq(&index).is_some() {
+                continue;
+            }
             let good = match line.first() {
                 None => true,
                 // No recorder writes a zero: what was on the card there is lost.
@@ -262,7 +270,7 @@ impl Log {
 }
 
 /// Lines that end with LF, CR LF or CR.
-fn lines(text: &[u8]) -> impl Iterator<Item = &[u8]> {
+pub fn lines(text: &[u8]) -> impl Iterator<Item = &[u8]> {
     let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
     let has_line_feed = text.contains(&b'\n');
     text.split(move |byte| *byte == if has_line_feed { b'\n' } else { b'\r' })

@@ -17,6 +17,7 @@
 mod convert;
 mod log;
 pub mod records;
+mod times;
 pub mod units;
 
 pub use log::{Altitudes, Log, Losses};

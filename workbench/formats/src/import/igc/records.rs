@@ -88,6 +88,11 @@ pub fn fix(line: &[u8]) -> Option<Fix> {
     })
 }
 
+/// Second of the day of what may be a B record.
+pub fn fix_time(line: &[u8]) -> Option<u32> {
+    if line.first() == Some(&b'B') && line.len() >= FIX_LENGTH { second_of_day(line, 1) } else { None }
+}
+
 /// Reads the time of a K record, UTC seconds of the day.
 #[must_use]
 pub fn data_time(line: &[u8]) -> Option<u32> {

@@ -125,10 +125,31 @@ fn repeated_and_lost_records_are_noted() {
     let mut text = log("I013638FXA\n", &[(500, 560, 'A'); 3]);
     text += "B1000024500162N00700000EA0050000560\nB10000\nK1x\n?\nB0959594500162N00700000EA0050000560\n";
     let notes = import(&text).1;
-    assert!(has_note(&notes, "repeat the time of the one before: 1, that go back in time: 0"));
+    assert!(has_note(
+        &notes,
+        "repeat the time of the one before: 1, that are earlier than one before them: 0"
+    ));
     assert!(has_note(&notes, "could not be read and were left out: 3, the first is line 6"));
     assert!(has_note(&notes, "blank or not numbers: 4"));
     assert!(has_note(&notes, "before the first fix's, left out: 1"));
+}
+
+/// One wrong digit moves a record by hours; what follows is in its place all the same. Hours that really passed are said.
+#[test]
+fn a_wrong_hour_costs_its_record_and_hours_without_any_are_said() {
+    let text = log("HFALG:ELL\n", &[(500, 560, 'A'); 50]);
+    for wrong in ["B150020", "B230020", "B050020"] {
+        let (flight, notes) = import(&text.replace("B100020", wrong));
+        assert_eq!((flight.rows(), flight.time_s[48]), (49, 49.0), "{wrong}");
+        let time = format!("{}:00:20 after 10:00:19", &wrong[1..3]);
+        let words = "records whose time contradicts those around them, left out: 1 (2.0 %); the first is line 22, with ";
+        assert!(has_note(&notes, &format!("{words}{time}")), "{notes:?}");
+    }
+    let later = text.replace("B1000", "B1500").replace("HFALG:ELL\n", "");
+    let (flight, notes) = import::import((text + &later).as_bytes()).unwrap();
+    assert_eq!(flight.rows(), 100);
+    let words = "nothing was recorded for 17951 s (99 % of the log), from 49 s to 18000 s";
+    assert!(notes.iter().any(|note| note.text() == words), "{notes:?}");
 }
 
 /// A simulated glider: it circles at 28 m/s true airspeed in a wind of 8 m/s from the west and climbs from

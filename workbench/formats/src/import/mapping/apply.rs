@@ -51,12 +51,13 @@ pub fn apply(table: &LoggedTable, mapping: &Mapping, name: &str) -> Result<(Flig
             .map_or_else(|| Destination::signal(destination), Destination::Channel);
         fillings.push(Filling { destination, samples: Samples::Double(samples) });
     }
-    let header = Header {
+    let mut header = Header {
         vehicle: mapping.flight.vehicle.trim().replace(char::is_control, " "),
         source: format!("imported table, by {name}"),
         altitude_datum: mapping.datum().map_err(Fault::Mapping)?,
         other: vec![("log_format".to_owned(), "table".to_owned())],
     };
+    mapping.datums().for_each(|(column, datum)| header.set_datum(column, datum));
     let Table { mut flight, repeated, start_us, .. } = assemble(header, &times_us, fillings);
     flight.require_altitudes().map_err(|problem| {
         let has = |channel: Channel| mapping.signals.contains_key(channel.name());

@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use super::quantity::Quantity;
 use super::table::{Layout, Separator};
-use flight_data::{AltitudeDatum, unit_slip};
+use flight_data::{AltitudeDatum, is_altitude, unit_slip};
 
 /// What a mapping file says (TOML).
 #[derive(Clone, Debug, Deserialize)]
@@ -82,6 +82,8 @@ pub struct Signal {
     pub scale: Option<f64>,
     /// Plus this, before the unit.
     pub offset: Option<f64>,
+    /// What an altitude is measured from, if not from what `[flight]` says: `msl`, `ellipsoid` or `pressure`.
+    datum: Option<String>,
     /// Whether the column repeats a sample until the next one; then only what differs from the row before is a sample.
     #[serde(default)]
     pub held: bool,
@@ -151,6 +153,12 @@ impl Mapping {
                 Err(format!("[flight] altitude_datum is '{other}', expected \"msl\" or \"ellipsoid\""))
             }
         }
+    }
+
+    /// What single altitudes are measured from: those that say it themselves.
+    pub fn datums(&self) -> impl Iterator<Item = (&str, AltitudeDatum)> {
+        let own = |signal: &Signal| signal.datum.as_deref().and_then(AltitudeDatum::from_name);
+        self.signals.iter().filter_map(move |(name, signal)| Some((name.as_str(), own(signal)?)))
     }
 
     /// Whether it says how the text is laid out.
@@ -247,6 +255,13 @@ impl Signal {
                 }
                 Some(_) => {}
             }
+        }
+        if let Some(datum) = &self.datum
+            && (AltitudeDatum::from_name(datum).is_none() || !is_altitude(name))
+        {
+            return Err(format!(
+                "[signals] {name}: datum is '{datum}', expected \"msl\", \"ellipsoid\" or \"pressure\", and of an altitude only"
+            ));
         }
         for (what, value) in [("scale", self.scale), ("offset", self.offset)] {
             if value.is_some_and(|value| !value.is_finite() || (what == "scale" && value == 0.0)) {

@@ -49,6 +49,20 @@ fn columns_become_signals_in_pylons_units_and_held_fixes_are_one() {
 }
 
 #[test]
+fn a_signal_may_have_a_datum_of_its_own() {
+    let with = |datum: &str| {
+        let own = format!("imu_master_alt_m = {{ column = \"Alt\", unit = \"ft\", datum = \"{datum}\" }}\n");
+        read(&log(), &(MAPPING.to_owned() + &own)).map(|(flight, _)| flight.header)
+    };
+    let header = with("ellipsoid").unwrap();
+    assert_eq!(header.datum_of("imu_master_alt_m").name(), "ellipsoid");
+    assert_eq!(header.datum_of("gps_alt_m").name(), "msl");
+    assert!(with("geoid").unwrap_err().contains("imu_master_alt_m: datum is 'geoid', expected \"msl\""));
+    let of_none = MAPPING.replace("unit = \"hPa\"", "unit = \"hPa\", datum = \"msl\"");
+    assert!(read(&log(), &of_none).unwrap_err().contains("baro_pa: datum is 'msl'"));
+}
+
+#[test]
 fn damage_costs_its_line_and_is_said_with_its_place() {
     let mut lines: Vec<String> = log().lines().map(str::to_owned).collect();
     lines[50] = "2450,".to_owned();

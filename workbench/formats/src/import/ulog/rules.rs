@@ -166,6 +166,18 @@ pub const RULES: &[Rule] = &[
             signal(&[("accel_bias[2]", 1.0)], "autopilot_accel_bias_z_mps2"),
         ],
     },
+    // What was called so before there was estimator_sensor_bias.
+    Rule {
+        topic: "sensor_bias",
+        fields: &[
+            signal(&[("gyro_bias[0]", 1.0), ("gyro_x_bias", 1.0)], "autopilot_gyro_bias_x_radps"),
+            signal(&[("gyro_bias[1]", 1.0), ("gyro_y_bias", 1.0)], "autopilot_gyro_bias_y_radps"),
+            signal(&[("gyro_bias[2]", 1.0), ("gyro_z_bias", 1.0)], "autopilot_gyro_bias_z_radps"),
+            signal(&[("accel_bias[0]", 1.0), ("accel_x_bias", 1.0)], "autopilot_accel_bias_x_mps2"),
+            signal(&[("accel_bias[1]", 1.0), ("accel_y_bias", 1.0)], "autopilot_accel_bias_y_mps2"),
+            signal(&[("accel_bias[2]", 1.0), ("accel_z_bias", 1.0)], "autopilot_accel_bias_z_mps2"),
+        ],
+    },
     Rule { topic: "estimator_baro_bias", fields: &[signal(&[("bias", 1.0)], "autopilot_baro_bias_m")] },
     Rule {
         topic: "wind",

@@ -1,0 +1,229 @@
+//! The drop from a carrier: out of steady flight the vehicle falls as nothing does that is carried by its own wings or propellers.
+//!
+//! Within [`FALL_S`] a body that nothing carries falls 19.6 m below where it would have gone on to, half of g times two seconds
+//! squared; an aircraft that is pushed over to half a g falls 9.8 m below. The limit is their geometric middle. A rocket that coasts over
+//! its apogee falls as freely, but did before; a multicopter whose motors fail does too, so its motors must be off, where that is
+//! recorded. An aerobatic aircraft that is pushed over to weightlessness looks the same.
+//!
+//! What this can not find: a winged vehicle that its wings carry by a third or more from the first second on. It needs a `launch` column.
+
+use flight_data::{Channel, Column, Flight};
+
+use super::blocks::{Heights, altitudes, median, median_interval_s};
+
+/// How long the fall is looked at, seconds.
+const FALL_S: f64 = 2.0;
+/// What it must come to, metres below the line that the flight went on before.
+const LEAST_FALL_M: f64 = 14.0;
+/// The second half of a fall has three times the way of the first; of a descent that was there before, the same.
+const LEAST_RATIO: f64 = 2.5;
+/// Steady for so long before, seconds.
+const STEADY_S: f64 = 5.0;
+/// Steady flight is within this of a straight line, metres: the waves of turbulence and of a barometer's noise. An apogee's parabola is
+/// up to 15 m from one.
+const STEADY_M: f64 = 2.0;
+/// The fall has begun where it is this far below the line, metres, and so much earlier: what a free fall takes to come so far.
+const BEGUN_M: f64 = 1.0;
+const BEGUN_S: f64 = 0.45;
+/// Heights at either end of the fall are medians over this much around, seconds: single wild ones are none.
+const AROUND_S: f64 = 0.15;
+/// Of a barometer that is slower than this the beginning of a fall can not be seen, seconds between samples.
+const SLOWEST_S: f64 = 0.1;
+/// A motor that turns without carrying: autopilots' arming speeds are up to a tenth.
+const IDLE: f64 = 0.1;
+/// Specific force during the fall's first second, m/s2, where it is measured: a third of g, which the limit above leaves to wings and drag.
+const MOST_CARRIED_MPS2: f64 = 0.34 * 9.806_65;
+
+/// A drop from a carrier.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drop {
+    /// When it began, seconds of the flight's own clock.
+    pub from_s: f64,
+    /// How far it fell in the two seconds after, below the way that it had been going, metres.
+    pub fall_m: f64,
+}
+
+/// Time and metres, in order of time.
+type Track = [(f64, f64)];
+
+/// The first drop, if there is one that a barometer with ten samples a second or more shows.
+#[must_use]
+pub fn drop(flight: &Flight) -> Option<Drop> {
+    let (samples, heights) = altitudes(flight)?;
+    if heights != Heights::Barometer {
+        return None;
+    }
+    let mut track: Vec<(f64, f64)> = Vec::with_capacity(samples.len());
+    for (_, time_s, metres) in samples {
+        // Rows that run back in time are left out, as the estimator does.
+        if track.last().is_none_or(|(before_s, _)| time_s > *before_s) {
+            track.push((time_s, metres));
+        }
+    }
+    let interval_s = median_interval_s(track.iter().map(|(time_s, _)| *time_s).collect());
+    if interval_s > SLOWEST_S {
+        return None;
+    }
+    let (mut before, mut after) = (0, 0);
+    for (place, (at_s, metres)) in track.iter().enumerate() {
+        while track.get(before + 1).is_some_and(|(time_s, _)| *time_s <= at_s - FALL_S) {
+            before += 1;
+        }
+        while track.get(after).is_some_and(|(time_s, _)| *time_s < at_s + FALL_S) {
+            after += 1;
+        }
+        // What is no candidate by three samples alone is not looked at: nearly all of a flight.
+        let (Some((_, earlier_m)), Some((_, later_m))) = (track.get(before), track.get(after)) else { break };
+        if (metres - later_m) - (earlier_m - metres) < LEAST_FALL_M - 2.0 * STEADY_M {
+            continue;
+        }
+        let found = fall(&track, place).filter(|drop| is_free(flight, drop.from_s));
+        if found.is_some() {
+            return found;
+        }
+    }
+    None
+}
+
+fn around(track: &Track, at_s: f64) -> Option<f64> {
+    let first = track.partition_point(|(time_s, _)| *time_s < at_s - AROUND_S);
+    let inside = track.get(first..)?.iter().take_while(|(time_s, _)| *time_s <= at_s + AROUND_S);
+    median(&mut inside.map(|(_, metres)| *metres).collect::<Vec<f64>>())
+}
+
+/// The fall that begins at a sample or within two seconds after it.
+fn fall(track: &Track, place: usize) -> Option<Drop> {
+    let (at_s, _) = *track.get(place)?;
+    let line = steady_line(track.get(..=place)?, at_s)?;
+    let below_m = |time_s: f64| Some(line.0 + line.1 * (time_s - at_s) - around(track, time_s)?);
+    let (middle_m, last_m) = (below_m(at_s + FALL_S / 2.0)?, below_m(at_s + FALL_S)?);
+    if last_m < LEAST_FALL_M || last_m - middle_m < LEAST_RATIO * middle_m.max(0.0) {
+        return None;
+    }
+    let during = track.get(place..)?.iter().map(|(time_s, _)| *time_s);
+    let mut during = during.take_while(|time_s| *time_s <= at_s + FALL_S);
+    let begun_s = during.find(|time_s| below_m(*time_s).is_some_and(|metres| metres > BEGUN_M))?;
+    let from_s = (begun_s - BEGUN_S).max(at_s);
+    Some(Drop { from_s, fall_m: below_m(from_s + FALL_S).unwrap_or(last_m) })
+}
+
+/// Height at the end and climb rate, m and m/s, of the straight line through the seconds before, if the flight was steady.
+fn steady_line(track: &Track, at_s: f64) -> Option<(f64, f64)> {
+    let first = track.partition_point(|(time_s, _)| *time_s < at_s - STEADY_S);
+    let before = track.get(first..)?;
+    let reaches = before.first().is_some_and(|(time_s, _)| at_s - time_s > 0.9 * STEADY_S);
+    let is_gapless =
+        before.windows(2).all(|pair| matches!(pair, [one, next] if next.0 - one.0 < FALL_S / 2.0));
+    if !reaches || !is_gapless {
+        return None;
+    }
+    let count = before.len() as f64;
+    let mean = |of: fn(&(f64, f64)) -> f64| before.iter().map(of).sum::<f64>() / count;
+    let (mean_s, mean_m) = (mean(|sample| sample.0), mean(|sample| sample.1));
+    let (mut squares, mut products) = (0.0, 0.0);
+    for (time_s, metres) in before {
+        squares += (time_s - mean_s) * (time_s - mean_s);
+        products += (time_s - mean_s) * (metres - mean_m);
+    }
+    let climb_mps = products / squares;
+    let straight_m = |time_s: f64| mean_m + climb_mps * (time_s - mean_s);
+    let off =
+        before.iter().filter(|(time_s, metres)| (metres - straight_m(*time_s)).abs() > STEADY_M).count();
+    // Single wild samples are none.
+    (off * 20 <= before.len()).then(|| (straight_m(at_s), climb_mps))
+}
+
+/// Whether neither motors nor, by the accelerometer, anything else carried the vehicle, where that is recorded.
+fn is_free(flight: &Flight, from_s: f64) -> bool {
+    let values = |channel: Channel, from_s: f64, to_s: f64| {
+        let samples = flight.channel(channel).into_iter().flat_map(Column::samples);
+        let is_inside =
+            move |row: &usize| flight.time_s.get(*row).is_some_and(|time_s| (from_s..to_s).contains(time_s));
+        samples.filter(move |(row, value)| is_inside(row) && value.is_finite())
+    };
+    let mut throttle: Vec<f64> =
+        values(Channel::Throttle, from_s - FALL_S, from_s).map(|(_, value)| f64::from(value)).collect();
+    let mut forces: Vec<f64> = values(Channel::AccelXMps2, from_s, from_s + FALL_S / 2.0)
+        .filter_map(|(row, x)| {
+            let other =
+                |channel| flight.channel(channel)?.get(row).map(f64::from).filter(|value| value.is_finite());
+            let (y, z) = (other(Channel::AccelYMps2)?, other(Channel::AccelZMps2)?);
+            Some(libm::sqrt(f64::from(x) * f64::from(x) + y * y + z * z))
+        })
+        .collect();
+    median(&mut throttle).is_none_or(|throttle| throttle <= IDLE)
+        && median(&mut forces).is_none_or(|force| force <= MOST_CARRIED_MPS2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const G: f64 = 9.806_65;
+
+    /// Barometer at 20 Hz by height over time, with noise of a decimetre, and other columns.
+    fn flown(height_m: impl Fn(f64) -> f64, others: &[(Channel, &dyn Fn(f64) -> f64)]) -> Flight {
+        let mut flight = Flight::default();
+        let mut baro = Column::default();
+        let mut columns = vec![Column::default(); others.len()];
+        for row in 0..800_u32 {
+            let time_s = f64::from(row) / 20.0;
+            flight.time_s.push(time_s);
+            baro.push(Some((height_m(time_s) + 0.1 * libm::sin(f64::from(row) * 2.3)) as f32));
+            for (column, (_, value)) in columns.iter_mut().zip(others) {
+                column.push(Some(value(time_s) as f32));
+            }
+        }
+        flight.channels = vec![(Channel::BaroAltM, baro)];
+        flight.channels.extend(others.iter().map(|(channel, _)| *channel).zip(columns));
+        flight
+    }
+
+    /// Carried at a climb rate until 20 s, then falling by a share of g until the pull-out at 24 s.
+    fn dropped(climb_mps: f64, share: f64) -> impl Fn(f64) -> f64 {
+        move |time_s: f64| {
+            let since = (time_s - 20.0).clamp(0.0, 4.0);
+            let after = (time_s - 24.0).max(0.0);
+            let carried = 1_000.0 + climb_mps * time_s.min(24.0);
+            carried - 0.5 * share * G * since * since + (climb_mps - 4.0 * share * G) * after
+        }
+    }
+
+    #[test]
+    fn a_drop_out_of_level_flight_and_from_a_rising_balloon_is_found_within_half_a_second() {
+        for climb_mps in [0.0, 5.0, -2.0] {
+            for share in [1.0, 0.8] {
+                let found = drop(&flown(dropped(climb_mps, share), &[])).unwrap();
+                assert!((found.from_s - 20.0).abs() <= 0.5, "{climb_mps} {share} {found:?}");
+                assert!((found.fall_m - 2.0 * share * G).abs() < 4.0, "{climb_mps} {share} {found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_push_over_a_descent_an_apogee_and_a_wild_sample_are_none() {
+        assert_eq!(drop(&flown(dropped(0.0, 0.5), &[])), None);
+        assert_eq!(drop(&flown(|time_s| 1_000.0 - 20.0 * (time_s - 20.0).max(0.0), &[])), None);
+        assert_eq!(drop(&flown(|time_s| 3_000.0 - 0.5 * G * (time_s - 20.0) * (time_s - 20.0), &[])), None);
+        let wild = |time_s: f64| if (time_s - 22.0).abs() < 0.01 { 900.0 } else { 1_000.0 };
+        assert_eq!(drop(&flown(wild, &[])), None);
+        // The sine of a rough flight.
+        assert_eq!(drop(&flown(|time_s| 1_000.0 + 8.0 * libm::sin(time_s), &[])), None);
+    }
+
+    #[test]
+    fn motors_that_ran_and_a_force_that_carried_deny_it() {
+        let falls = dropped(0.0, 1.0);
+        let still: &dyn Fn(f64) -> f64 = &|_| 0.0;
+        let hover: &dyn Fn(f64) -> f64 = &|time_s| if time_s < 20.0 { 0.4 } else { 0.0 };
+        assert_eq!(drop(&flown(&falls, &[(Channel::Throttle, hover)])), None);
+        assert!(drop(&flown(&falls, &[(Channel::Throttle, still)])).is_some());
+        let hangs: &dyn Fn(f64) -> f64 = &|time_s| if time_s < 20.0 { -G } else { 0.0 };
+        let carried: &dyn Fn(f64) -> f64 = &|_| -G;
+        for (down, is_found) in [(hangs, true), (carried, false)] {
+            let axes =
+                [(Channel::AccelXMps2, still), (Channel::AccelYMps2, still), (Channel::AccelZMps2, down)];
+            assert_eq!(drop(&flown(&falls, &axes)).is_some(), is_found);
+        }
+    }
+}
