@@ -7,6 +7,7 @@ import "uplot/dist/uPlot.min.css";
 import "./looks/layout.css";
 import "./looks/curves.css";
 import "./looks/panels.css";
+import "./looks/plan.css";
 import "./looks/print.css";
 import { notice } from "./state/flights";
 import { messageOf } from "./state/resource";
