@@ -179,13 +179,8 @@ fn gain(outlook: &Outlook) -> Gain {
             set.members.iter().map(told).sum()
         })
         .collect();
-    let of_found = outlook.effects.iter().any(|effect| effect.is_found);
-    let shrunk: Vec<f64> = outlook
-        .effects
-        .iter()
-        .filter(|effect| effect.is_found || !of_found)
-        .filter_map(|effect| Some(effect.sigma_then? / effect.sigma_now?))
-        .collect();
+    let effects = outlook.effects.iter();
+    let shrunk: Vec<f64> = effects.filter_map(|effect| Some(effect.sigma_then? / effect.sigma_now?)).collect();
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let shows = outlook.effects.iter().filter(|effect| effect.is_seen_then && !effect.is_seen_now).count();
     Gain {

@@ -78,7 +78,7 @@ pub struct Gain {
     pub tells_apart: Option<f64>,
     /// Effects that it would show and that no flight has.
     pub shows: u32,
-    /// What the interval of an effect that was found would shrink to, as a share; of all effects where none was found.
+    /// What an effect's interval would shrink to, as a share: the mean over the effects that the flights show.
     pub narrows_to: f64,
 }
 

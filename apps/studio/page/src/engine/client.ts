@@ -76,6 +76,12 @@ export class Studio {
     return this.#open({ sample }, options);
   }
 
+  /** The log that a flight was opened from; null for one that comes with Pylon. */
+  source(flight: string): Blob | null {
+    const source = this.#flights.get(flight)?.source;
+    return source && "blob" in source ? source.blob : null;
+  }
+
   /** Forgets a flight. */
   close(flight: string): void {
     this.#flights.delete(flight);

@@ -1,13 +1,14 @@
 // Files in and out of the page.
 
 import { made } from "../ask";
+import { pageWithFlights } from "./inside";
 import { writeModel } from "./server";
 import { flights, holdOuts, learners, notice, openLog, shown } from "./flights";
 import { messageOf } from "./resource";
 import { model } from "./model";
-import { isServed, openModel, timesOfAll } from "./studio";
+import { headline, isServed, openModel, timesOfAll } from "./studio";
 
-export type ExportKind = "model" | "flight" | "compare" | "diagnose" | "ladder";
+export type ExportKind = "model" | "page" | "flight" | "compare" | "diagnose" | "ladder";
 
 export function download(name: string, media: string, bytes: BlobPart): void {
   const address = URL.createObjectURL(new Blob([bytes], { type: media }));
@@ -34,6 +35,14 @@ export async function saveModel(): Promise<void> {
 export async function exportFile(kind: ExportKind): Promise<void> {
   if (kind === "model") {
     download(model.value.name, "application/toml", model.value.text);
+    return;
+  }
+  if (kind === "page") {
+    try {
+      download("flights.html", "text/html", await pageWithFlights(headline.value));
+    } catch (error) {
+      notice.value = messageOf(error);
+    }
     return;
   }
   const flight = shown.value;

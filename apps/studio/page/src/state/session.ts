@@ -7,6 +7,8 @@ import { flights, reopen, sensor, show, shownId } from "./flights";
 import type { Flight, Use } from "./flights";
 import { layOut, layoutNow, layouts } from "./layout";
 import type { Layout, NamedLayout, PanelKind } from "./layout";
+import { logOf } from "./inside";
+import type { Inside } from "./inside";
 import { keepSession, keptLog, keptSession } from "./kept";
 import { DEFAULT_MODEL, models } from "./model";
 import type { Drag } from "./view";
@@ -64,6 +66,27 @@ export async function restore(): Promise<void> {
     show(found.shown);
     if (wanted !== null) sensor.value = wanted;
   }
+}
+
+/** Opens what is inside the page: nothing of it is kept in this browser, nor what was kept before mixed with it. */
+export async function openInside(found: Inside): Promise<void> {
+  batch(() => {
+    models.value = found.models.length > 0 ? found.models : [DEFAULT_MODEL];
+    layOut(found.layout);
+    layouts.value = found.layouts;
+    sensor.value = found.sensor;
+  });
+  const opened = found.flights.map(async (flight, at): Promise<string> => {
+    const id = `inside-${at}`;
+    const { file, sample, use, times } = flight;
+    const blob = flight.log === null ? null : await logOf(flight);
+    await reopen({ id, flight: "", file, sample, use, times, opened: null, problem: null }, blob);
+    return id;
+  });
+  await Promise.all(opened);
+  const shown = found.flights.findIndex(({ isShown }) => isShown);
+  if (shown >= 0) show(`inside-${shown}`);
+  if (found.sensor !== null) sensor.value = found.sensor;
 }
 
 function isRecord(value: unknown): value is Record<string, unknown> {

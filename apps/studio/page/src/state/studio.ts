@@ -120,10 +120,23 @@ interface Said {
   readonly tone: Headline["tone"] | "none";
 }
 
+/** What a page with its flights inside says until it has been found again. */
+export const saidBefore = signal<Said | null>(null);
+
 /** What stands on top. */
 export const headline = computed<Said>(() => {
+  const said = added.value ?? diagnosed.answer.value?.headline;
+  if (!said && saidBefore.value) return saidBefore.value;
+  return found(said ?? compared.answer.value?.headline);
+});
+
+// It holds for what was inside, and ends with the first thing that is found here.
+effect(() => {
+  if (diagnosed.answer.value || diagnosed.problem.value !== null) saidBefore.value = null;
+});
+
+function found(said: Said | undefined): Said {
   if (flights.value.length === 0) return { sentence: "Drop a flight log: see what your altitude sensors get wrong, and why.", tone: "none" };
-  const said = added.value ?? diagnosed.answer.value?.headline ?? compared.answer.value?.headline;
   const flight = shown.value;
   if (flight?.opened.overview.refused) return { sentence: `This log can't be analysed: ${flight.opened.overview.refused}`, tone: "caution" };
   if (said) return said;
@@ -132,7 +145,7 @@ export const headline = computed<Said>(() => {
   const failed = flights.value.find((one) => one.problem !== null);
   if (!flight && failed?.problem) return { sentence: failed.problem, tone: "caution" };
   return { sentence: flight ? "Looking for the cause…" : "Reading the log…", tone: "none" };
-});
+}
 
 // What was said of an addition holds until something else is asked.
 effect(() => {

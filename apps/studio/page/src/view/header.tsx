@@ -59,6 +59,7 @@ function Progress(): JSX.Element | null {
 
 const KINDS: ReadonlyArray<{ kind: ExportKind; text: string }> = [
   { kind: "model", text: "Model (TOML)" },
+  { kind: "page", text: "This page with its flights (HTML)" },
   { kind: "flight", text: "Flight (CSV)" },
   { kind: "compare", text: "Comparison (JSON)" },
   { kind: "diagnose", text: "Diagnosis (JSON)" },

@@ -4,7 +4,7 @@ import type { JSX } from "preact";
 import { useRef } from "preact/hooks";
 import { signal } from "@preact/signals";
 
-import { clock, percent, short, unit, withSigma } from "../charts/number";
+import { clock, percent, short, sigmaText, unit, withSigma } from "../charts/number";
 import type { EffectOutlook, FlightPlan, Offer, PlannedLeg, SetOutlook } from "../protocol";
 import { download } from "../state/files";
 import { learners } from "../state/flights";
@@ -105,8 +105,8 @@ function Start({ now }: { readonly now: FlightPlan }): JSX.Element {
   return (
     <div class="plan-start">
       <label>Cruise <Field label="Cruising airspeed, m/s" value={now.speed_mps} least={8} most={350} unit="m/s" put={(speed_mps) => change({ speed_mps })} /></label>
-      <label>from <Field label="Altitude at the beginning, m above mean sea level" value={now.altitude_m} least={0} most={15_000} unit="m" step={10} put={(altitude_m) => change({ altitude_m })} /></label>
-      <label>first level <Field label="Straight and level for the calibration, seconds" value={now.calibration_s} least={20} most={600} unit="s" step={10} put={(calibration_s) => change({ calibration_s })} /></label>
+      <label>from <Field label="Altitude at the beginning, m above mean sea level" value={now.altitude_m} least={0} most={15_000} unit="m" put={(altitude_m) => change({ altitude_m })} /></label>
+      <label>first level <Field label="Straight and level for the calibration, seconds" value={now.calibration_s} least={20} most={600} unit="s" put={(calibration_s) => change({ calibration_s })} /></label>
     </div>
   );
 }
@@ -163,7 +163,7 @@ function gainText({ gain }: Offer): string {
   const parts: string[] = [];
   if (gain.tells_apart !== null) parts.push(`tells apart ${percent(gain.tells_apart)}`);
   if (gain.shows > 0) parts.push(`shows ${gain.shows} more`);
-  if (gain.narrows_to < 0.995) parts.push(`σ to ${percent(gain.narrows_to)}`);
+  if (gain.narrows_to < 0.995) parts.push(`intervals to ${percent(gain.narrows_to)}`);
   return parts.length === 0 ? "tells nothing new" : parts.join(" · ");
 }
 
@@ -242,7 +242,7 @@ function Interval({ of }: { readonly of: EffectOutlook }): JSX.Element {
   // The picture reaches as far as the interval does now; of an effect that no flight shows, as far as nature does.
   const half = Math.min(2 * (now ?? Infinity), largest) || 1;
   const width = (sigma: number | null): number => (sigma === null ? 100 : Math.min((200 * sigma) / half, 100));
-  const digits = (sigma: number | null): string => (sigma === null ? "not shown" : coefficient === null ? `± ${short(sigma)}${unit(of.unit)}` : withSigma(coefficient, sigma) + unit(of.unit));
+  const digits = (sigma: number | null): string => (sigma === null ? "not shown" : coefficient === null ? `± ${sigmaText(sigma)}${unit(of.unit)}` : withSigma(coefficient, sigma) + unit(of.unit));
   const sensor = of.sensor === "gps" ? "the reference" : sensorName(of.sensor).toLowerCase();
   return (
     <tr data-effect={of.effect} class={of.is_found ? "found" : ""}>
@@ -254,7 +254,7 @@ function Interval({ of }: { readonly of: EffectOutlook }): JSX.Element {
         </span>
       </td>
       <td class="number">{digits(now)}</td>
-      <td class="number">{then === null ? "not shown" : `± ${short(then)}`}</td>
+      <td class="number">{then === null ? "not shown" : `± ${sigmaText(then)}`}</td>
     </tr>
   );
 }
