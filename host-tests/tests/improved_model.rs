@@ -9,7 +9,7 @@ use model::Model;
 use pylon::diagnose::{NamedReplay, Verdict, WantedEffect, diagnose};
 use pylon::flight::Flight;
 use pylon::fly::{FlyOptions, fly};
-use pylon::learn::{Addition, Request, add, pooled_rms_m, score};
+use pylon::learn::{Addition, NamedFlight, Request, add, pooled_rms_m, score};
 use pylon::replay::Replay;
 use pylon::simulate::{Scenario, simulate};
 use time::{Date, Month};
@@ -80,9 +80,8 @@ fn added(text: &str, effect: EffectId, learning: &Flight, held_out: &Flight, est
         wanted: WantedEffect { effect, time_constant_s: None, since: None },
         estimate,
         date: Date::from_calendar_date(2026, Month::November, 21).unwrap(),
-        learning: vec![("first.csv".to_owned(), learning)],
-        held_out: vec![("second.csv".to_owned(), held_out)],
-        window: None,
+        learning: vec![NamedFlight::new("first.csv", learning)],
+        held_out: vec![NamedFlight::new("second.csv", held_out)],
     };
     add(&request, &mut || ()).unwrap()
 }

@@ -11,7 +11,7 @@ use browser::{Mouse, Sheet};
 use model::Model;
 use pylon::compare::{Options, compare};
 use pylon::diagnose::{NamedReplay, diagnose};
-use pylon::learn::ladder;
+use pylon::learn::{NamedFlight, ladder};
 use pylon::replay::Replay;
 use pylon::report::{FlightReport, Report};
 use pylon::simulate::{Scenario, simulate};
@@ -53,7 +53,7 @@ fn report() -> (TempDir, PathBuf) {
     let diagnosis = diagnose(&[named], &[], &mut || ());
     // What `pylon add` would have made of it: the effect that the scenario hides.
     let improved = Model::parse(IMPROVED).unwrap();
-    let mut ladder = ladder(&improved, &[("quickstart.csv".into(), &flight)], None, &mut |_| ()).unwrap();
+    let mut ladder = ladder(&improved, &[NamedFlight::new("quickstart.csv", &flight)], &mut |_| ()).unwrap();
     ladder.model = "improved.toml".into();
     let report = Report {
         flights: &flights,

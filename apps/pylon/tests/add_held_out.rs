@@ -11,7 +11,7 @@ use kf_core::effect::EffectId;
 use model::Model;
 use pylon::diagnose::WantedEffect;
 use pylon::flight::Flight;
-use pylon::learn::{Addition, HeldOutVerdict, JudgedOn, Request, add, score};
+use pylon::learn::{Addition, HeldOutVerdict, JudgedOn, NamedFlight, Request, add, score};
 use pylon::replay::Replay;
 use pylon::simulate::{load_scenario, scenario, simulate};
 use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
@@ -55,9 +55,8 @@ fn added(effect: EffectId, learning: &Flight, held_out: Option<&Flight>) -> Addi
         wanted: WantedEffect { effect, time_constant_s: None, since: None },
         estimate: false,
         date: Date::from_calendar_date(2026, Month::November, 21).unwrap(),
-        learning: vec![("first.csv".to_owned(), learning)],
-        held_out: held_out.map(|flight| ("second.csv".to_owned(), flight)).into_iter().collect(),
-        window: None,
+        learning: vec![NamedFlight::new("first.csv", learning)],
+        held_out: held_out.map(|flight| NamedFlight::new("second.csv", flight)).into_iter().collect(),
     };
     add(&request, &mut || ()).unwrap()
 }

@@ -2,12 +2,16 @@
 
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a test")]
 
+mod common;
+
 use std::fs;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
+use common::Recipe;
+use serde_json::{Value, json};
 use tempfile::TempDir;
 
 const PAGE: &str = "<!doctype html>\n<head>\n<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; \
@@ -184,6 +188,36 @@ fn flights_are_those_that_were_named_and_nothing_else() {
     assert_eq!(unflown.status, 422, "{}", unflown.body);
     assert_eq!(studio.ask("DELETE /api/flight/0", &[], "").status, 405);
     assert_eq!(fs::read_to_string(folder.path().join("secret.txt")).unwrap(), "secret");
+}
+
+/// Needs qemu-system-arm and the Rust target, as `cli_fly` does.
+#[test]
+fn a_named_flight_flies_in_the_emulator_with_the_pages_model_and_times() {
+    let folder = folder();
+    Recipe { captive_s: 14.0, free_s: 8.0, ..Recipe::default() }.write(folder.path());
+    let studio = Studio::start(folder.path(), &["made.csv"]);
+    // Another settling time, so that what is flown is this model and no preset.
+    let model = "settling_s = 4.0\n";
+    let flown = |query: &str| {
+        let answer = studio.ask(&format!("POST /api/fly/0{query}"), &[], model);
+        assert_eq!(answer.status, 200, "{}", answer.body);
+        serde_json::from_str::<Value>(&answer.body).unwrap()
+    };
+    let whole = flown("");
+    assert_eq!((&whole["bit_for_bit"], &whole["ticks"]), (&json!(true), &json!(4397)), "{whole}");
+    let from_4_s = flown("?calibrate=4..13");
+    assert_eq!(from_4_s["bit_for_bit"], true, "{from_4_s}");
+    assert!(from_4_s["ticks"].as_u64().unwrap() < 4397, "what is before the window is not flown: {from_4_s}");
+    for (query, says) in [
+        ("?calibrate=13..4", "ends before it starts"),
+        ("?calibrate=--help", "expected START..END"),
+        ("?model=x", "says nothing"),
+    ] {
+        let refused = studio.ask(&format!("POST /api/fly/0{query}"), &[], model);
+        assert!(refused.status == 400 && refused.body.contains(says), "{query}: {}", refused.body);
+    }
+    let has_launch = studio.ask("POST /api/fly/0?airborne=1..9", &[], model);
+    assert!(has_launch.status == 422 && has_launch.body.contains("launch column"), "{}", has_launch.body);
 }
 
 #[test]

@@ -114,7 +114,7 @@ fn a_flight_without_launch_and_without_a_quiet_stretch_is_diagnosed_as_it_is() {
     let (mut flight, _) = simulate(&scenario("quickstart.toml"), 7).unwrap();
     flight.channels.retain(|(channel, _)| channel.name() != "launch");
     let model = Model::default();
-    let replay = Replay::uncalibrated(&flight, &model).unwrap();
+    let replay = Replay::uncalibrated(&flight, &model, None).unwrap();
     let diagnosis = diagnose(&[NamedReplay { file: "flight".to_owned(), replay }], &[], &mut || ());
     assert_eq!(diagnosis.sensors["baro"].missing, ["baro.dynamic_pressure"], "{diagnosis:?}");
 }

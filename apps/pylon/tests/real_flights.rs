@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use model::Model;
 use pylon::import::{format_name, open};
 use pylon::overview::{Overview, SensorState};
-use pylon::replay::Replay;
+use pylon::replay::{GivenTimes, Replay};
 
 /// How far a take-off or a landing may be from where it was seen, seconds: two blocks of the slowest logger.
 const WITHIN_S: f64 = 20.0;
@@ -142,8 +142,13 @@ fn check(file: &Path, row: &[String]) -> Result<(), String> {
     }
     // What is said is what is done, by every way of replaying.
     let model = Model::default();
-    for replay in [Replay::new, Replay::calibrated_or_not, Replay::to_diagnose] {
-        let replay = replay(&flight, &model, None).unwrap();
+    let given = GivenTimes::default();
+    for replay in [
+        Replay::new(&flight, &model, given),
+        Replay::calibrated_or_not(&flight, &model, given),
+        Replay::to_diagnose(&flight, &model, given),
+    ] {
+        let replay = replay.unwrap();
         let landing_s =
             replay.extent().interval().and_then(|interval| interval.landing_s).unwrap_or(f64::INFINITY);
         let last_us = replay.inputs().map(|input| input.time_us).max().unwrap();

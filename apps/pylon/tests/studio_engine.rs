@@ -34,12 +34,11 @@ fn the_engine_exports_what_the_command_line_prints() {
         assert!(reply.json.starts_with("{\"ok\""), "{}", reply.json);
         String::from_utf8(reply.bytes).unwrap()
     };
-    let compared =
-        exported(json!({ "what": "compare", "flight": flights[0], "model": model, "window": null }));
+    let compared = exported(json!({ "what": "compare", "flight": flights[0], "model": model, "times": {} }));
     let printed = pylon(folder.path(), &["compare", "hidden-static-port.csv", "--json"]);
     assert_eq!(compared.as_bytes(), printed);
     let diagnosed = exported(json!({
-        "what": "diagnose", "flights": flights, "hold_outs": [], "model": model, "window": null
+        "what": "diagnose", "flights": flights, "hold_outs": [], "model": model, "times": {}
     }));
     let printed = pylon(folder.path(), &["diagnose", "hidden-static-port.csv", "quickstart.csv", "--json"]);
     assert_eq!(diagnosed.as_bytes(), printed);

@@ -7,7 +7,7 @@ use kf_core::effect::{EffectId, EffectSubject};
 use model::Model;
 use pylon::diagnose::WantedEffect;
 use pylon::flight::Flight;
-use pylon::learn::{Request, add, pooled_rms_m, score};
+use pylon::learn::{NamedFlight, Request, add, pooled_rms_m, score};
 use pylon::replay::Replay;
 use pylon::simulate::scenario::{Effect, InjectionPhase};
 use time::{Date, Month};
@@ -54,9 +54,8 @@ pub fn improvement(
             wanted: WantedEffect { effect, time_constant_s: None, since: None },
             estimate: false,
             date: Date::from_calendar_date(2026, Month::November, 21)?,
-            learning: vec![("first".to_owned(), learning)],
+            learning: vec![NamedFlight::new("first", learning)],
             held_out: Vec::new(),
-            window: None,
         };
         match add(&request, &mut || ()) {
             Ok(addition) if addition.concerns.is_empty() => text = addition.text,

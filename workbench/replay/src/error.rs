@@ -5,6 +5,7 @@ use model::ModelError;
 use thiserror::Error;
 
 use super::barometer::Fault;
+use super::given::AirborneError;
 use super::quiet::Calmest;
 use super::window::WindowError;
 use flight_data::{AltitudeDatum, CsvProblem};
@@ -37,6 +38,9 @@ pub enum ReplayError {
     /// The calibration window does not fit the flight.
     #[error(transparent)]
     Window(#[from] WindowError),
+    /// The take-off and the landing that were given do not fit the flight.
+    #[error(transparent)]
+    Airborne(#[from] AirborneError),
     /// The header's latitude is none.
     #[error("latitude_deg in the header is '{0}', expected degrees from -90 to 90")]
     Latitude(String),

@@ -3,8 +3,10 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::window::{CalibrationWindow, WindowError};
-use crate::airborne::{self, AirborneInterval};
+use super::error::ReplayError;
+use super::given::{GivenAirborne, GivenTimes};
+use super::window::WindowError;
+use crate::airborne::{self, AirborneInterval, Outings};
 use flight_data::Flight;
 
 /// Less than this is not worth a line: a block of a second or two at either end, seconds.
@@ -21,6 +23,8 @@ pub struct Extent {
     pub airborne: Vec<AirborneInterval>,
     /// Which of them is analysed.
     pub chosen: Option<usize>,
+    /// Whether the user gave its take-off and landing.
+    pub is_given: bool,
 }
 
 /// A part of a log that is not analysed.
@@ -58,16 +62,34 @@ impl Extent {
         let times = || flight.time_s.iter().copied();
         let first_s = times().next().unwrap_or(0.0);
         let log_s = (first_s, times().fold(first_s, f64::max));
-        Self { log_s, used_s: log_s, airborne: Vec::new(), chosen: None }
+        Self { log_s, used_s: log_s, airborne: Vec::new(), chosen: None, is_given: false }
     }
 
-    /// The longest flight of a log, or the one that the user's window is in.
+    /// The flight whose take-off and landing the user gives; else the longest of a log, or the one that the user's window is in.
     ///
     /// # Errors
-    /// [`WindowError::AfterLanding`].
-    pub(super) fn of(flight: &Flight, window: Option<CalibrationWindow>) -> Result<Self, WindowError> {
+    /// A take-off and a landing that are none, or [`WindowError::AfterLanding`].
+    pub(super) fn of(flight: &Flight, given: GivenTimes) -> Result<Self, ReplayError> {
         let mut extent = Self::all(flight);
-        let found = airborne::find(flight);
+        let mut found = airborne::find(flight);
+        let window = given.calibration;
+        if let Some(airborne) = given.airborne {
+            airborne.check(flight)?;
+            let (place, interval) = put(&mut found, airborne, extent.log_s);
+            if let (Some(window), Some(landing_s)) = (window, interval.landing_s)
+                && window.end_s > landing_s
+            {
+                return Err(WindowError::AfterLanding { window, landing_s }.into());
+            }
+            // The user's window counts, wherever it is.
+            let from_s = interval.ground_from_s.unwrap_or(interval.from_s);
+            let from_s = window.map_or(from_s, |window| from_s.min(window.start_s));
+            extent.used_s = (from_s, interval.to_s);
+            extent.chosen = Some(place);
+            extent.airborne = found.airborne;
+            extent.is_given = true;
+            return Ok(extent);
+        }
         let chosen = match window {
             None => found.longest(),
             Some(window) => {
@@ -80,7 +102,7 @@ impl Extent {
                     (None, last) => last.and_then(|interval| interval.landing_s),
                 };
                 if let Some(landing_s) = landed_s {
-                    return Err(WindowError::AfterLanding { window, landing_s });
+                    return Err(WindowError::AfterLanding { window, landing_s }.into());
                 }
                 around
             }
@@ -153,7 +175,7 @@ impl Extent {
             "{} flights in this log: number {} is used, {}",
             self.airborne.len(),
             chosen + 1,
-            if self.is_longest(chosen) { "the longest" } else { "the one that the calibration window is in" }
+            if self.is_longest(chosen) { "the longest" } else { "the one that the given times are of" }
         ))
     }
 
@@ -161,4 +183,21 @@ impl Extent {
         let own_s = self.airborne.get(chosen).map_or(0.0, AirborneInterval::duration_s);
         self.airborne.iter().all(|interval| interval.duration_s() <= own_s)
     }
+}
+
+/// Puts the user's time in the air among those that were found, in place of what overlaps it; its place.
+fn put(found: &mut Outings, given: GivenAirborne, log_s: (f64, f64)) -> (usize, AirborneInterval) {
+    let (from_s, to_s) = (given.take_off_s.unwrap_or(log_s.0), given.landing_s.unwrap_or(log_s.1));
+    found.airborne.retain(|other| other.to_s <= from_s || other.from_s >= to_s);
+    let place = found.airborne.partition_point(|other| other.to_s <= from_s);
+    let landed_s = found.airborne[..place].last().map(|earlier| earlier.to_s);
+    let interval = AirborneInterval {
+        take_off_s: given.take_off_s,
+        landing_s: given.landing_s,
+        from_s,
+        to_s,
+        ground_from_s: given.take_off_s.map(|_| landed_s.unwrap_or(log_s.0)),
+    };
+    found.airborne.insert(place, interval);
+    (place, interval)
 }

@@ -10,6 +10,7 @@ pub mod barometer;
 mod effect_columns;
 mod error;
 mod extent;
+mod given;
 mod inputs;
 mod mission;
 pub mod quiet;
@@ -33,6 +34,7 @@ use flight_data::{AltitudeDatum, Channel, Column, Flight};
 pub use effect_columns::{column_notes, missing_columns};
 pub use error::ReplayError;
 pub use extent::{Extent, Unused};
+pub use given::{AirborneError, GivenAirborne, GivenTimes};
 pub use inputs::{InputCounters, TickInputs};
 pub use mission::{AnyMission, mission};
 pub use quiet::{Calmest, Place, QuietStretch};
@@ -148,24 +150,22 @@ impl ReplaySummary {
 }
 
 impl<'a> Replay<'a> {
-    /// Decides where the flight calibrates: on `window` if given, else up to launch by the `launch` column, else on the ground
+    /// Decides where the flight calibrates: on a window that is given, else up to launch by the `launch` column, else on the ground
     /// before the take-off, the first quiet stretch of the flight or, where there is none, the calmest.
     ///
     /// # Errors
     /// A flight without reference or second altitude, or with a barometer in its place that is stuck or a copy of the receiver, altitudes
-    /// of several datums, a window outside the flight or after
-    /// its landing, or no launch column and nothing to calibrate on.
-    pub fn new(
-        flight: &'a Flight,
-        model: &Model,
-        window: Option<CalibrationWindow>,
-    ) -> Result<Self, ReplayError> {
+    /// of several datums, a window outside the flight or after its landing, a take-off and a landing that are none, or no launch column
+    /// and nothing to calibrate on.
+    pub fn new(flight: &'a Flight, model: &Model, given: impl Into<GivenTimes>) -> Result<Self, ReplayError> {
+        let given = given.into();
         let has_barometer = has_barometer(flight)?;
         let has_launch = has_launch(flight);
+        let window = given.calibration;
         if let Some(window) = window {
             window.check(flight)?;
         }
-        let extent = if has_launch { Extent::all(flight) } else { Extent::of(flight, window)? };
+        let extent = extent(flight, given)?;
         let source = match window {
             Some(window) => CalibrationSource::Given(window),
             None if has_launch => CalibrationSource::LaunchColumn,
@@ -183,10 +183,14 @@ impl<'a> Replay<'a> {
     /// diagnosis, can work on it.
     ///
     /// # Errors
-    /// A flight without reference or second altitude, or a header's latitude that is none.
-    pub fn uncalibrated(flight: &'a Flight, model: &Model) -> Result<Self, ReplayError> {
+    /// A flight without reference or second altitude, a header's latitude that is none, or a take-off and a landing that are none.
+    pub fn uncalibrated(
+        flight: &'a Flight,
+        model: &Model,
+        airborne: Option<GivenAirborne>,
+    ) -> Result<Self, ReplayError> {
         let has_barometer = has_barometer(flight)?;
-        let extent = if has_launch(flight) { Extent::all(flight) } else { Extent::of(flight, None)? };
+        let extent = extent(flight, GivenTimes { calibration: None, airborne })?;
         let first_s = extent.used_s.0;
         let window = CalibrationWindow { start_s: first_s, end_s: first_s };
         let mut model = model.clone();
@@ -204,11 +208,14 @@ impl<'a> Replay<'a> {
     pub fn calibrated_or_not(
         flight: &'a Flight,
         model: &Model,
-        window: Option<CalibrationWindow>,
+        given: impl Into<GivenTimes>,
     ) -> Result<Self, ReplayError> {
-        match Self::new(flight, model, window) {
+        let given = given.into();
+        match Self::new(flight, model, given) {
             Err(ReplayError::NoQuietStretch { .. } | ReplayError::TooShort { .. })
-            | Ok(Self { source: CalibrationSource::Calmest(_), .. }) => Self::uncalibrated(flight, model),
+            | Ok(Self { source: CalibrationSource::Calmest(_), .. }) => {
+                Self::uncalibrated(flight, model, given.airborne)
+            }
             other => other,
         }
     }
@@ -222,15 +229,16 @@ impl<'a> Replay<'a> {
     pub fn to_diagnose(
         flight: &'a Flight,
         model: &Model,
-        window: Option<CalibrationWindow>,
+        given: impl Into<GivenTimes>,
     ) -> Result<Self, ReplayError> {
-        let mut replay = Self::calibrated_or_not(flight, model, window)?;
+        let given = given.into();
+        let mut replay = Self::calibrated_or_not(flight, model, given)?;
         // A stretch in the air would cost what was flown before it.
         if let CalibrationSource::Quiet(stretch) = replay.source
             && stretch.place == Place::Flight
             && replay.extent.interval().is_some()
         {
-            replay = Self::uncalibrated(flight, model)?;
+            replay = Self::uncalibrated(flight, model, given.airborne)?;
         }
         (replay.tamed, replay.wild) = wild::tamed(flight);
         Ok(replay)
@@ -348,6 +356,14 @@ impl<'a> Replay<'a> {
 #[must_use]
 pub fn has_launch(flight: &Flight) -> bool {
     flight.channel(Channel::Launch).is_some_and(|launch| launch.samples().next().is_some())
+}
+
+/// Which part of a log is analysed.
+fn extent(flight: &Flight, given: GivenTimes) -> Result<Extent, ReplayError> {
+    match given.airborne {
+        None if has_launch(flight) => Ok(Extent::all(flight)),
+        _ => Extent::of(flight, given),
+    }
 }
 
 /// Where a flight without a launch column can be calibrated.

@@ -36,6 +36,9 @@ impl Usage {
         let unused = replay.unused();
         let interval = extent.interval();
         let mut remarks: Vec<String> = extent.several().into_iter().collect();
+        if extent.is_given {
+            remarks.push("take-off and landing are those given, not those found in the log".to_owned());
+        }
         if let (CalibrationSource::Calmest(_), Some(_)) = (replay.source(), interval) {
             remarks.push("nowhere quiet: what the calibration is worth is said by its checks".to_owned());
         }

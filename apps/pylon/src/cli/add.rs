@@ -10,7 +10,7 @@ use pylon::diagnose::WantedEffect;
 use pylon::flight::Flight;
 use pylon::learn::{Addition, Request, add, addition_text};
 use pylon::output_file::prepare;
-use pylon::replay::{CalibrationWindow, Replay, missing_columns};
+use pylon::replay::{Replay, missing_columns};
 use time::{Date, OffsetDateTime};
 
 use super::failure::Failure;
@@ -18,6 +18,7 @@ use super::model_lock::{ModelLock, lock_model};
 use super::overwriting::{Role, refuse_overwriting};
 use super::places::Places;
 use super::progress::Counter;
+use super::times::TimesArguments;
 use super::{load, terminal};
 
 const EXAMPLES: &str = "\
@@ -65,9 +66,8 @@ pub struct Arguments {
     /// Write this file instead of the model's own
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Calibrate on this part of the flights, and take its end as launch; seconds of the flight's clock, as `pylon open` shows it
-    #[arg(long, value_name = "START..END")]
-    calibrate: Option<CalibrationWindow>,
+    #[command(flatten)]
+    times: TimesArguments,
     /// Fail if one flight to learn from cannot be used, instead of skipping and naming it
     #[arg(long)]
     strict: bool,
@@ -105,6 +105,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     refuse_overwriting(&flights, &[Role::new(&output, "the model")])?;
     let date = today()?;
     load::refuse_repeats(&given.files, &held_files.files)?;
+    let times = arguments.times.given();
     let is_usable = |flight: &Flight| {
         let lacking = missing_columns(flight, effect);
         if !lacking.is_empty() {
@@ -114,7 +115,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
                 lacking.join(", ")
             ));
         }
-        let replay = Replay::calibrated_or_not(flight, &before, arguments.calibrate);
+        let replay = Replay::calibrated_or_not(flight, &before, times);
         replay.map(|_| ()).map_err(|error| error.to_string())
     };
     let [batch, held_out] =
@@ -124,9 +125,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     held_files.write_notes();
     batch.write_skipped();
     held_out.write_skipped();
-    let window = arguments.calibrate;
     for load::Batch { files, flights, .. } in [&batch, &held_out] {
-        load::write_unused(&load::replays_to_diagnose(files, flights, &before, window)?);
+        load::write_unused(&load::replays_to_diagnose(files, flights, &before, times)?);
     }
     let request = Request {
         text: &text,
@@ -140,9 +140,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         },
         estimate: arguments.estimate,
         date,
-        learning: load::named(&batch.files, &batch.flights),
-        held_out: load::named(&held_out.files, &held_out.flights),
-        window: arguments.calibrate,
+        learning: load::named(&batch.files, &batch.flights, times),
+        held_out: load::named(&held_out.files, &held_out.flights, times),
     };
     let mut counter = Counter::new("learning", "fits and flights");
     let addition = add(&request, &mut || counter.step());

@@ -58,7 +58,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let in_flight = |error: &dyn std::fmt::Display| {
         Failure::input(format!("{}: {error}", arguments.what.flight.display()))
     };
-    let replay = Replay::new(&flight, &model, arguments.what.calibrate).map_err(|error| in_flight(&error))?;
+    let replay =
+        Replay::new(&flight, &model, arguments.what.times.given()).map_err(|error| in_flight(&error))?;
     let options = Options {
         traces: arguments.plots.is_some(),
         requirements: RuleRequirements {

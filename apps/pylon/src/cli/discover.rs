@@ -8,6 +8,7 @@ use pylon::contained::contained;
 use pylon::discover::{Discovery, discover, id, text, with_definition};
 use pylon::output_file::prepare;
 use pylon::plots::draw_laws;
+use pylon::replay::GivenAirborne;
 
 use super::failure::Failure;
 use super::model_lock::lock_model;
@@ -153,8 +154,12 @@ fn command(arguments: &StudyArguments) -> String {
     if arguments.model != "default" {
         command += &format!(" --model {}", arguments.model);
     }
-    if let Some(window) = arguments.calibrate {
-        command += &format!(" --calibrate {window}");
+    if let Some(window) = arguments.times.calibrate {
+        command += &format!(" --calibrate {}..{}", window.start_s, window.end_s);
+    }
+    if let Some(GivenAirborne { take_off_s, landing_s }) = arguments.times.airborne {
+        let end = |time_s: Option<f64>| time_s.map_or_else(String::new, |time_s| time_s.to_string());
+        command += &format!(" --airborne {}..{}", end(take_off_s), end(landing_s));
     }
     command
 }

@@ -104,7 +104,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let model = load::model(&arguments.what.model)?;
     let (flight, notes) = load::flight(&arguments.what.flight)?;
     load::write_notes(&notes);
-    let replay = Replay::new(&flight, &model, arguments.what.calibrate)
+    let replay = Replay::new(&flight, &model, arguments.what.times.given())
         .map_err(|error| Failure::input(format!("{}: {error}", arguments.what.flight.display())))?;
     let file = arguments.what.flight.display();
     load::write_unused_of(&file, &replay);

@@ -4,11 +4,12 @@ use std::path::PathBuf;
 
 use clap::Args;
 use pylon::learn::{ladder, ladder_text};
-use pylon::replay::{CalibrationWindow, Replay};
+use pylon::replay::Replay;
 
 use super::failure::Failure;
 use super::places::Places;
 use super::progress::Progress;
+use super::times::TimesArguments;
 use super::{load, terminal};
 
 const EXAMPLES: &str = "\
@@ -28,9 +29,8 @@ pub struct Arguments {
     /// The model: a TOML file, `default` or `paper`
     #[arg(long, value_name = "MODEL")]
     model: String,
-    /// Calibrate on this part of the flights, and take its end as launch; seconds of the flight's clock, as `pylon open` shows it
-    #[arg(long, value_name = "START..END")]
-    calibrate: Option<CalibrationWindow>,
+    #[command(flatten)]
+    times: TimesArguments,
     /// Fail if one flight cannot be used, instead of skipping and naming it
     #[arg(long)]
     strict: bool,
@@ -42,19 +42,20 @@ pub struct Arguments {
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let model = load::model(&arguments.model)?;
-    let given = Places::find(&arguments.flights)?;
-    load::refuse_repeats(&given.files, &[])?;
-    let batch = load::Batch::read(&given.files, arguments.strict, |flight| {
-        Replay::new(flight, &model, arguments.calibrate).map(|_| ()).map_err(|error| error.to_string())
+    let places = Places::find(&arguments.flights)?;
+    let given = arguments.times.given();
+    load::refuse_repeats(&places.files, &[])?;
+    let batch = load::Batch::read(&places.files, arguments.strict, |flight| {
+        Replay::new(flight, &model, given).map(|_| ()).map_err(|error| error.to_string())
     })?;
-    let flights = load::named(&batch.files, &batch.flights);
+    let flights = load::named(&batch.files, &batch.flights, given);
     let mut progress = Progress::new("flying", (model.revisions.len() as u64 + 1) * batch.files.len() as u64);
-    let mut ladder = ladder(&model, &flights, arguments.calibrate, &mut |done| progress.show(done))
+    let mut ladder = ladder(&model, &flights, &mut |done| progress.show(done))
         .map_err(|error| Failure::input(error.to_string()))?;
     drop(progress);
     ladder.model.clone_from(&arguments.model);
-    given.write_notes();
+    places.write_notes();
     batch.write_skipped();
-    load::write_unused(&load::replays(&batch.files, &batch.flights, &model, arguments.calibrate)?);
+    load::write_unused(&load::replays(&batch.files, &batch.flights, &model, given)?);
     if arguments.json { terminal::put_json(&ladder) } else { terminal::put(&ladder_text(&ladder)) }
 }

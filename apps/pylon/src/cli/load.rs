@@ -10,8 +10,9 @@ use pylon::contained::contained;
 use pylon::diagnose::NamedReplay;
 use pylon::flight::{Flight, Note};
 use pylon::import;
+use pylon::learn::NamedFlight;
 use pylon::printable::printable;
-use pylon::replay::{CalibrationWindow, Replay, ReplayError, Usage};
+use pylon::replay::{GivenTimes, Replay, ReplayError, Usage};
 
 use super::failure::Failure;
 use super::progress::while_busy;
@@ -117,9 +118,9 @@ pub fn replays<'a>(
     files: &[PathBuf],
     flights: &'a [Read],
     model: &Model,
-    window: Option<CalibrationWindow>,
+    given: GivenTimes,
 ) -> Result<Vec<NamedReplay<'a>>, Failure> {
-    replays_by(files, flights, |flight| Replay::new(flight, model, window))
+    replays_by(files, flights, |flight| Replay::new(flight, model, given))
 }
 
 /// As [`replays`], for a diagnosis: it estimates the biases beside everything else.
@@ -127,9 +128,9 @@ pub fn replays_to_diagnose<'a>(
     files: &[PathBuf],
     flights: &'a [Read],
     model: &Model,
-    window: Option<CalibrationWindow>,
+    given: GivenTimes,
 ) -> Result<Vec<NamedReplay<'a>>, Failure> {
-    replays_by(files, flights, |flight| Replay::to_diagnose(flight, model, window))
+    replays_by(files, flights, |flight| Replay::to_diagnose(flight, model, given))
 }
 
 fn replays_by<'a>(
@@ -161,8 +162,13 @@ pub fn write_unused_of(file: &impl Display, replay: &Replay<'_>) {
 }
 
 /// Those flights, each under its file's name.
-pub fn named<'a>(files: &[PathBuf], flights: &'a [Read]) -> Vec<(String, &'a Flight)> {
-    files.iter().zip(flights).map(|(file, (flight, _))| (file.display().to_string(), flight)).collect()
+pub fn named<'a>(files: &[PathBuf], flights: &'a [Read], given: GivenTimes) -> Vec<NamedFlight<'a>> {
+    let named = |(file, (flight, _)): (&PathBuf, &'a Read)| NamedFlight {
+        file: file.display().to_string(),
+        flight,
+        given,
+    };
+    files.iter().zip(flights).map(named).collect()
 }
 
 /// A model by its preset's name or its file; says on standard error what in it is unlikely.

@@ -25,6 +25,7 @@ mod simulate;
 mod studio;
 mod study;
 mod terminal;
+mod times;
 
 use std::process::ExitCode;
 

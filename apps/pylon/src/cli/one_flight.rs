@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use pylon::replay::CalibrationWindow;
+
+use super::times::TimesArguments;
 
 /// A flight, the model to fly over it, and the form of the output.
 #[derive(Debug, Args)]
@@ -14,9 +15,8 @@ pub struct OneFlight {
     /// The model: a TOML file, `default` or `paper`
     #[arg(long, value_name = "MODEL", default_value = "default")]
     pub model: String,
-    /// Calibrate on this part of the flight, and take its end as launch; seconds of the flight's clock, as `pylon open` shows it
-    #[arg(long, value_name = "START..END")]
-    pub calibrate: Option<CalibrationWindow>,
+    #[command(flatten)]
+    pub times: TimesArguments,
     /// Print JSON
     #[arg(long)]
     pub json: bool,

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 use pylon::import;
 use pylon::overview::{Overview, text};
-use pylon::replay::CalibrationWindow;
 
 use super::failure::Failure;
+use super::times::TimesArguments;
 use super::{load, terminal};
 
 const EXAMPLES: &str = "\
@@ -24,9 +24,8 @@ pub struct Arguments {
     /// The log: any that `pylon import` reads, or a flight CSV
     #[arg(value_name = "LOG")]
     log: PathBuf,
-    /// Choose the flight of a log with several, by the calibration's window (seconds of the flight's own clock)
-    #[arg(long, value_name = "START..END")]
-    calibrate: Option<CalibrationWindow>,
+    #[command(flatten)]
+    times: TimesArguments,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -37,6 +36,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (flight, notes) = load::flight(&arguments.log)?;
     let format = import::format_name(&arguments.log)?;
     let file = arguments.log.display().to_string();
-    let overview = Overview::new(&file, format, &flight, &notes, arguments.calibrate);
+    let overview = Overview::new(&file, format, &flight, &notes, arguments.times.given());
     if arguments.json { terminal::put_json(&overview) } else { terminal::put(&text(&overview)) }
 }

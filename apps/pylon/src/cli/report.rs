@@ -11,7 +11,7 @@ use pylon::diagnose::{NamedReplay, diagnose};
 use pylon::flight::Note;
 use pylon::learn::{NamedFlight, ladder};
 use pylon::output_file::write_atomically;
-use pylon::replay::{CalibrationWindow, Replay};
+use pylon::replay::Replay;
 use pylon::report::{FlightReport, Report, file_name, keep_most_telling};
 use pylon::results::{ReportResult, VERSION};
 
@@ -19,6 +19,7 @@ use super::failure::Failure;
 use super::overwriting::{Role, refuse_overwriting};
 use super::places::Places;
 use super::progress::{Counter, Progress};
+use super::times::TimesArguments;
 use super::{load, terminal};
 
 const EXAMPLES: &str = "\
@@ -42,9 +43,8 @@ pub struct Arguments {
     /// The model: a TOML file, `default` or `paper`
     #[arg(long, value_name = "MODEL", default_value = "default")]
     model: String,
-    /// Calibrate on this part of every flight, and take its end as launch; seconds of the flight's clock, as `pylon open` shows it
-    #[arg(long, value_name = "START..END")]
-    calibrate: Option<CalibrationWindow>,
+    #[command(flatten)]
+    times: TimesArguments,
     /// Evaluate what may be missing on this flight instead of on held-out manoeuvres (may be repeated)
     #[arg(long, value_name = "FLIGHT")]
     hold_out: Vec<PathBuf>,
@@ -67,15 +67,16 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let inputs: Vec<_> = flights.map(|flight| Role::new(flight, "a flight")).chain([model]).collect();
     refuse_overwriting(&inputs, &[Role::new(&arguments.output, "the page")])?;
     let model = load::model(&arguments.model)?;
+    let times = arguments.times.given();
     load::refuse_repeats(&given.files, &held_files.files)?;
     let batch = load::Batch::read(&given.files, arguments.strict, |flight| {
-        Replay::new(flight, &model, arguments.calibrate).map(|_| ()).map_err(|error| error.to_string())
+        Replay::new(flight, &model, times).map(|_| ()).map_err(|error| error.to_string())
     })?;
     let held = load::Batch::read(&held_files.files, arguments.strict, |flight| {
-        let replay = Replay::calibrated_or_not(flight, &model, arguments.calibrate);
+        let replay = Replay::calibrated_or_not(flight, &model, times);
         replay.map(|_| ()).map_err(|error| error.to_string())
     })?;
-    let learned_from = by_name(load::replays(&batch.files, &batch.flights, &model, arguments.calibrate)?);
+    let learned_from = by_name(load::replays(&batch.files, &batch.flights, &model, times)?);
     let model_name = file_name(&arguments.model);
     let mut flights = Vec::with_capacity(batch.files.len());
     let mut without = Vec::new();
@@ -90,9 +91,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let mut counter = Counter::new("diagnosing", "fits");
     // A diagnosis needs nothing quiet to calibrate on.
-    let window = arguments.calibrate;
-    let to_diagnose = by_name(load::replays_to_diagnose(&batch.files, &batch.flights, &model, window)?);
-    let to_judge = by_name(load::replays_to_diagnose(&held.files, &held.flights, &model, window)?);
+    let to_diagnose = by_name(load::replays_to_diagnose(&batch.files, &batch.flights, &model, times)?);
+    let to_judge = by_name(load::replays_to_diagnose(&held.files, &held.flights, &model, times)?);
     let mut diagnosis = diagnose(&to_diagnose, &to_judge, &mut || counter.step());
     drop(counter);
     diagnosis.model.clone_from(&model_name);
@@ -106,12 +106,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         })
     });
     keep_most_telling(&mut flights, &one_by_one.iter().flat_map(Batch::odd_files).collect::<Vec<_>>());
-    let mut all: Vec<NamedFlight<'_>> = load::named(&batch.files, &batch.flights);
-    all.extend(load::named(&held.files, &held.flights));
+    let mut all: Vec<NamedFlight<'_>> = load::named(&batch.files, &batch.flights, times);
+    all.extend(load::named(&held.files, &held.flights, times));
     all.iter_mut().for_each(|(file, _)| *file = file_name(file));
     let mut progress =
         Progress::new("flying every revision", (model.revisions.len() as u64 + 1) * all.len() as u64);
-    let mut ladder = ladder(&model, &all, arguments.calibrate, &mut |done| progress.show(done))
+    let mut ladder = ladder(&model, &all, &mut |done| progress.show(done))
         .map_err(|error| Failure::input(error.to_string()))?;
     drop(progress);
     ladder.model.clone_from(&model_name);

@@ -6,11 +6,12 @@ use clap::Args;
 use model::Model;
 use pylon::diagnose::NamedReplay;
 use pylon::flight::Flight;
-use pylon::replay::{CalibrationWindow, Replay};
+use pylon::replay::{GivenTimes, Replay};
 
 use super::failure::Failure;
 use super::load::{self, Batch};
 use super::places::Places;
+use super::times::TimesArguments;
 
 /// What `diagnose` and `discover` are given.
 #[derive(Debug, Args)]
@@ -24,9 +25,8 @@ pub struct StudyArguments {
     /// Evaluate on this flight instead of on held-out manoeuvres (may be repeated)
     #[arg(long, value_name = "FLIGHT")]
     pub hold_out: Vec<PathBuf>,
-    /// Calibrate on this part of the flights, and take its end as launch; seconds of the flight's clock, as `pylon open` shows it
-    #[arg(long, value_name = "START..END")]
-    pub calibrate: Option<CalibrationWindow>,
+    #[command(flatten)]
+    pub times: TimesArguments,
     /// Fail if one flight cannot be used, instead of skipping and naming it
     #[arg(long)]
     pub strict: bool,
@@ -57,13 +57,13 @@ impl StudyPlaces {
     /// Reads the flights that can be used with that model.
     pub fn read(self, model: &Model, arguments: &StudyArguments) -> Result<StudyFlights, Failure> {
         let is_usable = |flight: &Flight| {
-            let replay = Replay::calibrated_or_not(flight, model, arguments.calibrate);
+            let replay = Replay::calibrated_or_not(flight, model, arguments.times.given());
             replay.map(|_| ()).map_err(|error| error.to_string())
         };
         Ok(StudyFlights {
             learned: Batch::read(&self.learned.files, arguments.strict, is_usable)?,
             held: Batch::read(&self.held.files, arguments.strict, is_usable)?,
-            window: arguments.calibrate,
+            given: arguments.times.given(),
             places: self,
         })
     }
@@ -74,7 +74,7 @@ pub struct StudyFlights {
     places: StudyPlaces,
     learned: Batch,
     held: Batch,
-    window: Option<CalibrationWindow>,
+    given: GivenTimes,
 }
 
 impl StudyFlights {
@@ -84,7 +84,7 @@ impl StudyFlights {
     }
 
     fn replays_of<'a>(&self, batch: &'a Batch, model: &Model) -> Result<Vec<NamedReplay<'a>>, Failure> {
-        load::replays_to_diagnose(&batch.files, &batch.flights, model, self.window)
+        load::replays_to_diagnose(&batch.files, &batch.flights, model, self.given)
     }
 
     /// What was remarkable about the logs, each with its file.

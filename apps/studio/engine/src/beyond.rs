@@ -22,7 +22,7 @@ pub fn curve(
     (noise, found): (&NoiseFacts, &[Acting]),
     progress: &mut Progress<'_>,
 ) -> Result<Curve, Refused> {
-    let recording = engine.recording(flown.flight, flown.model, flown.window, progress)?;
+    let recording = engine.recording(flown.flight, flown.model, flown.times, progress)?;
     let found = explained(engine, flown, found)?;
     let slots = slots(&recording, noise, &found);
     let wander = reference_wander(&slots.of, noise);
@@ -44,7 +44,7 @@ struct Explained {
 }
 
 fn explained(engine: &Engine, flown: &Flown<'_>, found: &[Acting]) -> Result<Vec<Explained>, Refused> {
-    let replay = replay(engine.flight(flown.flight)?, flown.model, flown.window)?;
+    let replay = replay(engine.flight(flown.flight)?, flown.model, flown.times)?;
     let model = parsed(flown.model)?;
     let each = found.iter().map(|acting| {
         let regressor = regressor(acting, &model)?;

@@ -22,7 +22,7 @@ pub fn correlate(
     if !(request.longest_lag_s.is_finite() && request.longest_lag_s > 0.0) {
         return Err(refused("the longest lag must be above 0 s"));
     }
-    let flown = Flown { flight: &request.flight, model: &request.model, window: request.window };
+    let flown = Flown { flight: &request.flight, model: &request.model, times: request.times };
     let signal = curve(engine, &flown, &request.signal, progress)?;
     let with = match &request.with {
         Some(with) => Some(curve(engine, &flown, with, progress)?),

@@ -13,7 +13,7 @@ use replay::Replay;
 
 use crate::beyond;
 use crate::engine::{Engine, Progress, Refused, parsed, refused, replay};
-use crate::protocol::{Acting, ModelText, Signal, Window};
+use crate::protocol::{Acting, ModelText, Signal, Times};
 use crate::recording::{Recording, SensorTrack};
 
 /// Longer apart than so many of their usual intervals, two values have a gap between them: as the diagnosis has it for fixes.
@@ -131,7 +131,7 @@ pub struct Flown<'a> {
     /// The model.
     pub model: &'a ModelText,
     /// Where to calibrate.
-    pub window: Option<Window>,
+    pub times: Times,
 }
 
 /// The curve of a signal.
@@ -142,9 +142,8 @@ pub fn curve(
     progress: &mut Progress<'_>,
 ) -> Result<Rc<Curve>, Refused> {
     let name = serde_json::to_string(signal).map_err(refused)?;
-    engine.curve((flown.flight, flown.model, flown.window), name, |engine| {
-        made(engine, flown, signal, progress)
-    })
+    engine
+        .curve((flown.flight, flown.model, flown.times), name, |engine| made(engine, flown, signal, progress))
 }
 
 fn made(
@@ -172,7 +171,7 @@ fn made(
             return motion(engine, flown, progress, |motion| motion.turn_rate_radps, "rad/s");
         }
     };
-    let recording = engine.recording(flown.flight, flown.model, flown.window, progress)?;
+    let recording = engine.recording(flown.flight, flown.model, flown.times, progress)?;
     Ok(Curve { points: Points::Recorded(recording, of), sigma: None, unit: "m" })
 }
 
@@ -236,7 +235,7 @@ pub fn regressor(of: &Acting, model: &Model) -> Result<Regressor, Refused> {
 }
 
 fn effect(engine: &Engine, flown: &Flown<'_>, of: &Acting) -> Result<Curve, Refused> {
-    let replay = replay(engine.flight(flown.flight)?, flown.model, flown.window)?;
+    let replay = replay(engine.flight(flown.flight)?, flown.model, flown.times)?;
     let predicted = in_error(&replay, regressor(of, &parsed(flown.model)?)?, of.coefficient);
     let (times, values) = predicted.into_iter().unzip();
     Ok(Curve::own(times, values, "m"))
@@ -260,7 +259,7 @@ fn motion(
     quantity: fn(&Motion) -> Option<f64>,
     unit: &'static str,
 ) -> Result<Curve, Refused> {
-    let recording = engine.recording(flown.flight, flown.model, flown.window, progress)?;
+    let recording = engine.recording(flown.flight, flown.model, flown.times, progress)?;
     let start_s = recording.motion.start_us as f64 * 1e-6;
     let motions = recording.motion.motions.iter().enumerate();
     let (times, values) = motions

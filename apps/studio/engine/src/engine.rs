@@ -5,17 +5,18 @@ use std::fmt::Display;
 use std::ops::ControlFlow;
 use std::rc::Rc;
 
+use analysis::diagnose::Planner;
 use executor::Executor;
 use flight_data::{Flight, Note};
 use model::Model;
-use replay::{CalibrationWindow, Replay};
+use replay::{CalibrationWindow, GivenAirborne, GivenTimes, Replay};
 use serde::Serialize;
 use thiserror::Error;
 
 use crate::curve::Curve;
-use crate::protocol::{ModelText, Numbers, Request, Window};
+use crate::protocol::{Airborne, DiagnoseRequest, ModelText, Numbers, Request, Times, Window};
 use crate::recording::Recording;
-use crate::{catalogue, correlate, formula, opening, pairs, results, ribbons, samples, series};
+use crate::{catalogue, correlate, formula, opening, pairs, plan, results, ribbons, samples, series};
 
 /// Recordings that are kept: before and after, of two flights.
 const RECORDINGS: usize = 4;
@@ -73,7 +74,21 @@ pub(crate) struct OpenFlight {
     number: u64,
 }
 
-type RecordingKey = (u64, String, Option<[u64; 2]>);
+/// Times, to be compared bit for bit.
+pub(crate) type TimesKey = (Option<[u64; 2]>, Option<[Option<u64>; 2]>);
+
+pub(crate) fn times_key(Times { window, airborne }: Times) -> TimesKey {
+    let bits = |end: Option<f64>| end.map(f64::to_bits);
+    (
+        window.map(|window| [window.start_s.to_bits(), window.end_s.to_bits()]),
+        airborne.map(|airborne| [bits(airborne.take_off_s), bits(airborne.landing_s)]),
+    )
+}
+
+type RecordingKey = (u64, String, TimesKey);
+
+/// What a diagnosis is of: flights learned from, and judged by, with their times; the model.
+pub(crate) type DiagnosisKey = (Vec<(u64, TimesKey)>, Vec<(u64, TimesKey)>, String);
 
 /// Opened flights, and who works on them.
 pub struct Engine {
@@ -83,6 +98,8 @@ pub struct Engine {
     recordings: Vec<(RecordingKey, Rc<Recording>)>,
     /// Likewise.
     curves: Vec<((RecordingKey, String), Rc<Curve>)>,
+    /// What the last diagnosis' flights tell.
+    planners: Vec<(DiagnosisKey, Rc<Planner>)>,
     pub(crate) executor: &'static dyn Executor,
 }
 
@@ -90,7 +107,14 @@ impl Engine {
     /// An engine without flights.
     #[must_use]
     pub fn new(executor: &'static dyn Executor) -> Self {
-        Self { flights: BTreeMap::new(), opened: 0, recordings: Vec::new(), curves: Vec::new(), executor }
+        Self {
+            flights: BTreeMap::new(),
+            opened: 0,
+            recordings: Vec::new(),
+            curves: Vec::new(),
+            planners: Vec::new(),
+            executor,
+        }
     }
 
     /// Answers a request; `bytes` are what comes with it.
@@ -130,7 +154,7 @@ impl Engine {
                 progress("simulating", 0, 0);
                 json(&samples::open(self, open)?)
             }
-            Request::Flight(of) => json(&opening::opened(self.flight(&of.flight)?, of.window)?),
+            Request::Flight(of) => json(&opening::opened(self.flight(&of.flight)?, of.times)?),
             Request::Close(close) => {
                 let was_open = self.flights.remove(&close.flight).is_some();
                 json(&crate::protocol::Closed { was_open })
@@ -144,6 +168,7 @@ impl Engine {
             Request::Correlation(of) => json(&correlate::correlate(self, &of, attachments, progress)?),
             Request::Compare(of) => json(&results::compared(self, &of, progress)?),
             Request::Diagnose(of) => json(&results::diagnosed(self, &of, progress)?),
+            Request::Plan(of) => json(&plan::planned(self, of, progress)?),
             Request::Formula(of) => json(&formula::checked(self, &of, attachments, progress)?),
             Request::Discover(of) => json(&results::discovered(self, &of, progress)?),
             Request::Add(of) => json(&results::added(self, of, progress)?),
@@ -176,25 +201,25 @@ impl Engine {
         &mut self,
         name: &str,
         model: &ModelText,
-        window: Option<Window>,
+        times: Times,
         progress: &mut Progress<'_>,
     ) -> Result<Rc<Recording>, Refused> {
-        let key = self.key(name, model, window)?;
+        let key = self.key(name, model, times)?;
         if let Some(found) = kept(&mut self.recordings, &key) {
             return Ok(found);
         }
-        let recording = Recording::take(&replay(self.flight(name)?, model, window)?, progress)?;
+        let recording = Recording::take(&replay(self.flight(name)?, model, times)?, progress)?;
         Ok(keep(&mut self.recordings, RECORDINGS, key, recording))
     }
 
-    /// What `make` makes, or made before of the same flight, model and window under that name.
+    /// What `make` makes, or made before of the same flight, model and times under that name.
     pub(crate) fn curve(
         &mut self,
-        (flight, model, window): (&str, &ModelText, Option<Window>),
+        (flight, model, times): (&str, &ModelText, Times),
         what: String,
         make: impl FnOnce(&mut Self) -> Result<Curve, Refused>,
     ) -> Result<Rc<Curve>, Refused> {
-        let key = (self.key(flight, model, window)?, what);
+        let key = (self.key(flight, model, times)?, what);
         if let Some(found) = kept(&mut self.curves, &key) {
             return Ok(found);
         }
@@ -202,9 +227,30 @@ impl Engine {
         Ok(keep(&mut self.curves, CURVES, key, curve))
     }
 
-    fn key(&self, name: &str, model: &ModelText, window: Option<Window>) -> Result<RecordingKey, Refused> {
-        let bits = window.map(|window| [window.start_s.to_bits(), window.end_s.to_bits()]);
-        Ok((self.flight(name)?.number, model.text.clone(), bits))
+    /// What a diagnosis is kept under.
+    pub(crate) fn diagnosis_key(&self, request: &DiagnoseRequest) -> Result<DiagnosisKey, Refused> {
+        let of = |names: &[String]| {
+            let key = |name: &String| {
+                let times = request.times.get(name).copied().unwrap_or_default();
+                Ok((self.flight(name)?.number, times_key(times)))
+            };
+            names.iter().map(key).collect::<Result<_, Refused>>()
+        };
+        Ok((of(&request.flights)?, of(&request.hold_outs)?, request.model.text.clone()))
+    }
+
+    /// What the flights of a diagnosis tell, if it was the last one.
+    pub(crate) fn planner(&mut self, key: &DiagnosisKey) -> Option<Rc<Planner>> {
+        kept(&mut self.planners, key)
+    }
+
+    /// Keeps what the flights of a diagnosis tell.
+    pub(crate) fn keep_planner(&mut self, key: DiagnosisKey, planner: Planner) -> Rc<Planner> {
+        keep(&mut self.planners, 1, key, planner)
+    }
+
+    fn key(&self, name: &str, model: &ModelText, times: Times) -> Result<RecordingKey, Refused> {
+        Ok((self.flight(name)?.number, model.text.clone(), times_key(times)))
     }
 }
 
@@ -237,18 +283,21 @@ pub(crate) fn parsed(model: &ModelText) -> Result<Model, Refused> {
     Model::parse(&model.text).map_err(|error| refused(format!("{}: {error}", model.name)))
 }
 
-/// Where to calibrate.
-pub(crate) fn window(window: Option<Window>) -> Option<CalibrationWindow> {
-    window.map(|Window { start_s, end_s }| CalibrationWindow { start_s, end_s })
+/// What the user says of a flight's times.
+pub(crate) fn given(Times { window, airborne }: Times) -> GivenTimes {
+    GivenTimes {
+        calibration: window.map(|Window { start_s, end_s }| CalibrationWindow { start_s, end_s }),
+        airborne: airborne.map(|Airborne { take_off_s, landing_s }| GivenAirborne { take_off_s, landing_s }),
+    }
 }
 
 /// A flight, ready to be flown by a model; one that can not be calibrated as it is.
 pub(crate) fn replay<'a>(
     open: &'a OpenFlight,
     model: &ModelText,
-    on: Option<Window>,
+    times: Times,
 ) -> Result<Replay<'a>, Refused> {
-    Replay::new(&open.flight, &parsed(model)?, window(on))
+    Replay::new(&open.flight, &parsed(model)?, given(times))
         .map_err(|error| refused(format!("{}: {error}", open.file)))
 }
 

@@ -53,8 +53,8 @@ pub fn checked(
         return wrong(missing(column, &request.regressor));
     }
     let defining = ModelText { name: request.model.name.clone(), text: read };
-    let says = in_error(&replay(open, &defining, request.window)?, Regressor::new(effect), 1.0);
-    let flown = Flown { flight: &request.flight, model: &request.model, window: request.window };
+    let says = in_error(&replay(open, &defining, request.times)?, Regressor::new(effect), 1.0);
+    let flown = Flown { flight: &request.flight, model: &request.model, times: request.times };
     let error = curve(engine, &flown, &request.error, progress)?;
     let from_s = request.from_s.unwrap_or(f64::NEG_INFINITY);
     let mut pairs = Vec::new();

@@ -11,6 +11,7 @@ mod formula;
 mod headline;
 mod opening;
 mod pairs;
+mod plan;
 pub mod protocol;
 mod recording;
 mod results;

@@ -5,8 +5,8 @@ use analysis::overview::Overview;
 use flight_data::{Channel, Column};
 use kf_core::sensor::Sensor;
 
-use crate::engine::{Engine, OpenFlight, Refused, refused, window};
-use crate::protocol::{ColumnFacts, OpenRequest, Opened, Window};
+use crate::engine::{Engine, OpenFlight, Refused, given, refused};
+use crate::protocol::{ColumnFacts, OpenRequest, Opened, Times};
 
 /// Opens a log from its bytes.
 pub fn open(engine: &mut Engine, request: OpenRequest, bytes: &[u8]) -> Result<Opened, Refused> {
@@ -14,13 +14,13 @@ pub fn open(engine: &mut Engine, request: OpenRequest, bytes: &[u8]) -> Result<O
     let format = formats::import::format_name(bytes).to_owned();
     let read = formats::import::open(bytes, &file, engine.executor)
         .map_err(|error| refused(format!("{file}: {error}")))?;
-    opened(engine.keep(flight, file, format, read), None)
+    opened(engine.keep(flight, file, format, read), Times::default())
 }
 
-/// What is in an opened flight, calibrated on a window or where Pylon would.
-pub fn opened(open: &OpenFlight, on: Option<Window>) -> Result<Opened, Refused> {
+/// What is in an opened flight, with the user's times.
+pub fn opened(open: &OpenFlight, times: Times) -> Result<Opened, Refused> {
     let OpenFlight { file, format, flight, notes, .. } = open;
-    let overview = Overview::new(file, format, flight, notes, window(on));
+    let overview = Overview::new(file, format, flight, notes, given(times));
     let facts = |name: &str, is_known: bool, column: &Column| ColumnFacts {
         name: name.to_owned(),
         is_known,

@@ -14,7 +14,7 @@ pub fn pairs(
     if request.at_most == 0 {
         return Err(refused("at most 0 points, expected 1 or more"));
     }
-    let flown = Flown { flight: &request.flight, model: &request.model, window: request.window };
+    let flown = Flown { flight: &request.flight, model: &request.model, times: request.times };
     let x = curve(engine, &flown, &request.x, progress)?;
     let y = curve(engine, &flown, &request.y, progress)?;
     let from_s = request.from_s.unwrap_or(f64::NEG_INFINITY);

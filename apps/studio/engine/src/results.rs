@@ -4,19 +4,19 @@ use std::sync::Mutex;
 
 use analysis::batch::{DiagnoseResult, batch};
 use analysis::compare::{Comparison, Options, compare};
-use analysis::diagnose::{NamedReplay, WantedEffect, diagnose};
+use analysis::diagnose::{NamedReplay, WantedEffect, diagnose_to_plan};
 use analysis::discover::{discover, id};
 use analysis::learn::{Ladder, NamedFlight, Request, add};
 use kf_core::effect::Clock;
-use replay::Replay;
+use replay::{GivenTimes, Replay};
 use serde::Serialize;
 use time::{Date, Month};
 
-use crate::engine::{Attachments, Engine, Progress, Refused, counting, parsed, refused, replay, window};
+use crate::engine::{Attachments, Engine, Progress, Refused, counting, given, parsed, refused, replay};
 use crate::headline;
 use crate::protocol::{
     AddRequest, Added, CompareRequest, Compared, DiagnoseRequest, Diagnosed, DiscoverRequest, Discovered,
-    Exported, Exports, LadderRequest, ModelText, Window,
+    Exported, Exports, LadderRequest, ModelText, TimesByFlight,
 };
 
 /// How well a model agrees with a flight.
@@ -35,7 +35,7 @@ fn comparison(
     progress: &mut Progress<'_>,
 ) -> Result<Comparison, Refused> {
     let open = engine.flight(&request.flight)?;
-    let replay = replay(open, &request.model, request.window)?;
+    let replay = replay(open, &request.model, request.times)?;
     let rows = open.flight.rows() as u64;
     let mut flying = |done| progress("flying", done, rows);
     let (mut comparison, _) = compare(&replay, &Options::default(), &mut flying, engine.executor)
@@ -48,7 +48,7 @@ fn comparison(
 
 /// Which effect a model lacks.
 pub fn diagnosed(
-    engine: &Engine,
+    engine: &mut Engine,
     request: &DiagnoseRequest,
     progress: &mut Progress<'_>,
 ) -> Result<Diagnosed, Refused> {
@@ -58,17 +58,17 @@ pub fn diagnosed(
 }
 
 fn results(
-    engine: &Engine,
+    engine: &mut Engine,
     request: &DiagnoseRequest,
     progress: &mut Progress<'_>,
 ) -> Result<DiagnoseResult, Refused> {
     if request.flights.is_empty() {
         return Err(refused("no flight to diagnose"));
     }
-    let learned = to_diagnose(engine, &request.flights, &request.model, request.window)?;
-    let held = to_diagnose(engine, &request.hold_outs, &request.model, request.window)?;
-    let found = diagnose(&learned, &held, &mut counting("diagnosing", progress), engine.executor);
-    let mut together = found.map_err(refused)?;
+    let learned = to_diagnose(engine, &request.flights, &request.model, &request.times)?;
+    let held = to_diagnose(engine, &request.hold_outs, &request.model, &request.times)?;
+    let found = diagnose_to_plan(&learned, &held, &mut counting("diagnosing", progress), engine.executor);
+    let (mut together, planner) = found.map_err(refused)?;
     let one_by_one = (learned.len() > 1).then(|| {
         let done = Mutex::new((0, progress));
         let step = || {
@@ -86,6 +86,10 @@ fn results(
         let open = engine.flight(name)?;
         notes.extend(open.notes.iter().map(|note| format!("{}: {note}", open.file)));
     }
+    // The next flight is planned on it.
+    if let Some(planner) = planner {
+        engine.keep_planner(engine.diagnosis_key(request)?, planner);
+    }
     together.warnings.splice(0..0, notes);
     Ok(DiagnoseResult { together: Some(together), failed: None, one_by_one })
 }
@@ -99,8 +103,8 @@ pub fn discovered(
     if request.flights.is_empty() {
         return Err(refused("no flight to search"));
     }
-    let learned = to_diagnose(engine, &request.flights, &request.model, request.window)?;
-    let held = to_diagnose(engine, &request.hold_outs, &request.model, request.window)?;
+    let learned = to_diagnose(engine, &request.flights, &request.model, &request.times)?;
+    let held = to_diagnose(engine, &request.hold_outs, &request.model, &request.times)?;
     let found = discover(&learned, &held, &mut counting("searching for laws", progress), engine.executor);
     let mut discovery = found.map_err(refused)?;
     discovery.model.clone_from(&request.model.name);
@@ -114,24 +118,36 @@ pub fn discovered(
     Ok(Discovered { ids, why_none: headline::why_no_law(&discovery), discovery })
 }
 
-fn to_diagnose<'a>(
+pub(crate) fn to_diagnose<'a>(
     engine: &'a Engine,
     names: &[String],
     model: &ModelText,
-    on: Option<Window>,
+    times: &TimesByFlight,
 ) -> Result<Vec<NamedReplay<'a>>, Refused> {
     let model = parsed(model)?;
     let each = names.iter().map(|name| {
         let open = engine.flight(name)?;
-        let replay = Replay::to_diagnose(&open.flight, &model, window(on))
+        let replay = Replay::to_diagnose(&open.flight, &model, given_of(times, name))
             .map_err(|error| refused(format!("{}: {error}", open.file)))?;
         Ok(NamedReplay { file: open.file.clone(), replay })
     });
     each.collect()
 }
 
-fn named<'a>(engine: &'a Engine, names: &[String]) -> Result<Vec<NamedFlight<'a>>, Refused> {
-    let each = names.iter().map(|name| engine.flight(name).map(|open| (open.file.clone(), &open.flight)));
+/// What the user says of one flight's times.
+fn given_of(times: &TimesByFlight, flight: &str) -> GivenTimes {
+    given(times.get(flight).copied().unwrap_or_default())
+}
+
+fn named<'a>(
+    engine: &'a Engine,
+    names: &[String],
+    times: &TimesByFlight,
+) -> Result<Vec<NamedFlight<'a>>, Refused> {
+    let each = names.iter().map(|name| {
+        let open = engine.flight(name)?;
+        Ok(NamedFlight { file: open.file.clone(), flight: &open.flight, given: given_of(times, name) })
+    });
     each.collect()
 }
 
@@ -165,9 +181,8 @@ pub fn added(engine: &Engine, request: AddRequest, progress: &mut Progress<'_>) 
         wanted: WantedEffect { effect, time_constant_s, since },
         estimate: request.estimate,
         date: date(&request.date)?,
-        learning: named(engine, &request.flights)?,
-        held_out: named(engine, &request.hold_outs)?,
-        window: window(request.window),
+        learning: named(engine, &request.flights, &request.times)?,
+        held_out: named(engine, &request.hold_outs, &request.times)?,
     };
     let addition = add(&of, &mut counting("learning", progress), engine.executor).map_err(refused)?;
     let model = ModelText { name: request.model.name.clone(), text: addition.text.clone() };
@@ -194,18 +209,18 @@ pub fn ladder(
     progress: &mut Progress<'_>,
 ) -> Result<Ladder, Refused> {
     let model = parsed(&request.model)?;
-    let flights = named(engine, &request.flights)?;
+    let flights = named(engine, &request.flights, &request.times)?;
     let all = (model.revisions.len() as u64 + 1) * flights.len() as u64;
     let mut flying = |done| progress("flying", done, all);
-    let mut ladder = analysis::learn::ladder(&model, &flights, window(request.window), &mut flying)
-        .map_err(|error| refused(error.to_string()))?;
+    let mut ladder =
+        analysis::learn::ladder(&model, &flights, &mut flying).map_err(|error| refused(error.to_string()))?;
     ladder.model.clone_from(&request.model.name);
     Ok(ladder)
 }
 
 /// A file of a result, with the answer.
 pub fn exported(
-    engine: &Engine,
+    engine: &mut Engine,
     export: Exports,
     attachments: &mut Attachments,
     progress: &mut Progress<'_>,

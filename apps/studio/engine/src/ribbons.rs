@@ -13,7 +13,7 @@ pub fn ribbons(
     attachments: &mut Attachments,
     progress: &mut Progress<'_>,
 ) -> Result<Ribbons, Refused> {
-    let recording = engine.recording(&request.flight, &request.model, request.window, progress)?;
+    let recording = engine.recording(&request.flight, &request.model, request.times, progress)?;
     let times = &recording.time_s;
     let end_s = times.last().copied().unwrap_or(0.0);
     let spans = |starts: &[(usize, &'static str)]| -> Vec<Span> {

@@ -4,7 +4,7 @@ use simulate::{Scenario, simulate};
 
 use crate::engine::{Engine, Refused, refused};
 use crate::opening::opened;
-use crate::protocol::{OpenSampleRequest, Opened, Sample};
+use crate::protocol::{OpenSampleRequest, Opened, Sample, Times};
 
 macro_rules! scenario {
     ($name:literal) => {
@@ -51,5 +51,8 @@ pub fn open(engine: &mut Engine, request: OpenSampleRequest) -> Result<Opened, R
     let mut csv = Vec::new();
     flight_data::to_writer(&mut csv, &made).map_err(refused)?;
     let read = flight_data::parse_with(&csv, engine.executor).map_err(refused)?;
-    opened(engine.keep(flight, format!("{name}.csv"), "Pylon's own CSV, simulated".to_owned(), read), None)
+    opened(
+        engine.keep(flight, format!("{name}.csv"), "Pylon's own CSV, simulated".to_owned(), read),
+        Times::default(),
+    )
 }

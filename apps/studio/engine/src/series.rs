@@ -30,7 +30,7 @@ pub fn series(
     attachments: &mut Attachments,
     progress: &mut Progress<'_>,
 ) -> Result<Series, Refused> {
-    let SeriesRequest { flight, model, window, signals, from_s, to_s, pixels } = request;
+    let SeriesRequest { flight, model, times: given, signals, from_s, to_s, pixels } = request;
     if !(1..=MOST_PIXELS).contains(&pixels) {
         return Err(refused(format!("{pixels} pixels, expected 1 to {MOST_PIXELS}")));
     }
@@ -40,7 +40,7 @@ pub fn series(
     if !(from_s.is_finite() && to_s.is_finite() && from_s <= to_s) {
         return Err(refused(format!("no time from {from_s} s to {to_s} s")));
     }
-    let flown = Flown { flight: &flight, model: &model, window };
+    let flown = Flown { flight: &flight, model: &model, times: given };
     let curves: Result<Vec<Rc<Curve>>, Refused> =
         signals.iter().map(|signal| curve(engine, &flown, signal, progress)).collect();
     let curves = curves?;

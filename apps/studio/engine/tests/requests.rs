@@ -54,9 +54,9 @@ fn a_file_that_is_no_log_is_refused_in_the_importers_own_words_and_nothing_is_lo
         assert!(why.starts_with("bad.bin: ") && why.contains(says) && !why.contains('\n'), "{why}");
     }
     // The one that was open under that name still is.
-    let reply = asked(&mut engine, "flight", json!({ "flight": "one", "window": null }), &[]);
+    let reply = asked(&mut engine, "flight", json!({ "flight": "one", "times": {} }), &[]);
     assert!(reply.json.contains("one.csv"), "{}", reply.json);
-    let why = error(&asked(&mut engine, "flight", json!({ "flight": "two", "window": null }), &[]));
+    let why = error(&asked(&mut engine, "flight", json!({ "flight": "two", "times": {} }), &[]));
     assert_eq!(why, "flight 'two' is not open");
     assert!(error(&asked(&mut engine, "nonsense", json!({}), &[])).contains("nonsense"));
 }
@@ -68,7 +68,7 @@ fn an_effect_is_found_added_and_the_error_falls_as_its_prediction_said() {
     let default = json!({ "name": "ours.toml", "text": "" });
     Answer::of(&mut engine, "open_sample", json!({ "flight": flight, "sample": "hidden-static-port" }));
 
-    let of = json!({ "flights": [flight], "hold_outs": [], "model": default, "window": null });
+    let of = json!({ "flights": [flight], "hold_outs": [], "model": default, "times": {} });
     let diagnosed = Answer::of(&mut engine, "diagnose", of).json;
     let baro = &diagnosed["diagnosis"]["sensors"]["baro"];
     assert_eq!(baro["missing"], json!(["baro.dynamic_pressure"]));
@@ -83,7 +83,7 @@ fn an_effect_is_found_added_and_the_error_falls_as_its_prediction_said() {
     );
 
     let add = json!({
-        "effect": "baro.dynamic_pressure", "flights": [flight], "hold_outs": [], "model": default, "window": null,
+        "effect": "baro.dynamic_pressure", "flights": [flight], "hold_outs": [], "model": default, "times": {},
         "estimate": false, "time_constant_s": null, "since": null, "date": "2026-01-31"
     });
     let added = Answer::of(&mut engine, "add", add).json;
@@ -101,7 +101,7 @@ fn an_effect_is_found_added_and_the_error_falls_as_its_prediction_said() {
             { "signal": "beyond_reference", "sensor": "baro", "noise": noise, "found": found }
         ]);
         let of = json!({
-            "flight": "f", "model": model, "window": null, "signals": signals, "from_s": null, "to_s": null, "pixels": pixels
+            "flight": "f", "model": model, "times": {}, "signals": signals, "from_s": null, "to_s": null, "pixels": pixels
         });
         Answer::of(engine, "series", of)
     };
@@ -130,8 +130,7 @@ fn an_effect_is_found_added_and_the_error_falls_as_its_prediction_said() {
     let sigma = after.array("/curves/2/sigma");
     assert!(sigma.iter().all(|sigma| sigma.is_nan() || (0.0..20.0).contains(sigma)));
 
-    let ribbons =
-        Answer::of(&mut engine, "ribbons", json!({ "flight": "f", "model": default, "window": null }));
+    let ribbons = Answer::of(&mut engine, "ribbons", json!({ "flight": "f", "model": default, "times": {} }));
     assert_eq!(ribbons.json["phases"][0]["what"], "settling");
     assert_eq!(ribbons.json["phases"][2]["what"], "free_flight");
     assert!(ribbons.json["bounds_m"]["baro"].as_f64().unwrap() > 0.0);
@@ -139,7 +138,7 @@ fn an_effect_is_found_added_and_the_error_falls_as_its_prediction_said() {
     assert!(spans.windows(2).all(|pair| pair[0]["to_s"] == pair[1]["from_s"]), "{spans:?}");
 
     let scatter = json!({
-        "flight": "f", "model": default, "window": null, "x": { "signal": "column", "name": "tas_mps" },
+        "flight": "f", "model": default, "times": {}, "x": { "signal": "column", "name": "tas_mps" },
         "y": { "signal": "error", "sensor": "baro" }, "from_s": null, "to_s": null, "at_most": 500
     });
     let points = Answer::of(&mut engine, "scatter", scatter);
@@ -147,13 +146,13 @@ fn an_effect_is_found_added_and_the_error_falls_as_its_prediction_said() {
     assert_eq!((&points.json["x_unit"], &points.json["y_unit"]), (&json!("m/s"), &json!("m")));
 
     let correlation = json!({
-        "flight": "f", "model": default, "window": null, "signal": { "signal": "error", "sensor": "baro" }, "with": null,
+        "flight": "f", "model": default, "times": {}, "signal": { "signal": "error", "sensor": "baro" }, "with": null,
         "from_s": null, "to_s": null, "longest_lag_s": 20.0
     });
     let found = Answer::of(&mut engine, "correlation", correlation);
     assert!((found.array("/correlation")[0] - 1.0).abs() < 1e-12);
 
-    let ladder = json!({ "flights": ["f"], "model": added["model"], "window": null });
+    let ladder = json!({ "flights": ["f"], "model": added["model"], "times": {} });
     let revisions = Answer::of(&mut engine, "ladder", ladder).json;
     let rms_of = |revision: usize| {
         revisions["revisions"][revision]["flights"][0]["sensors"]["baro"]["free_flight_rms_m"]
@@ -170,7 +169,7 @@ fn formulas(engine: &mut Engine, default: &Value, learned: f64) {
     let check = |engine: &mut Engine, on: &str, regressor: &str| {
         let of = json!({
             "model": default, "id": null, "on": on, "regressor": regressor, "largest": null, "about": "", "flight": "f",
-            "window": null, "error": { "signal": "error", "sensor": "baro" }, "from_s": null
+            "times": {}, "error": { "signal": "error", "sensor": "baro" }, "from_s": null
         });
         Answer::of(engine, "formula", of)
     };
@@ -206,7 +205,7 @@ fn formulas(engine: &mut Engine, default: &Value, learned: f64) {
     let curve = |engine: &mut Engine, model: &Value, effect: &str| {
         let acting = json!({ "effect": effect, "coefficient": 1.0, "time_constant_s": null, "since": null });
         let of = json!({
-            "flight": "f", "model": model, "window": null, "signals": [{ "signal": "effect", "of": acting }],
+            "flight": "f", "model": model, "times": {}, "signals": [{ "signal": "effect", "of": acting }],
             "from_s": null, "to_s": null, "pixels": 400
         });
         Answer::of(engine, "series", of).array("/curves/0/least").to_vec()

@@ -89,8 +89,8 @@ fn wasm_says_what_native_code_says() {
         let open = json!({ "call": "open", "of": { "flight": "flight", "file": format!("{name}.csv") } });
         engine.ask(open.to_string().as_bytes(), &csv, &mut |_, _, _| {});
         for export in [
-            json!({ "what": "compare", "flight": "flight", "model": model, "window": null }),
-            json!({ "what": "diagnose", "flights": ["flight"], "hold_outs": [], "model": model, "window": null }),
+            json!({ "what": "compare", "flight": "flight", "model": model, "times": {} }),
+            json!({ "what": "diagnose", "flights": ["flight"], "hold_outs": [], "model": model, "times": {} }),
         ] {
             let request = json!({ "call": "export", "of": { "export": export } }).to_string();
             let native = engine.ask(request.as_bytes(), &[], &mut |_, _, _| {});

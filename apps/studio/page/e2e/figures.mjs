@@ -1,7 +1,7 @@
 // How long the page takes for an hour of flight, 720,000 rows: `npm run figures`, with PYLON_BIN naming a release build of pylon.
 
 import { execFileSync } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
+import { mkdtempSync, readFileSync, readdirSync, rmSync, statSync, writeFileSync } from "node:fs";
 import { loadavg, tmpdir } from "node:os";
 import { join } from "node:path";
 import { gzipSync } from "node:zlib";
@@ -38,6 +38,47 @@ coefficient = 0.1
 `;
 
 if (pylon === undefined) throw new Error("PYLON_BIN must name a release build of pylon");
+/** The memory of this program's browser, MB: what its pages and their workers have, and all of it. Shared pages count once (PSS). */
+function memory() {
+  const parents = new Map();
+  for (const pid of readdirSync("/proc").filter((name) => /^\d+$/.test(name))) {
+    try {
+      parents.set(Number(pid), Number(/\) \S (\d+)/.exec(readFileSync(`/proc/${pid}/stat`, "utf8"))?.[1]));
+    } catch { /* It has ended. */ }
+  }
+  const isOwn = (pid) => { for (let at = pid; at; at = parents.get(at)) if (at === process.pid) return at !== pid; return false; };
+  const sum = { pages: 0, all: 0 };
+  for (const pid of parents.keys()) {
+    if (!isOwn(pid)) continue;
+    try {
+      const megabytes = Number(/^Pss:\s+(\d+)/m.exec(readFileSync(`/proc/${pid}/smaps_rollup`, "utf8"))?.[1] ?? 0) / 1000;
+      sum.all += megabytes;
+      if (readFileSync(`/proc/${pid}/cmdline`, "utf8").includes("--type=renderer")) sum.pages += megabytes;
+    } catch { /* It has ended. */ }
+  }
+  return sum;
+}
+
+/** The frames while something is done over the error's curve: from one to the next, and what the page's own thread does for each, ms. */
+async function frames(tab, name, act) {
+  const box = await tab.locator(".chart.error .u-over").boundingBox();
+  const session = await tab.context().newCDPSession(tab);
+  await session.send("Performance.enable");
+  const busy = async () => (await session.send("Performance.getMetrics")).metrics.find(({ name: of }) => of === "TaskDuration").value;
+  await tab.evaluate(() => {
+    globalThis.frameTimes = [];
+    const next = (at) => { globalThis.frameTimes?.push(at); if (globalThis.frameTimes) requestAnimationFrame(next); };
+    requestAnimationFrame(next);
+  });
+  const from = await busy();
+  await act(box);
+  const to = await busy();
+  const times = await tab.evaluate(() => { const all = globalThis.frameTimes; globalThis.frameTimes = undefined; return all; });
+  const gaps = times.slice(1).map((at, i) => at - times[i]).sort((one, other) => one - other);
+  const at = (share) => gaps[Math.min(Math.floor(share * gaps.length), gaps.length - 1)].toFixed(1);
+  console.log(`${name}: ${gaps.length} frames, ${at(0.5)} ms from one to the next (95 % within ${at(0.95)}, the longest ${at(1)}); ${((1000 * (to - from)) / gaps.length).toFixed(1)} ms of work for each`);
+}
+
 const folder = mkdtempSync(join(tmpdir(), "pylon-figures-"));
 const browser = await launch();
 const seconds = (milliseconds) => `${(milliseconds / 1000).toFixed(1)} s`;
@@ -50,6 +91,11 @@ try {
   console.log(`page: ${(gzipSync(page, { level: 9 }).length / 1e6).toFixed(2)} MB compressed`);
   console.log(`flight: ${(statSync(file).size / 1e6).toFixed(0)} MB, ${head.split(",").length} columns; load of the machine ${loadavg()[0].toFixed(1)}`);
 
+  let most = { pages: 0, all: 0 };
+  const watch = setInterval(() => {
+    const now = memory();
+    most = { pages: Math.max(most.pages, now.pages), all: Math.max(most.all, now.all) };
+  }, 250);
   const { page: tab } = await open(browser);
   await tab.locator(".sample").first().waitFor();
   const begun = performance.now();
@@ -69,10 +115,37 @@ try {
   execFileSync("taskset", ["-c", "0", pylon, "diagnose", "hour.csv", "--json"], { cwd: folder, stdio: "ignore" });
   const own = performance.now() - native;
   console.log(`diagnosis by one native core, reading included: ${seconds(own)}; the page's, from the picture on: ${seconds(performance.now() - said - own)}`);
+  const [[was]] = await revisionsAre(tab, 1);
   const adding = performance.now();
   await tab.locator(".effect .add").first().click();
+  const [, [is]] = await revisionsAre(tab, 2);
+  console.log(`Add to the new numbers: ${seconds(performance.now() - adding)} (${was} m to ${is} m)`);
   await tab.locator(".chart.error .legend-entry", { hasText: "After" }).waitFor({ timeout: 300_000 });
   console.log(`Add to the new curve: ${seconds(performance.now() - adding)}`);
+  await tab.waitForFunction(() => !document.querySelector(".progress"), undefined, { timeout: 600_000 });
+  await tab.waitForTimeout(1000);
+  await frames(tab, "zoom by the wheel", async (box) => {
+    await tab.mouse.move(box.x + 0.4 * box.width, box.y + 40);
+    for (let turn = 0; turn < 120; turn += 1) {
+      await tab.mouse.wheel(0, turn % 40 < 20 ? -60 : 60);
+      await tab.waitForTimeout(12);
+    }
+  });
+  await tab.locator(".chart.error .u-over").dblclick();
+  await frames(tab, "pan by dragging", async (box) => {
+    await tab.mouse.wheel(0, -900);
+    await tab.keyboard.down("Shift");
+    await tab.mouse.move(box.x + 0.8 * box.width, box.y + 40);
+    await tab.mouse.down();
+    for (let step = 0; step < 120; step += 1) {
+      await tab.mouse.move(box.x + (0.5 + 0.3 * Math.cos(step / 12)) * box.width, box.y + 40);
+      await tab.waitForTimeout(12);
+    }
+    await tab.mouse.up();
+    await tab.keyboard.up("Shift");
+  });
+  clearInterval(watch);
+  console.log(`memory at most: ${most.pages.toFixed(0)} MB by the page and its workers, ${most.all.toFixed(0)} MB by all of the browser`);
 } finally {
   await browser.close();
   rmSync(folder, { recursive: true });

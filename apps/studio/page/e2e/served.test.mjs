@@ -47,6 +47,12 @@ test("a served flight is open at once; Save writes the model, but not over anoth
     const ladder = JSON.parse(execFileSync(pylon, ["ladder", "flight.csv", "--model", "ours.toml", "--json"], { cwd: folder, encoding: "utf8", stdio: ["ignore", "pipe", "ignore"] }));
     assert.equal(ladder.revisions.length, 2);
 
+    // What the page shows is what flies: the whole image in the emulator, each tick compared with the host's.
+    await page.getByRole("button", { name: "Fly in QEMU" }).click();
+    await page.locator(".notice", { hasText: "Flown in QEMU" }).waitFor({ timeout: 600_000 });
+    assert.match(await page.locator(".notice").textContent(), /: [1-9]\d{3,} ticks .* each bit for bit the host's/);
+    await page.getByRole("button", { name: "Dismiss" }).click();
+
     // Another program changes the file: it is not overwritten, and shown.
     writeFileSync(file, `${written}\n# by hand\n`);
     await page.getByRole("button", { name: "Undo" }).click();

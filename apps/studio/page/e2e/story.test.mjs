@@ -5,6 +5,7 @@ import { readFile } from "node:fs/promises";
 import { after, before, test } from "node:test";
 
 import { choose, drop, launch, open, openSample, revisionsAre, sentence } from "./browser.mjs";
+import { igc } from "./igc.mjs";
 
 let browser;
 before(async () => { browser = await launch(); });
@@ -84,6 +85,25 @@ test("a cause is read, added, undone, and kept over a reload", async () => {
   await context.close();
 });
 
+test("the page is there before its engine is, and a log that is dropped meanwhile is opened by it", async () => {
+  const { context, page, wrongs } = await open(browser, {
+    before: (tab) => tab.addInitScript(() => {
+      const compile = WebAssembly.compile.bind(WebAssembly);
+      const until = new Promise((go) => { globalThis.letGo = go; });
+      WebAssembly.compile = async (source) => { await until; return compile(source); };
+    }),
+  });
+  await page.getByRole("button", { name: "Choose a log…" }).waitFor();
+  assert.match(await page.locator("h1").textContent(), /Drop a flight log/);
+  // Two clicks: this one, and the one on the file.
+  await choose(page, [{ name: "glider.igc", mimeType: "text/plain", buffer: Buffer.from(igc("Ann", "D-1234")) }]);
+  await page.locator(".flight", { hasText: "glider.igc" }).waitFor();
+  await page.evaluate(() => globalThis.letGo());
+  assert.ok((await sentence(page)).length > 20);
+  assert.deepEqual(wrongs, []);
+  await context.close();
+});
+
 test("what is no log is refused with the importer's line, and the others are opened", async () => {
   const { context, page, wrongs } = await open(browser);
   await choose(page, [
@@ -114,19 +134,3 @@ test("a pilot who is a script stays text", async () => {
   assert.deepEqual(wrongs, []);
   await context.close();
 });
-
-/** A glider's log: it climbs in circles and glides out, with a barometer that lies by two in a hundred. */
-function igc(pilot, glider) {
-  const lines = ["AXXX001 made by a test", "HFDTE010624", `HFPLTPILOTINCHARGE:${pilot}`, `HFGTYGLIDERTYPE:${glider}`, `HFGIDGLIDERID:${glider}`];
-  const two = (value) => String(value).padStart(2, "0");
-  for (let s = 0; s < 1500; s += 1) {
-    const height = 600 + (s < 60 ? 0 : s < 800 ? (s - 60) * 1.6 : 1184 - (s - 800) * 1.3) + 8 * Math.sin(s / 11);
-    const moved = s < 60 ? 0 : s;
-    const north = 20_000 + Math.round(moved * 4 + (s < 60 ? 0 : 60 * Math.sin(s / 4)));
-    const east = 20_000 + Math.round(moved * 3 + (s < 60 ? 0 : 90 * Math.cos(s / 4)));
-    const clock = `${two(10 + Math.floor(s / 3600))}${two(Math.floor(s / 60) % 60)}${two(s % 60)}`;
-    const level = (value) => String(Math.round(value)).padStart(5, "0");
-    lines.push(`B${clock}47${String(north).padStart(5, "0")}N008${String(east).padStart(5, "0")}EA${level(height * 1.02 + 20)}${level(height + 2 * Math.sin(s / 70))}`);
-  }
-  return `${lines.join("\r\n")}\r\n`;
-}

@@ -37,3 +37,8 @@ export async function forget(flight: string): Promise<void> {
 export async function made(of: Calls["export"]["of"]): Promise<MadeFile> {
   return (await engine()).export(of);
 }
+
+/** The log that a flight was opened from; null for one that comes with Pylon. */
+export async function sourceOf(flight: string): Promise<Blob | null> {
+  return (await engine()).source(flight);
+}

@@ -7,11 +7,13 @@ import "uplot/dist/uPlot.min.css";
 import "./looks/layout.css";
 import "./looks/curves.css";
 import "./looks/panels.css";
+import "./looks/plan.css";
 import "./looks/print.css";
 import { notice } from "./state/flights";
 import { messageOf } from "./state/resource";
-import { keepOnChange, restore } from "./state/session";
-import { loadGuides } from "./state/studio";
+import { inside } from "./state/inside";
+import { keepOnChange, openInside, restore } from "./state/session";
+import { loadGuides, saidBefore } from "./state/studio";
 import { openServed } from "./state/server";
 import { App } from "./view/app";
 
@@ -19,8 +21,14 @@ const place = document.getElementById("studio");
 if (place) render(<App />, place);
 
 async function begin(): Promise<void> {
+  const found = inside();
+  if (found) saidBefore.value = found.said;
   try {
     await loadGuides();
+    if (found) {
+      await openInside(found);
+      return;
+    }
     await restore();
     await openServed();
   } catch (error) {

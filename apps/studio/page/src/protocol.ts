@@ -3,7 +3,7 @@
 import type * as Engine from "./generated/protocol";
 import type { Resolved } from "./engine/client";
 
-export type { Acting, Headline, ModelText, NoiseFacts, Signal, Window } from "./generated/protocol";
+export type { Acting, Airborne, FlightPlan, Headline, ModelText, NoiseFacts, PlannedLeg, PlannedManoeuvre, Signal, Times, Window } from "./generated/protocol";
 export type Added = Resolved<Engine.Added>;
 export type CandidateFacts = Resolved<Engine.CandidateFacts>;
 export type Compared = Resolved<Engine.Compared>;
@@ -19,6 +19,11 @@ export type Correlated = Resolved<Engine.Correlated>;
 export type Drawn = Resolved<Engine.Drawn>;
 export type Paired = Resolved<Engine.Paired>;
 export type Ribbons = Resolved<Engine.Ribbons>;
+export type Planned = Resolved<Engine.Planned>;
+export type Offer = Resolved<Engine.Offer>;
+export type EffectOutlook = Resolved<Engine.EffectOutlook>;
+export type SetOutlook = Resolved<Engine.SetOutlook>;
+export type PlannedSegment = Resolved<Engine.PlannedSegment>;
 export type Series = Resolved<Engine.Series>;
 export type Defined = Resolved<Engine.Defined>;
 export type Discovered = Resolved<Engine.Discovered>;

@@ -4,7 +4,7 @@ use super::candidates::Candidate;
 use super::information::Information;
 
 /// An effect is seen when its coefficient exceeds so many sigmas, with the number of candidates tried.
-const SEEN_SIGMAS: f64 = 4.5;
+pub(super) const SEEN_SIGMAS: f64 = 4.5;
 /// A flight excites a sensor enough if it would have shown this share of the effects that could act on it.
 const ENOUGH: f64 = 0.5;
 

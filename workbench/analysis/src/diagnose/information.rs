@@ -64,6 +64,32 @@ impl Information {
         self.rows += rows - present.len().min(rows);
     }
 
+    /// These and those of other flights, of the same columns.
+    #[must_use]
+    pub fn plus(&self, other: &Self) -> Self {
+        Self {
+            gram: &self.gram + &other.gram,
+            raw: self.raw.iter().zip(&other.raw).map(|(one, other)| one + other).collect(),
+            rows: self.rows + other.rows,
+            log_determinant: self.log_determinant + other.log_determinant,
+        }
+    }
+
+    /// The same flights, had the residual been what some columns make of it with these coefficients, and no noise.
+    #[must_use]
+    pub fn with_response(&self, columns: &[usize], coefficients: &[f64]) -> Self {
+        let mut with = self.clone();
+        let terms = || columns.iter().map(|column| column + 1).zip(coefficients);
+        let width = self.raw.len();
+        for j in 1..width {
+            let product: f64 = terms().map(|(at, coefficient)| coefficient * self.gram[(at, j)]).sum();
+            with.gram[(0, j)] = product;
+            with.gram[(j, 0)] = product;
+        }
+        with.gram[(0, 0)] = terms().map(|(at, coefficient)| coefficient * with.gram[(0, at)]).sum();
+        with
+    }
+
     /// Whether a column is anything but a combination of the biases.
     #[must_use]
     pub fn is_excited(&self, column: usize) -> bool {
@@ -214,6 +240,29 @@ mod tests {
         assert_eq!(information.solve(&[0]), None);
         assert!(information.solve(&[1, 1]).is_none());
         assert!(information.shared(1, 1, &[]).is_some_and(|shared| shared > 0.999_999));
+    }
+
+    #[test]
+    fn a_flight_without_noise_reads_what_its_columns_make_and_is_added_to_others() {
+        let (first, rows) = products(|k| if k % 2 == 0 { 1.0 } else { -1.0 });
+        let (second, _) = products(|k| f64::from(k % 3));
+        let of = |products: &DMatrix<f64>| {
+            let mut information = Information::new(3);
+            information.add_flight(products, 1, rows, 0.0);
+            information
+        };
+        let made = of(&second).with_response(&[0, 1], &[0.5, 7.0]);
+        let solution = made.solve(&[0, 1]).unwrap();
+        assert!((solution.coefficients[0] - 0.5).abs() < 1e-9 && solution.rest.abs() < 1e-6, "{solution:?}");
+        // Of one of the two columns the other's part is left.
+        assert!(made.solve(&[0]).unwrap().rest > 1.0);
+        let mut both = Information::new(3);
+        both.add_flight(&first, 1, rows, 0.0);
+        both.add_flight(&second, 1, rows, 0.0);
+        let sum = of(&first).plus(&of(&second));
+        let (one, other) = (both.solve(&[0, 1]).unwrap(), sum.solve(&[0, 1]).unwrap());
+        assert!((one.rest - other.rest).abs() < 1e-6 * one.rest);
+        assert!((one.covariance[0] - other.covariance[0]).abs() < 1e-12 * one.covariance[0]);
     }
 
     #[test]

@@ -16,6 +16,8 @@
 //! 6. `excitation`, `advice`: what the flight could not have shown, and what to fly.
 //! 7. `judge`: the verdicts, and the `learning_problem` that one effect's coefficient is learned from.
 //!
+//! `planner`: what one more flight would tell, before it is flown.
+//!
 //! `study` is a diagnosis that ends in a learning problem, for `crate::learn`.
 
 mod advice;
@@ -45,7 +47,9 @@ mod manoeuvres;
 mod matrix;
 mod named_replay;
 mod noise;
+mod outlook;
 mod physical_range;
+mod planner;
 mod posterior;
 mod prediction;
 mod prepare;
@@ -82,6 +86,8 @@ pub use held_out_verdict::HeldOutVerdict;
 pub use learning_problem::{LearningProblem, Nuisance, Term};
 pub use named_replay::NamedReplay;
 pub use noise::{GaussMarkov, Noise, SensorNoise};
+pub use outlook::{EffectOutlook, MemberOutlook, Outlook, SetOutlook};
+pub use planner::{Planner, diagnose_to_plan};
 pub use prediction::prediction;
 pub use series::{BySensor, Series};
 pub use study::study;

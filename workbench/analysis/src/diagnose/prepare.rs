@@ -84,6 +84,11 @@ impl Prepared {
         }
     }
 
+    /// Whether the wind has columns of its own, after the candidates'.
+    pub(super) fn has_wind(&self) -> bool {
+        self.series.iter().any(|series| series.columns.len() > self.candidates.len())
+    }
+
     /// The candidates that a search is to look at: those whose regressor moves.
     pub(super) fn suspects(&self, problem: &Problem<'_>) -> Suspects<'_> {
         let first_look = problem.information(&problem.prior.noise(&problem.prior.means()), &self.tried);

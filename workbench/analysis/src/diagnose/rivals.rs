@@ -10,7 +10,7 @@ use super::suspects::Suspects;
 /// A candidate stands in for another where it explains all but this share of what the other explains
 /// (squares). Regressors are made of measured signals, aligned to some hundredths of a second, by formulas that leave
 /// terms out: their shape is known to some 15 to 20 %, and no statistics make it better.
-const SHAPE: f64 = 0.03;
+pub const SHAPE: f64 = 0.03;
 /// Twice the log likelihood by which it must be worse to be excluded: odds of 150 to 1.
 const CLEARLY_WORSE: f64 = 10.0;
 

@@ -16,23 +16,28 @@ const WIND_M_PER_MPS: f64 = 0.3;
 /// squared speed over ground that stands in for it belong the two components of v, with a coefficient of each
 /// flight's own. Load factor and angle of attack would have to do for them otherwise.
 pub(super) fn wind(epochs: &mut [Epochs], held: &mut [Epochs]) -> Vec<Known> {
-    let lacks = |epochs: &Epochs| epochs.signals.iter().all(|block| !block[0].is_finite());
-    if !epochs.iter().any(&lacks) {
+    if !epochs.iter().any(lacks_airspeed) {
         return Vec::new();
     }
-    let mut known = Vec::new();
+    let first = epochs.first().map_or(0, |epochs| epochs.series.columns.len());
+    epochs.iter_mut().chain(held).for_each(append);
+    let columns = first..first + signals::GROUND_VELOCITY.len();
+    columns.map(|column| Known { column, sigma: WIND_M_PER_MPS }).collect()
+}
+
+/// Appends both columns to a flight's; of one that has the airspeed they are zero.
+pub(super) fn append(epochs: &mut Epochs) {
+    let is_needed = lacks_airspeed(epochs);
     for signal in signals::GROUND_VELOCITY {
-        for epochs in epochs.iter_mut().chain(held.iter_mut()) {
-            let is_needed = lacks(epochs);
-            let component = epochs.signals.iter().map(|block| {
-                let value = if is_needed && block[signal].is_finite() { block[signal] } else { 0.0 };
-                std::array::from_fn(|i| if i == Sensor::Baro.index() { value } else { 0.0 })
-            });
-            let component = component.collect();
-            epochs.series.columns.push(component);
-        }
-        let column = epochs.first().map_or(0, |epochs| epochs.series.columns.len() - 1);
-        known.push(Known { column, sigma: WIND_M_PER_MPS });
+        let component = epochs.signals.iter().map(|block| {
+            let value = if is_needed && block[signal].is_finite() { block[signal] } else { 0.0 };
+            std::array::from_fn(|i| if i == Sensor::Baro.index() { value } else { 0.0 })
+        });
+        let component = component.collect();
+        epochs.series.columns.push(component);
     }
-    known
+}
+
+fn lacks_airspeed(epochs: &Epochs) -> bool {
+    epochs.signals.iter().all(|block| !block[0].is_finite())
 }

@@ -59,6 +59,11 @@ pub(crate) struct Judged<'a, 'b> {
 }
 
 impl Judged<'_, '_> {
+    /// What the verdicts rest on.
+    pub(super) const fn findings(&self) -> Option<&Findings> {
+        self.findings.as_ref()
+    }
+
     /// The effects that explain the residuals, with the noise beside them.
     pub(crate) fn explanation(&self) -> Option<&Explanation> {
         self.findings.as_ref().map(|findings| &findings.explanation)

@@ -18,13 +18,29 @@ use crate::diagnose::{Diagnosis, HeldOutVerdict, NamedReplay, Verdict, WantedEff
 use crate::progress::{Cancelled, Progress, step};
 use executor::Executor;
 use flight_data::Flight;
-use replay::{CalibrationWindow, Replay, ReplayError, missing_columns};
+use replay::{GivenTimes, Replay, ReplayError, missing_columns};
 
 /// A coefficient within this many sigmas of zero is treated as absent.
 const SIGNIFICANT_SIGMAS: f64 = 3.0;
 
-/// A flight and what the user calls it.
-pub type NamedFlight<'a> = (String, &'a Flight);
+/// A flight and what the user says of it.
+#[derive(Clone, Debug)]
+pub struct NamedFlight<'a> {
+    /// What the user calls it.
+    pub file: String,
+    /// The flight.
+    pub flight: &'a Flight,
+    /// Where to calibrate and when it was in the air, if the flight is not to say.
+    pub given: GivenTimes,
+}
+
+impl<'a> NamedFlight<'a> {
+    /// A flight that says itself where it is calibrated and when it was in the air.
+    #[must_use]
+    pub fn new(file: impl Into<String>, flight: &'a Flight) -> Self {
+        Self { file: file.into(), flight, given: GivenTimes::default() }
+    }
+}
 
 /// What is to be added to what.
 #[derive(Clone, Debug)]
@@ -41,8 +57,6 @@ pub struct Request<'a> {
     pub learning: Vec<NamedFlight<'a>>,
     /// Flights to judge by.
     pub held_out: Vec<NamedFlight<'a>>,
-    /// Where to calibrate, if the flights do not say.
-    pub window: Option<CalibrationWindow>,
 }
 
 /// What the errors before and after are of.
@@ -192,7 +206,7 @@ pub fn add(
     let id = request.wanted.effect;
     let before = Model::parse(request.text)?;
     let old = before.effects.iter().find(|effect| effect.term.id() == id).cloned();
-    for (file, flight) in request.learning.iter().chain(&request.held_out) {
+    for NamedFlight { file, flight, .. } in request.learning.iter().chain(&request.held_out) {
         let columns = missing_columns(flight, id);
         if !columns.is_empty() {
             return Err(AddError::Lacks { file: file.clone(), effect: id.name(), columns });
@@ -201,16 +215,16 @@ pub fn add(
 
     let mut without = before.clone();
     without.effects.retain(|effect| effect.term.id() != id);
-    let flown = |flights| replays(flights, &without, request.window, Replay::calibrated_or_not);
+    let flown = |flights| replays(flights, &without, Replay::calibrated_or_not);
     let (flown_learning, flown_held_out) = (flown(&request.learning)?, flown(&request.held_out)?);
     let not_flown = not_flown(flown_learning.iter().chain(&flown_held_out));
     let is_held_out_flown = flown_held_out.iter().all(|named| named.replay.is_calibrated());
     // What `pylon diagnose` found on all of a flight is learned from all of it.
-    let learning = replays(&request.learning, &without, request.window, Replay::to_diagnose)?;
-    let held_out = replays(&request.held_out, &without, request.window, Replay::to_diagnose)?;
+    let learning = replays(&request.learning, &without, Replay::to_diagnose)?;
+    let held_out = replays(&request.held_out, &without, Replay::to_diagnose)?;
     let (diagnosis, problem) = study(&learning, &held_out, request.wanted, progress, executor)?;
     let files = || {
-        let names: Vec<&str> = request.learning.iter().map(|(file, _)| file.as_str()).collect();
+        let names: Vec<&str> = request.learning.iter().map(|named| named.file.as_str()).collect();
         names.join(", ")
     };
     let problem = problem.ok_or_else(|| AddError::NotExcited { effect: id.name(), files: files() })?;
@@ -233,8 +247,8 @@ pub fn add(
     let text = with_effect(request.text, &effect, request.date)?;
     let after = Model::parse(&text)?;
 
-    let learning = changes(&request.learning, [&before, &after], request.window, progress)?;
-    let held_out = changes(&request.held_out, [&before, &after], request.window, progress)?;
+    let learning = changes(&request.learning, [&before, &after], progress)?;
+    let held_out = changes(&request.held_out, [&before, &after], progress)?;
     let rms = |flights: &[FlightChange]| -> [Option<f64>; 2] {
         [
             pooled_rms_m(&scores(flights, |change| change.before), id.subject()),
@@ -299,18 +313,17 @@ fn rounded(value: f64, sigma: f64) -> f32 {
 }
 
 /// How a replay is made of a flight.
-type Making<'a> = fn(&'a Flight, &Model, Option<CalibrationWindow>) -> Result<Replay<'a>, ReplayError>;
+type Making<'a> = fn(&'a Flight, &Model, GivenTimes) -> Result<Replay<'a>, ReplayError>;
 
 /// The flights, ready to be replayed.
 fn replays<'a>(
     flights: &[NamedFlight<'a>],
     model: &Model,
-    window: Option<CalibrationWindow>,
     make: Making<'a>,
 ) -> Result<Vec<NamedReplay<'a>>, AddError> {
-    let named = flights.iter().map(|(file, flight)| {
+    let named = flights.iter().map(|NamedFlight { file, flight, given }| {
         let replay =
-            make(flight, model, window).map_err(|error| AddError::Replay { file: file.clone(), error })?;
+            make(flight, model, *given).map_err(|error| AddError::Replay { file: file.clone(), error })?;
         Ok(NamedReplay { file: file.clone(), replay })
     });
     named.collect()
@@ -333,10 +346,9 @@ fn not_flown<'a>(replays: impl Iterator<Item = &'a NamedReplay<'a>>) -> Vec<Stri
 fn changes(
     flights: &[NamedFlight<'_>],
     models: [&Model; 2],
-    window: Option<CalibrationWindow>,
     progress: &mut Progress<'_>,
 ) -> Result<Vec<FlightChange>, AddError> {
-    let [before, after] = models.map(|model| replays(flights, model, window, Replay::calibrated_or_not));
+    let [before, after] = models.map(|model| replays(flights, model, Replay::calibrated_or_not));
     let mut changes = Vec::new();
     for (before, after) in before?.iter().zip(&after?).filter(|(before, _)| before.replay.is_calibrated()) {
         let failed = |error| AddError::Replay { file: before.file.clone(), error };

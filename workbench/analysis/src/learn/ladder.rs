@@ -8,7 +8,7 @@ use thiserror::Error;
 use super::addition::NamedFlight;
 use super::score::{Scores, score};
 use crate::name::Name;
-use replay::{CalibrationWindow, Replay, ReplayError};
+use replay::{Replay, ReplayError};
 
 /// The keys of `pylon ladder --json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -71,7 +71,6 @@ pub struct LadderError {
 pub fn ladder(
     model: &Model,
     flights: &[NamedFlight<'_>],
-    window: Option<CalibrationWindow>,
     progress: &mut dyn FnMut(u64),
 ) -> Result<Ladder, LadderError> {
     let mut revisions = Vec::new();
@@ -80,8 +79,8 @@ pub fn ladder(
     {
         let left = model.at_revision(number);
         let mut at_revision = Vec::new();
-        for (file, flight) in flights {
-            let sensors = Replay::new(flight, &left, window).and_then(|replay| score(&replay));
+        for NamedFlight { file, flight, given } in flights {
+            let sensors = Replay::new(flight, &left, *given).and_then(|replay| score(&replay));
             let sensors = sensors.map_err(|reason| LadderError { file: file.clone(), reason })?;
             at_revision.push(RevisionFlight { file: file.clone(), sensors });
             done += 1;

@@ -10,7 +10,7 @@ use flight_data::{Channel, Column, Flight, Note};
 use model::Model;
 use replay::airborne::{self, AirborneInterval, EDGE_S};
 use replay::barometer;
-use replay::{CalibrationWindow, Replay, Usage, clock, has_launch};
+use replay::{GivenTimes, Replay, Usage, clock, has_launch};
 
 pub use sensors::{SensorState, SensorView};
 
@@ -99,14 +99,18 @@ impl Overview {
         format: &str,
         flight: &Flight,
         notes: &[Note],
-        window: Option<CalibrationWindow>,
+        given: impl Into<GivenTimes>,
     ) -> Self {
+        let given = given.into();
         let first_s = flight.time_s.first().copied().unwrap_or(0.0);
         let last_s = flight.time_s.iter().copied().fold(first_s, f64::max);
-        let replay = Replay::new(flight, &Model::default(), window);
-        let mut airborne = airborne::find(flight).airborne;
+        let replay = Replay::new(flight, &Model::default(), given);
+        let mut airborne = match (&replay, given.airborne) {
+            (Ok(replay), Some(_)) => replay.extent().airborne.clone(),
+            _ => airborne::find(flight).airborne,
+        };
         // The blocks in which take-offs are found are too long for a launch that a log begins with.
-        let boost = airborne::boost(flight).filter(|_| !has_launch(flight));
+        let boost = airborne::boost(flight).filter(|_| !has_launch(flight) && given.airborne.is_none());
         if let Some(boost) = boost {
             let interval =
                 airborne.iter_mut().find(|interval| (boost.from_s - interval.from_s).abs() <= EDGE_S);
@@ -149,7 +153,7 @@ impl Overview {
             duration_s: last_s - first_s,
             launch_s: launch_s(flight),
             drop_s: drop.map(|drop| drop.from_s),
-            diagnosed_share: Replay::to_diagnose(flight, &Model::default(), window)
+            diagnosed_share: Replay::to_diagnose(flight, &Model::default(), given)
                 .ok()
                 .filter(|_| refused.is_none())
                 .map(|replay| Usage::of(&replay).used_share),

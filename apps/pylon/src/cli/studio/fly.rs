@@ -7,6 +7,7 @@ use std::process::{Command, Stdio};
 use std::sync::Mutex;
 
 use model::Model;
+use pylon::replay::{CalibrationWindow, GivenAirborne, GivenTimes};
 
 /// One flight at a time: it takes the machine.
 #[derive(Debug, Default)]
@@ -24,15 +25,23 @@ pub enum NotFlown {
 }
 
 impl Flying {
-    /// Flies a log with a model's text; what `pylon fly --json` prints.
-    pub fn fly(&self, log: &Path, model: &str) -> Result<String, NotFlown> {
+    /// Flies a log with a model's text and the user's times; what `pylon fly --json` prints.
+    pub fn fly(&self, log: &Path, model: &str, times: GivenTimes) -> Result<String, NotFlown> {
         let _flying = self.now.try_lock().map_err(|_| NotFlown::Busy)?;
         Model::parse(model).map_err(|error| NotFlown::Failed(error.to_string()))?;
         let failed = |error: std::io::Error| NotFlown::Failed(error.to_string());
         let mut file = tempfile::Builder::new().suffix(".toml").tempfile().map_err(failed)?;
         file.write_all(model.as_bytes()).map_err(failed)?;
         let mut fly = Command::new(env::current_exe().map_err(failed)?);
-        fly.arg("fly").arg("--json").arg("--model").arg(file.path()).arg("--").arg(log).stdin(Stdio::null());
+        fly.arg("fly").arg("--json").arg("--model").arg(file.path()).stdin(Stdio::null());
+        let end = |time_s: Option<f64>| time_s.map_or_else(String::new, |time_s| time_s.to_string());
+        if let Some(CalibrationWindow { start_s, end_s }) = times.calibration {
+            fly.arg("--calibrate").arg(format!("{start_s}..{end_s}"));
+        }
+        if let Some(GivenAirborne { take_off_s, landing_s }) = times.airborne {
+            fly.arg("--airborne").arg(format!("{}..{}", end(take_off_s), end(landing_s)));
+        }
+        fly.arg("--").arg(log);
         let output = fly.output().map_err(failed)?;
         // 1: bits differ, which is a result.
         match output.status.code() {

@@ -15,6 +15,7 @@ use super::fly::{Flying, NotFlown};
 use super::guard::{Guard, Refusal, header};
 use super::model_file::{ModelFile, Saved, ServedModel};
 use crate::cli::failure::Failure;
+use pylon::replay::{AirborneError, GivenTimes, WindowError};
 
 /// No model is longer, bytes.
 const LONGEST_MODEL: u64 = 4 << 20;
@@ -188,11 +189,15 @@ impl Served {
     /// Flies a named flight in the emulator, with the model that the request brings.
     fn fly(&self, place: usize, request: &mut Request) -> Answer {
         let Some(log) = self.logs.get(place) else { return Answer::plain(404, "no such flight was named") };
+        let times = match times(request.url()) {
+            Ok(times) => times,
+            Err(why) => return Answer::plain(400, &why),
+        };
         let text = match model_text(request) {
             Ok(text) => text,
             Err(answer) => return answer,
         };
-        match self.flying.fly(log, &text) {
+        match self.flying.fly(log, &text, times) {
             Ok(json) => Answer::text(200, "application/json", json),
             Err(NotFlown::Busy) => Answer::plain(409, "another flight is flying"),
             Err(NotFlown::Failed(why)) => Answer::plain(422, &why),
@@ -218,6 +223,24 @@ impl Served {
             Err(failure) => Answer::plain(500, failure.message()),
         }
     }
+}
+
+/// What a request's address says of the flight's times, as the command line has it: `?calibrate=10..80&airborne=12..640`.
+fn times(url: &str) -> Result<GivenTimes, String> {
+    let mut times = GivenTimes::default();
+    let query = url.split_once('?').map_or("", |(_, query)| query);
+    for part in query.split('&').filter(|part| !part.is_empty()) {
+        match part.split_once('=') {
+            Some(("calibrate", window)) => {
+                times.calibration = Some(window.parse().map_err(|error: WindowError| error.to_string())?);
+            }
+            Some(("airborne", airborne)) => {
+                times.airborne = Some(airborne.parse().map_err(|error: AirborneError| error.to_string())?);
+            }
+            _ => return Err(format!("'{part}' says nothing of a flight's times")),
+        }
+    }
+    Ok(times)
 }
 
 /// The model that a request brings.

@@ -5,6 +5,7 @@ mod batch;
 mod calibration;
 mod diagnosis;
 mod effects;
+mod first;
 mod flight;
 mod glossary;
 mod ladder;
@@ -49,6 +50,7 @@ pub(super) fn page(report: &Report<'_>) -> String {
                 a.skip href="#main" { "Skip to the content" }
                 (header(report, &title))
                 main #main {
+                    (first::section(report))
                     @match report.batch {
                         // Of many, what they say together comes first.
                         Some(batch) => {

@@ -5,7 +5,7 @@ use serde::Deserialize;
 use super::{
     AddRequest, CloseRequest, CompareRequest, CorrelationRequest, DiagnoseRequest, DiscoverRequest,
     EffectsRequest, ExportRequest, FlightRequest, FormulaRequest, LadderRequest, ModelRequest, OpenRequest,
-    OpenSampleRequest, PresetsRequest, SamplesRequest, ScatterRequest, SeriesRequest,
+    OpenSampleRequest, PlanRequest, PresetsRequest, SamplesRequest, ScatterRequest, SeriesRequest,
 };
 
 macro_rules! calls {
@@ -51,6 +51,8 @@ calls! {
     Compare "compare" (CompareRequest) -> "Compared",
     /// Which effect a model lacks.
     Diagnose "diagnose" (DiagnoseRequest) -> "Diagnosed",
+    /// A flight that is planned, and what it would tell.
+    Plan "plan" (PlanRequest) -> "Planned",
     /// An effect by formula, checked and fitted for the eye.
     Formula "formula" (FormulaRequest) -> "FormulaChecked",
     /// Laws that nobody wrote down.

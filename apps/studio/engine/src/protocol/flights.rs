@@ -1,5 +1,7 @@
 //! Opening a flight, and what is in it.
 
+use std::collections::BTreeMap;
+
 use analysis::overview::Overview;
 use serde::{Deserialize, Serialize};
 
@@ -13,6 +15,29 @@ pub struct Window {
     pub end_s: f64,
 }
 
+/// Take-off and landing, seconds of the flight's own clock; null: in the air already when the log begins, or still when it ends.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub struct Airborne {
+    /// When it took off.
+    pub take_off_s: Option<f64>,
+    /// When it landed.
+    pub landing_s: Option<f64>,
+}
+
+/// What the user says of a flight's times; null: what Pylon finds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub struct Times {
+    /// Where to calibrate.
+    pub window: Option<Window>,
+    /// When it was in the air.
+    pub airborne: Option<Airborne>,
+}
+
+/// What the user says of flights' times, by the flight; of one that is not there nothing is said.
+pub type TimesByFlight = BTreeMap<String, Times>;
+
 /// Opens the log whose bytes come with the request: any format that Pylon imports, told by its content. An error is the importer's own line.
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
@@ -23,14 +48,14 @@ pub struct OpenRequest {
     pub file: String,
 }
 
-/// Asks for what is in an opened flight, calibrated on another window.
+/// Asks for what is in an opened flight, with the user's times.
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct FlightRequest {
     /// The flight.
     pub flight: String,
-    /// Where to calibrate, instead of where Pylon would.
-    pub window: Option<Window>,
+    /// What the user says of its times.
+    pub times: Times,
 }
 
 /// Forgets a flight.

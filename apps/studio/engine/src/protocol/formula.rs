@@ -3,7 +3,7 @@
 use analysis::discover::Discovery;
 use serde::{Deserialize, Serialize};
 
-use super::{ModelText, Numbers, Signal, Window};
+use super::{ModelText, Numbers, Signal, Times, TimesByFlight};
 
 /// Checks an effect by formula as an `[[effect_definition]]` of a model, and fits it to a flight.
 #[derive(Clone, Debug, Deserialize)]
@@ -23,8 +23,8 @@ pub struct FormulaRequest {
     pub about: String,
     /// The flight to fit it to.
     pub flight: String,
-    /// Where to calibrate, instead of where Pylon would.
-    pub window: Option<Window>,
+    /// What the user says of its times.
+    pub times: Times,
     /// The error that it is to explain.
     pub error: Signal,
     /// From when on the error counts, seconds; null: from its first value.
@@ -86,8 +86,8 @@ pub struct DiscoverRequest {
     pub hold_outs: Vec<String>,
     /// The model.
     pub model: ModelText,
-    /// Where to calibrate all of them, instead of where Pylon would.
-    pub window: Option<Window>,
+    /// What the user says of their times.
+    pub times: TimesByFlight,
 }
 
 /// What was found.

@@ -14,6 +14,7 @@ mod formula;
 mod headline;
 mod models;
 mod numbers;
+mod plan;
 mod results;
 mod ribbons;
 mod scatter;
@@ -23,13 +24,16 @@ pub use calls::{REQUESTS, Request};
 pub use correlation::{Correlated, CorrelationRequest};
 pub use effects::{EffectGuide, EffectsRequest};
 pub use flights::{
-    CloseRequest, Closed, ColumnFacts, FlightRequest, OpenRequest, OpenSampleRequest, Opened, Sample,
-    SamplesRequest, Window,
+    Airborne, CloseRequest, Closed, ColumnFacts, FlightRequest, OpenRequest, OpenSampleRequest, Opened,
+    Sample, SamplesRequest, Times, TimesByFlight, Window,
 };
 pub use formula::{Defined, DiscoverRequest, Discovered, FormulaChecked, FormulaProblem, FormulaRequest};
 pub use headline::{Headline, Tone};
 pub use models::{ModelFacts, ModelRequest, ModelText, Preset, PresetsRequest, RevisionFacts, TermFacts};
 pub use numbers::Numbers;
+pub use plan::{
+    FlightPlan, Gain, Offer, PlanRequest, Planned, PlannedLeg, PlannedManoeuvre, PlannedSegment, Reached,
+};
 pub use results::{
     AddRequest, Added, CompareRequest, Compared, DiagnoseRequest, Diagnosed, ExportRequest, Exported,
     Exports, LadderRequest,

@@ -6,7 +6,7 @@ use analysis::diagnose::Diagnosis;
 use analysis::learn::Addition;
 use serde::{Deserialize, Serialize};
 
-use super::{Headline, ModelText, Window};
+use super::{Headline, ModelText, Times, TimesByFlight};
 
 /// Compares a model with a flight: `pylon compare`.
 #[derive(Clone, Debug, Deserialize)]
@@ -16,8 +16,8 @@ pub struct CompareRequest {
     pub flight: String,
     /// The model.
     pub model: ModelText,
-    /// Where to calibrate, instead of where Pylon would.
-    pub window: Option<Window>,
+    /// What the user says of its times.
+    pub times: Times,
 }
 
 /// A comparison.
@@ -40,8 +40,8 @@ pub struct DiagnoseRequest {
     pub hold_outs: Vec<String>,
     /// The model.
     pub model: ModelText,
-    /// Where to calibrate all of them, instead of where Pylon would.
-    pub window: Option<Window>,
+    /// What the user says of their times.
+    pub times: TimesByFlight,
 }
 
 /// A diagnosis.
@@ -68,8 +68,8 @@ pub struct AddRequest {
     pub hold_outs: Vec<String>,
     /// The model as it is.
     pub model: ModelText,
-    /// Where to calibrate all of them, instead of where Pylon would.
-    pub window: Option<Window>,
+    /// What the user says of their times.
+    pub times: TimesByFlight,
     /// Whether the filter is to estimate the coefficient in captive flight.
     pub estimate: bool,
     /// Time constant, seconds; null: the best of a grid.
@@ -100,8 +100,8 @@ pub struct LadderRequest {
     pub flights: Vec<String>,
     /// The model.
     pub model: ModelText,
-    /// Where to calibrate all of them, instead of where Pylon would.
-    pub window: Option<Window>,
+    /// What the user says of their times.
+    pub times: TimesByFlight,
 }
 
 /// Makes a file of a result. Its bytes come with the answer: byte for byte what the command line writes.

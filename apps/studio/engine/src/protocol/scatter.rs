@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{ModelText, Numbers, Signal, Window};
+use super::{ModelText, Numbers, Signal, Times};
 
 /// Asks for the points of one signal over another.
 #[derive(Clone, Debug, Deserialize)]
@@ -12,8 +12,8 @@ pub struct ScatterRequest {
     pub flight: String,
     /// The model that flies.
     pub model: ModelText,
-    /// Where to calibrate, instead of where Pylon would.
-    pub window: Option<Window>,
+    /// What the user says of its times.
+    pub times: Times,
     /// Across.
     pub x: Signal,
     /// Up.

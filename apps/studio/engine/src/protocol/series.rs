@@ -3,7 +3,7 @@
 use analysis::diagnose::NoiseFacts;
 use serde::{Deserialize, Serialize};
 
-use super::{ModelText, Numbers, Window};
+use super::{ModelText, Numbers, Times};
 
 /// An effect and its coefficient, as a diagnosis' candidate has them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -87,8 +87,8 @@ pub struct SeriesRequest {
     pub flight: String,
     /// The model that flies.
     pub model: ModelText,
-    /// Where to calibrate, instead of where Pylon would.
-    pub window: Option<Window>,
+    /// What the user says of its times.
+    pub times: Times,
     /// The curves.
     pub signals: Vec<Signal>,
     /// From when, seconds of the flight's own clock; null: from its first row.

@@ -19,9 +19,16 @@ export function metres(value: number): string {
 /** A coefficient and its sigma with the same number of decimals: two figures of the sigma. */
 export function withSigma(value: number, sigma: number): string {
   if (!(sigma > 0) || !Number.isFinite(sigma)) return short(value);
-  const digits = Math.max(0, Math.min(8, 1 - Math.floor(Math.log10(sigma))));
-  const [mean, spread] = [value.toFixed(digits), sigma.toFixed(digits)];
-  return `${mean.replace("-", "−")} ± ${spread}`;
+  return `${value.toFixed(decimals(sigma)).replace("-", "−")} ± ${sigmaText(sigma)}`;
+}
+
+/** A sigma with two figures. */
+export function sigmaText(sigma: number): string {
+  return sigma.toFixed(decimals(sigma));
+}
+
+function decimals(sigma: number): number {
+  return Math.max(0, Math.min(8, 1 - Math.floor(Math.log10(sigma))));
 }
 
 export function percent(share: number): string {

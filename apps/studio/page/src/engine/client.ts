@@ -2,7 +2,7 @@
 //
 //   const studio = await startStudio();
 //   const opened = await studio.open(file.name, file, { onProgress });
-//   const { comparison, headline } = await studio.call("compare", { flight: opened.flight, model, window: null });
+//   const { comparison, headline } = await studio.call("compare", { flight: opened.flight, model, times: { window: null, airborne: null } });
 //
 // A flight is opened in one of several workers, which draws it and compares it. What takes longer (diagnose, add, ladder) is done by
 // workers of their own, so that a curve can be panned meanwhile: they open the flights that they need by themselves. A worker that is
@@ -34,7 +34,7 @@ type Name = keyof Calls;
 type Answer<N extends Name> = Resolved<Calls[N]["answer"]>;
 
 /** Calls that take long: a worker of their own does them. */
-const LONG: ReadonlySet<Name> = new Set<Name>(["diagnose", "discover", "add", "ladder", "export"]);
+const LONG: ReadonlySet<Name> = new Set<Name>(["diagnose", "discover", "add", "ladder", "export", "plan"]);
 
 /** What was opened: a file's bytes, or a flight that comes with Pylon. */
 type Source = { file: string; blob: Blob } | { sample: string };
@@ -55,6 +55,8 @@ export class Studio {
   #flights = new Map<string, Flight>();
   #views: Slot[] = [];
   #long: Slot[] = [];
+  /** The one that made the last diagnosis. */
+  #diagnosing: Slot | null = null;
   #width: number;
   #last = 0;
 
@@ -72,6 +74,12 @@ export class Studio {
   /** Opens a flight that comes with Pylon (`samples`). */
   openSample(sample: string, options: CallOptions = {}): Promise<{ flight: string } & Resolved<Opened>> {
     return this.#open({ sample }, options);
+  }
+
+  /** The log that a flight was opened from; null for one that comes with Pylon. */
+  source(flight: string): Blob | null {
+    const source = this.#flights.get(flight)?.source;
+    return source && "blob" in source ? source.blob : null;
   }
 
   /** Forgets a flight. */
@@ -111,7 +119,12 @@ export class Studio {
       signal: options.signal,
       isUrgent: !LONG.has(name),
     };
-    if (LONG.has(name)) return this.#slot(this.#long).run(job);
+    if (LONG.has(name)) {
+      // What a diagnosis found out is still there, in its worker, for a plan.
+      const slot = name === "plan" && this.#diagnosing ? this.#diagnosing : this.#slot(this.#long);
+      if (name === "diagnose") this.#diagnosing = slot;
+      return slot.run(job);
+    }
     const first = flights[0] === undefined ? undefined : this.#flights.get(flights[0]);
     return (first?.slot ?? this.#slot(this.#views)).run(job);
   }

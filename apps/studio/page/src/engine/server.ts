@@ -1,6 +1,6 @@
 // The server of `pylon studio`, where the page came from one.
 
-import type { ModelText } from "../generated/protocol";
+import type { ModelText, Times } from "../generated/protocol";
 
 /** What the server was started with. */
 export interface Session {
@@ -56,8 +56,12 @@ export class Server {
   }
 
   /** Flies a named flight in the emulator with a model: what `pylon fly --json` prints. Takes as long as the flight, or some times that. */
-  async fly(place: number, model: string): Promise<unknown> {
-    return (await this.#fetch(`api/fly/${place}`, { method: "POST", body: model })).json();
+  async fly(place: number, model: string, { window, airborne }: Times): Promise<unknown> {
+    const said: string[] = [];
+    if (window) said.push(`calibrate=${window.start_s}..${window.end_s}`);
+    if (airborne) said.push(`airborne=${airborne.take_off_s ?? ""}..${airborne.landing_s ?? ""}`);
+    const query = said.length > 0 ? `?${said.join("&")}` : "";
+    return (await this.#fetch(`api/fly/${place}${query}`, { method: "POST", body: model })).json();
   }
 
   async #fetch(path: string, init: RequestInit = {}, allowed: number[] = []): Promise<Response> {

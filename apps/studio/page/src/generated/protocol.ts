@@ -44,9 +44,9 @@ hold_outs: Array<string>,
  */
 model: ModelText, 
 /**
- * Where to calibrate all of them, instead of where Pylon would.
+ * What the user says of their times.
  */
-window: Window | null, 
+times: { [key in string]: Times }, 
 /**
  * Whether the filter is to estimate the coefficient in captive flight.
  */
@@ -169,6 +169,19 @@ concerns: Array<string>,
  * What else the user should know.
  */
 warnings: Array<string>, };
+
+/**
+ * Take-off and landing, seconds of the flight's own clock; null: in the air already when the log begins, or still when it ends.
+ */
+export type Airborne = { 
+/**
+ * When it took off.
+ */
+take_off_s: number | null, 
+/**
+ * When it landed.
+ */
+landing_s: number | null, };
 
 /**
  * One time in the air, seconds of the flight's own clock; null where the log does not show it.
@@ -348,9 +361,9 @@ flight: string,
  */
 model: ModelText, 
 /**
- * Where to calibrate, instead of where Pylon would.
+ * What the user says of its times.
  */
-window: Window | null, };
+times: Times, };
 
 /**
  * A comparison.
@@ -513,9 +526,9 @@ flight: string,
  */
 model: ModelText, 
 /**
- * Where to calibrate, instead of where Pylon would.
+ * What the user says of its times.
  */
-window: Window | null, 
+times: Times, 
 /**
  * The signal.
  */
@@ -634,9 +647,9 @@ hold_outs: Array<string>,
  */
 model: ModelText, 
 /**
- * Where to calibrate all of them, instead of where Pylon would.
+ * What the user says of their times.
  */
-window: Window | null, };
+times: { [key in string]: Times }, };
 
 /**
  * A diagnosis.
@@ -782,9 +795,9 @@ hold_outs: Array<string>,
  */
 model: ModelText, 
 /**
- * Where to calibrate all of them, instead of where Pylon would.
+ * What the user says of their times.
  */
-window: Window | null, };
+times: { [key in string]: Times }, };
 
 /**
  * What was found.
@@ -982,6 +995,55 @@ needs: Array<string>,
  * Whether it has a time constant.
  */
 has_time_constant: boolean, };
+
+/**
+ * One effect's coefficient.
+ */
+export type EffectOutlook = { 
+/**
+ * Its id.
+ */
+effect: string, 
+/**
+ * The sensor that it acts on; `gps` for the reference.
+ */
+sensor: string, 
+/**
+ * Unit of the coefficient.
+ */
+unit: string, 
+/**
+ * Whether it was found to act.
+ */
+is_found: boolean, 
+/**
+ * The coefficient as the flights have it, beside the effects that were found; null where they do not show it.
+ */
+coefficient: number | null, 
+/**
+ * One sigma of it now, as the diagnosis has it; null where the flights do not show it.
+ */
+sigma_now: number | null, 
+/**
+ * One sigma with the planned flight; null where that does not show it either.
+ */
+sigma_then: number | null, 
+/**
+ * The largest coefficient that nature makes, either way.
+ */
+largest: number, 
+/**
+ * Whether the flights would have shown it at that size.
+ */
+is_seen_now: boolean, 
+/**
+ * Whether the flights and the planned one would.
+ */
+is_seen_then: boolean, 
+/**
+ * Whether the plan has its signals. One by formula may need a column that no simulation has.
+ */
+is_planned: boolean, };
 
 /**
  * One effect by all flights of a vehicle.
@@ -1187,7 +1249,28 @@ unused: Array<Unused>,
 remarks: Array<string>, };
 
 /**
- * Asks for what is in an opened flight, calibrated on another window.
+ * A flight that is planned.
+ */
+export type FlightPlan = { 
+/**
+ * True airspeed of straight and level flight, m/s.
+ */
+speed_mps: number, 
+/**
+ * Altitude at which it begins, m above mean sea level.
+ */
+altitude_m: number, 
+/**
+ * How long it flies straight and level before, for the calibration, seconds.
+ */
+calibration_s: number, 
+/**
+ * What is flown after that.
+ */
+legs: Array<PlannedLeg>, };
+
+/**
+ * Asks for what is in an opened flight, with the user's times.
  */
 export type FlightRequest = { 
 /**
@@ -1195,9 +1278,9 @@ export type FlightRequest = {
  */
 flight: string, 
 /**
- * Where to calibrate, instead of where Pylon would.
+ * What the user says of its times.
  */
-window: Window | null, };
+times: Times, };
 
 /**
  * What one flight alone says.
@@ -1308,9 +1391,9 @@ about: string,
  */
 flight: string, 
 /**
- * Where to calibrate, instead of where Pylon would.
+ * What the user says of its times.
  */
-window: Window | null, 
+times: Times, 
 /**
  * The error that it is to explain.
  */
@@ -1388,6 +1471,23 @@ equal_to: Array<Equal>,
  * What to fly to tell it from these, in words; empty where nothing is known that would.
  */
 advice: string, };
+
+/**
+ * What a manoeuvre by itself would tell.
+ */
+export type Gain = { 
+/**
+ * The probability that it would give the effect of a set that acts, the mean over the sets; null where there is no set.
+ */
+tells_apart: number | null, 
+/**
+ * Effects that it would show and that no flight has.
+ */
+shows: number, 
+/**
+ * What the interval of an effect that was found would shrink to, as a share; of all effects where none was found.
+ */
+narrows_to: number, };
 
 /**
  * A stretch in which the reference jumped away and came back, by the flight's own clock.
@@ -1479,9 +1579,9 @@ flights: Array<string>,
  */
 model: ModelText, 
 /**
- * Where to calibrate all of them, instead of where Pylon would.
+ * What the user says of their times.
  */
-window: Window | null, };
+times: { [key in string]: Times }, };
 
 /**
  * One revision.
@@ -1533,6 +1633,32 @@ motion: Motion,
  * Errors of the sensors that flew, by name.
  */
 sensors: Array<[string, ErrorFigures | null]>, };
+
+/**
+ * An effect of a set.
+ */
+export type MemberOutlook = { 
+/**
+ * Its id.
+ */
+effect: string, 
+/**
+ * The probability that it is the one that acts, now.
+ */
+probability: number, 
+/**
+ * The probability that it would be given with the planned flight, if it is the one: the median over that flight's noise. Null for
+ * one whose signal the flights lack.
+ */
+probability_then: number | null, 
+/**
+ * How many of the set, itself among them, would then still have a probability of 5 % or more.
+ */
+left: number | null, 
+/**
+ * By how many sigmas the planned flight would tell it from the one of the others that is most like it.
+ */
+sigmas: number | null, };
 
 /**
  * What is in a model.
@@ -1745,6 +1871,31 @@ sigma: number,
 p_value: number, };
 
 /**
+ * A manoeuvre that can be chosen.
+ */
+export type Offer = { 
+/**
+ * It, as it is suggested.
+ */
+leg: PlannedLeg, 
+/**
+ * What the amount is: `m/s`, `deg`, `g`; empty where there is none.
+ */
+unit: string, 
+/**
+ * The least amount.
+ */
+least: number, 
+/**
+ * The largest.
+ */
+most: number, 
+/**
+ * What it would tell by itself; null where that was not asked, or it can not be flown there.
+ */
+gain: Gain | null, };
+
+/**
  * Opens the log whose bytes come with the request: any format that Pylon imports, told by its content. An error is the importer's own line.
  */
 export type OpenRequest = { 
@@ -1799,6 +1950,19 @@ columns: Array<ColumnFacts>,
  * The altitude sensors that a mission over this flight has, by name: `baro`, `imu_slave`, `imu_master`.
  */
 sensors: Array<string>, };
+
+/**
+ * What the flights tell now, and what they would tell with the planned one.
+ */
+export type Outlook = { 
+/**
+ * Every effect that the flights have the signals of, those that were found first.
+ */
+effects: Array<EffectOutlook>, 
+/**
+ * Every set of effects that the flights can't tell apart.
+ */
+sets: Array<SetOutlook>, };
 
 /**
  * What is in a log: the keys of `pylon open --json`.
@@ -2004,6 +2168,131 @@ innovation_whiteness: Whiteness | null,
 nis: Consistency | null, };
 
 /**
+ * Plans a flight, simulates it, and says what it would tell with the flights that there are.
+ */
+export type PlanRequest = { 
+/**
+ * The flights to learn from.
+ */
+flights: Array<string>, 
+/**
+ * The flights to judge by.
+ */
+hold_outs: Array<string>, 
+/**
+ * The model.
+ */
+model: ModelText, 
+/**
+ * What the user says of their times.
+ */
+times: { [key in string]: Times }, 
+/**
+ * The plan; null: the one that Pylon suggests, with what each manoeuvre would tell by itself.
+ */
+plan: FlightPlan | null, };
+
+/**
+ * A planned flight.
+ */
+export type Planned = { 
+/**
+ * The plan.
+ */
+plan: FlightPlan, 
+/**
+ * What it would tell.
+ */
+outlook: Outlook, 
+/**
+ * It as a scenario: what `pylon simulate` takes, and what was simulated here.
+ */
+scenario: string, 
+/**
+ * Its segments, for the flight card.
+ */
+segments: Array<PlannedSegment>, 
+/**
+ * What it reaches.
+ */
+reached: Reached, 
+/**
+ * How long it takes, calibration included, seconds.
+ */
+duration_s: number, 
+/**
+ * What can be chosen, the best first where their gains were asked for.
+ */
+offers: Array<Offer>, 
+/**
+ * What the user should know of it.
+ */
+remarks: Array<string>, };
+
+/**
+ * A part of a plan.
+ */
+export type PlannedLeg = { 
+/**
+ * What is flown.
+ */
+manoeuvre: PlannedManoeuvre, 
+/**
+ * How much of it, in the unit that the offer says.
+ */
+amount: number, 
+/**
+ * How long each of its stretches is held, seconds.
+ */
+duration_s: number, 
+/**
+ * How often it is flown.
+ */
+times: number, };
+
+/**
+ * What can be flown.
+ */
+export type PlannedManoeuvre = "speed_sweep" | "climbs" | "pull_ups" | "turns" | "level" | "long_climb" | "legs";
+
+/**
+ * One segment, as the scenario has it.
+ */
+export type PlannedSegment = { 
+/**
+ * `straight`, `climb`, `dive`, `level_off`, `pull_up`, `turn`, `accelerate`, `decelerate`.
+ */
+manoeuvre: string, 
+/**
+ * From when, seconds after the calibration.
+ */
+from_s: number, 
+/**
+ * How long, seconds.
+ */
+duration_s: number, 
+/**
+ * The airspeed to hold, m/s.
+ */
+airspeed_mps: number, 
+/**
+ * The path to fly, degrees above the horizon, where it has one.
+ */
+flight_path_deg: number | null, 
+/**
+ * The bank, degrees, positive to the right, where it has one.
+ */
+bank_deg: number | null, 
+/**
+ * The load factor's limit, where it has one.
+ */
+load_factor: number | null, 
+/**
+ * Altitude at its end as simulated, m above mean sea level.
+ */
+altitude_then_m: number, };
+
+/**
  * A model that comes with Pylon.
  */
 export type Preset = { 
@@ -2020,6 +2309,27 @@ about: string, };
  * Asks for the models that come with Pylon.
  */
 export type PresetsRequest = Record<symbol, never>;
+
+/**
+ * The least and the greatest of what the simulated flight reaches.
+ */
+export type Reached = { 
+/**
+ * True airspeed, m/s.
+ */
+airspeed_mps: [number, number], 
+/**
+ * Altitude, m above mean sea level.
+ */
+altitude_m: [number, number], 
+/**
+ * Load factor.
+ */
+load_factor: [number, number], 
+/**
+ * Farthest from where it begins, m.
+ */
+distance_m: number, };
 
 /**
  * How often a source's readings were used or not.
@@ -2302,9 +2612,9 @@ flight: string,
  */
 model: ModelText, 
 /**
- * Where to calibrate, instead of where Pylon would.
+ * What the user says of its times.
  */
-window: Window | null, 
+times: Times, 
 /**
  * Across.
  */
@@ -2566,9 +2876,9 @@ flight: string,
  */
 model: ModelText, 
 /**
- * Where to calibrate, instead of where Pylon would.
+ * What the user says of its times.
  */
-window: Window | null, 
+times: Times, 
 /**
  * The curves.
  */
@@ -2585,6 +2895,15 @@ to_s: number | null,
  * How many pixels the axis has.
  */
 pixels: number, };
+
+/**
+ * Effects of which one acts.
+ */
+export type SetOutlook = { 
+/**
+ * Its effects, the most probable first.
+ */
+members: Array<MemberOutlook>, };
 
 /**
  * What a curve is of.
@@ -2723,6 +3042,19 @@ learned_from: string | null,
 date: string | null, };
 
 /**
+ * What the user says of a flight's times; null: what Pylon finds.
+ */
+export type Times = { 
+/**
+ * Where to calibrate.
+ */
+window: Window | null, 
+/**
+ * When it was in the air.
+ */
+airborne: Airborne | null, };
+
+/**
  * How good the news is; what it is drawn as.
  */
 export type Tone = "good" | "caution" | "bad";
@@ -2842,6 +3174,7 @@ export interface Calls {
   correlation: { of: CorrelationRequest; answer: Correlated };
   compare: { of: CompareRequest; answer: Compared };
   diagnose: { of: DiagnoseRequest; answer: Diagnosed };
+  plan: { of: PlanRequest; answer: Planned };
   formula: { of: FormulaRequest; answer: FormulaChecked };
   discover: { of: DiscoverRequest; answer: Discovered };
   add: { of: AddRequest; answer: Added };

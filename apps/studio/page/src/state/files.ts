@@ -1,15 +1,16 @@
 // Files in and out of the page.
 
 import { made } from "../ask";
+import { pageWithFlights } from "./inside";
 import { writeModel } from "./server";
 import { flights, holdOuts, learners, notice, openLog, shown } from "./flights";
 import { messageOf } from "./resource";
 import { model } from "./model";
-import { isServed, openModel } from "./studio";
+import { headline, isServed, openModel, timesOfAll } from "./studio";
 
-export type ExportKind = "model" | "flight" | "compare" | "diagnose" | "ladder";
+export type ExportKind = "model" | "page" | "flight" | "compare" | "diagnose" | "ladder";
 
-function download(name: string, media: string, bytes: BlobPart): void {
+export function download(name: string, media: string, bytes: BlobPart): void {
   const address = URL.createObjectURL(new Blob([bytes], { type: media }));
   const link = document.createElement("a");
   link.href = address;
@@ -36,8 +37,15 @@ export async function exportFile(kind: ExportKind): Promise<void> {
     download(model.value.name, "application/toml", model.value.text);
     return;
   }
+  if (kind === "page") {
+    try {
+      download("flights.html", "text/html", await pageWithFlights(headline.value));
+    } catch (error) {
+      notice.value = messageOf(error);
+    }
+    return;
+  }
   const flight = shown.value;
-  const window = flight?.window ?? null;
   const ids = (list: ReadonlyArray<{ flight: string }>): string[] => list.map((one) => one.flight);
   try {
     if (!flight) throw new Error("No flight is open to export.");
@@ -45,9 +53,9 @@ export async function exportFile(kind: ExportKind): Promise<void> {
     const file = await made({
       export:
         kind === "flight" ? { what: "flight", flight: flight.flight }
-        : kind === "compare" ? { what: "compare", flight: flight.flight, model: model.value, window }
-        : kind === "diagnose" ? { what: "diagnose", flights: ids(learners.value), hold_outs: ids(holdOuts.value), model: model.value, window: all.length === 1 ? window : null }
-        : { what: "ladder", flights: ids(all), model: model.value, window: all.length === 1 ? window : null },
+        : kind === "compare" ? { what: "compare", flight: flight.flight, model: model.value, times: flight.times }
+        : kind === "diagnose" ? { what: "diagnose", flights: ids(learners.value), hold_outs: ids(holdOuts.value), model: model.value, times: timesOfAll() }
+        : { what: "ladder", flights: ids(all), model: model.value, times: timesOfAll() },
     });
     download(file.name, file.media, file.bytes);
   } catch (error) {

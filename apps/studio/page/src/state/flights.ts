@@ -4,7 +4,7 @@ import { batch, computed, signal } from "@preact/signals";
 
 import { ask, forget, openFile, openScenario } from "../ask";
 import type { OpenedFlight } from "../ask";
-import type { Opened, Window } from "../protocol";
+import type { Opened, Times } from "../protocol";
 import { dropLog, keepLog } from "./kept";
 import { messageOf } from "./resource";
 import { brush, lookAt } from "./view";
@@ -21,12 +21,15 @@ export interface Flight {
   /** The name of the scenario that it was simulated by; null for a log. */
   readonly sample: string | null;
   readonly use: Use;
-  /** Where to calibrate; null: where Pylon would. */
-  readonly window: Window | null;
+  /** Where the user calibrates, and when it was in the air; null: as Pylon finds it. */
+  readonly times: Times;
   readonly opened: Opened | null;
   /** Why it could not be opened: the importer's own line. */
   readonly problem: string | null;
 }
+
+/** As Pylon finds them. */
+export const FOUND: Times = { window: null, airborne: null };
 
 export const flights = signal<ReadonlyArray<Flight>>([]);
 export const shownId = signal<string | null>(null);
@@ -72,7 +75,7 @@ function change(id: string, to: Partial<Flight>): void {
 /** Opens a log; the first good one is shown. */
 export async function openLog(file: string, blob: Blob): Promise<void> {
   const id = newId();
-  add({ id, flight: "", file, sample: null, use: "learn", window: null, opened: null, problem: null });
+  add({ id, flight: "", file, sample: null, use: "learn", times: FOUND, opened: null, problem: null });
   const isOpen = await opening(id, () => openFile(file, blob));
   if (!isOpen) return;
   const isKept = await keepLog(id, blob).then(() => true, () => false);
@@ -81,7 +84,7 @@ export async function openLog(file: string, blob: Blob): Promise<void> {
 
 export async function openSample(sample: string): Promise<void> {
   const id = newId();
-  add({ id, flight: "", file: `${sample}.csv`, sample, use: "learn", window: null, opened: null, problem: null });
+  add({ id, flight: "", file: `${sample}.csv`, sample, use: "learn", times: FOUND, opened: null, problem: null });
   await opening(id, () => openScenario(sample));
 }
 
@@ -91,8 +94,8 @@ export async function reopen(kept: Flight, blob: Blob | null): Promise<void> {
   await opening(kept.id, async () => {
     if (kept.sample === null && !blob) throw new Error(`${kept.file}: this browser did not keep the log; open it again`);
     const opened = kept.sample !== null ? await openScenario(kept.sample) : await openFile(kept.file, blob ?? new Blob());
-    if (kept.window === null) return opened;
-    return { flight: opened.flight, ...(await ask("flight", { flight: opened.flight, window: kept.window })) };
+    if (kept.times.window === null && kept.times.airborne === null) return opened;
+    return { flight: opened.flight, ...(await ask("flight", { flight: opened.flight, times: kept.times })) };
   });
 }
 
@@ -140,11 +143,13 @@ export function setUse(id: string, use: Use): void {
   change(id, { use });
 }
 
-/** Calibrates elsewhere; null: where Pylon would. */
-export async function setWindow(id: string, window: Window | null): Promise<void> {
+/** Calibrates elsewhere, or takes off and lands at other times; everything is asked anew. */
+export async function setTimes(id: string, part: Partial<Times>): Promise<void> {
   try {
-    const flight = flights.value.find((one) => one.id === id)?.flight ?? "";
-    change(id, { window, opened: await ask("flight", { flight, window }) });
+    const found = flights.value.find((one) => one.id === id);
+    if (!found) return;
+    const times = { ...found.times, ...part };
+    change(id, { times, opened: await ask("flight", { flight: found.flight, times }) });
   } catch (error) {
     notice.value = messageOf(error);
   }

@@ -8,7 +8,7 @@ import { holdOuts, learners, notice, sensor, shown } from "./flights";
 import { model } from "./model";
 import { curves, errorSignalOf, ownPrediction, question, REST, settling } from "./pictures";
 import { messageOf, resource } from "./resource";
-import { learn, windowOfAll, withProgress } from "./studio";
+import { learn, timesOfAll, withProgress } from "./studio";
 
 export interface Draft {
   /** What it acts on: a sensor, `gps` or `every sensor`; empty: the sensor that is shown. */
@@ -31,7 +31,7 @@ function checking(wanted: Draft): { model: ModelText; flight: string; regressor:
   const of = flight.opened.sensors.includes(on) ? on : sensor.value;
   return {
     model: model.value, id: wanted.id === "" ? null : wanted.id, on, regressor: wanted.regressor, largest: null, about: wanted.about,
-    flight: flight.flight, window: flight.window, error: errorSignalOf(of), from_s: settling.value?.to ?? null,
+    flight: flight.flight, times: flight.times, error: errorSignalOf(of), from_s: settling.value?.to ?? null,
   };
 }
 
@@ -90,7 +90,7 @@ export async function discover(): Promise<void> {
   const names = (list: ReadonlyArray<{ flight: string }>): string[] => list.map(({ flight }) => flight);
   try {
     const found = await withProgress("Searching for laws", (options) => ask("discover", {
-      flights: names(learners.value), hold_outs: names(holdOuts.value), model: model.value, window: windowOfAll(),
+      flights: names(learners.value), hold_outs: names(holdOuts.value), model: model.value, times: timesOfAll(),
     }, options));
     discovered.value = found;
   } catch (error) {

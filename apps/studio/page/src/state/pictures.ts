@@ -5,7 +5,7 @@ import { computed, effect, signal } from "@preact/signals";
 import { ask } from "../ask";
 import type { Band, Gaps, Level, Line, Mark, TimeSpec, Values } from "../charts/time_chart";
 import type { Role } from "../charts/colours";
-import type { Acting, CandidateFacts, Correlated, Diagnosed, Drawn, ModelText, NoiseFacts, Paired, Series, Signal, Window } from "../protocol";
+import type { Acting, CandidateFacts, Correlated, Diagnosed, Drawn, ModelText, NoiseFacts, Paired, Series, Signal, Times } from "../protocol";
 import { sensor, shown } from "./flights";
 import { crossWith } from "./layout";
 import { resource } from "./resource";
@@ -29,7 +29,7 @@ const MARGIN = 0.5;
 interface CurvesQuestion {
   readonly flight: string;
   readonly model: ModelText;
-  readonly window: Window | null;
+  readonly times: Times;
   readonly signals: Signal[];
   readonly from_s: number;
   readonly to_s: number;
@@ -45,7 +45,7 @@ export function question(text: ModelText | null, signals: (sensor: string) => Si
   const span = inside({ from: Math.max(from - margin, flight.opened.first_s), to: Math.min(to + margin, flight.opened.last_s) });
   const pixels = Math.max(Math.round((chartWidth.value * (span.to - span.from)) / (to - from)), 64);
   return {
-    flight: flight.flight, model: text, window: flight.window, signals: signals(name),
+    flight: flight.flight, model: text, times: flight.times, signals: signals(name),
     from_s: span.from, to_s: span.to, pixels,
   };
 }
@@ -165,7 +165,7 @@ function sigmaBand(name: string, role: Role, found: Curve): Band[] {
 }
 
 export const calibration = computed<Span | null>(() => {
-  const window = shown.value?.window;
+  const window = shown.value?.times.window;
   if (window) return { from: window.start_s, to: window.end_s };
   const phase = ribbons.answer.value?.phases.find(({ what }) => what === "calibrating");
   return phase ? { from: phase.from_s, to: phase.to_s } : null;
@@ -320,12 +320,12 @@ export function points(x: () => string, y: () => string, isAll = false): { answe
     () => {
       const flight = shown.value;
       if (!flight || flight.opened.overview.refused !== null || x() === "" || y() === "") return null;
-      return { flight: flight.flight, x: x(), y: y(), xSignal: signalOf(x()), ySignal: signalOf(y()), model: model.value, window: flight.window, from: isAll ? null : (settling.value?.to ?? null) };
+      return { flight: flight.flight, x: x(), y: y(), xSignal: signalOf(x()), ySignal: signalOf(y()), model: model.value, times: flight.times, from: isAll ? null : (settling.value?.to ?? null) };
     },
     async (of): Promise<Points> => ({
       asked: of.model, x: of.x, y: of.y,
       reply: await ask("scatter", {
-        flight: of.flight, model: of.model, window: of.window, x: of.xSignal, y: of.ySignal,
+        flight: of.flight, model: of.model, times: of.times, x: of.xSignal, y: of.ySignal,
         from_s: of.from, to_s: null, at_most: MOST_POINTS,
       }),
     }),
@@ -350,7 +350,7 @@ function correlationsWith(other: () => string | null): Resource<Correlations> {
       if (!flight || flight.opened.overview.refused !== null || sensor.value === null || !errorNow.answer.value) return null;
       const name = other();
       return {
-        flight: flight.flight, window: flight.window, model: model.value, before: before.value,
+        flight: flight.flight, times: flight.times, model: model.value, before: before.value,
         signal: errorSignal(sensor.value, diagnosed.answer.value, model.value), signalBefore: errorSignal(sensor.value, diagnosedBefore.answer.value, before.value),
         with: name === null ? null : signalOf(name),
         from: settling.value?.to ?? null,
@@ -359,7 +359,7 @@ function correlationsWith(other: () => string | null): Resource<Correlations> {
     },
     async (of): Promise<Correlations> => {
       const one = (text: ModelText, signal: Signal): Promise<Correlated> => ask("correlation", {
-        flight: of.flight, model: text, window: of.window, signal, with: of.with, from_s: of.from, to_s: null, longest_lag_s: of.longest,
+        flight: of.flight, model: text, times: of.times, signal, with: of.with, from_s: of.from, to_s: null, longest_lag_s: of.longest,
       });
       return { asked: of.model, now: await one(of.model, of.signal), then: of.before ? await one(of.before, of.signalBefore) : null };
     },

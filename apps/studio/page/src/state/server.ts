@@ -5,7 +5,7 @@ import { computed, signal } from "@preact/signals";
 import { served } from "../ask";
 import { Conflict } from "../engine/server";
 import type { ServedModel } from "../engine/server";
-import { flights, notice, openLog, shown } from "./flights";
+import { FOUND, flights, notice, openLog, shown } from "./flights";
 import { model as current, models } from "./model";
 import { progress } from "./progress";
 import { messageOf } from "./resource";
@@ -39,7 +39,7 @@ export async function fly(): Promise<void> {
   if (!served || place.value < 0) return;
   progress.value = { text: "Flying in QEMU", share: null };
   try {
-    notice.value = flown(await served.fly(place.value, current.value.text));
+    notice.value = flown(await served.fly(place.value, current.value.text, shown.value?.times ?? FOUND));
   } catch (error) {
     notice.value = messageOf(error);
   } finally {

@@ -5,7 +5,7 @@ import { batch, computed, effect, signal } from "@preact/signals";
 import { ask, served } from "../ask";
 import { Cancelled } from "../engine/client";
 import type { CallOptions } from "../engine/client";
-import type { Added, Compared, Diagnosed, EffectGuide, Headline, Ladder, ModelFacts, ModelText, Ribbons, Window } from "../protocol";
+import type { Added, Compared, Diagnosed, EffectGuide, Headline, Ladder, ModelFacts, ModelText, Ribbons, Times } from "../protocol";
 import { flights, holdOuts, learners, notice, ready, sensor, shown } from "./flights";
 import { before, model, models } from "./model";
 import type { Of } from "./model";
@@ -27,15 +27,16 @@ export async function loadGuides(): Promise<void> {
 
 const files = (list: ReadonlyArray<{ flight: string }>): string[] => list.map(({ flight }) => flight);
 
-export function windowOfAll(): { start_s: number; end_s: number } | null {
+/** What the user says of the times of the flights that are learned from and judged by. */
+export function timesOfAll(): Record<string, Times> {
   const all = [...learners.value, ...holdOuts.value];
-  return all.length === 1 ? (all[0]?.window ?? null) : null;
+  return Object.fromEntries(all.map(({ flight, times }) => [flight, times]));
 }
 
-function comparisonOf(text: ModelText | null): { flight: string; model: ModelText; window: { start_s: number; end_s: number } | null } | null {
+function comparisonOf(text: ModelText | null): { flight: string; model: ModelText; times: Times } | null {
   const flight = shown.value;
   if (!flight || flight.opened.overview.refused !== null || text === null) return null;
-  return { flight: flight.flight, model: text, window: flight.window };
+  return { flight: flight.flight, model: text, times: flight.times };
 }
 
 /** Curves are asked for first, and what takes long once they are there: the picture comes before the numbers. */
@@ -44,7 +45,7 @@ export const isDrawn = signal(false);
 const AFTER_CURVES = 150;
 
 export const compared = resource(() => comparisonOf(model.value), async (of): Promise<Compared> => await ask("compare", of), AFTER_CURVES);
-async function ribbonsOf(of: { flight: string; model: ModelText; window: Window | null }): Promise<Of<Ribbons>> {
+async function ribbonsOf(of: { flight: string; model: ModelText; times: Times }): Promise<Of<Ribbons>> {
   return { ...(await ask("ribbons", of)), asked: of.model };
 }
 
@@ -95,9 +96,9 @@ export const diagnosedBefore = resource(
   async (of): Promise<Diagnosed> => known(of, (options) => ask("diagnose", of, options)),
 );
 
-function diagnosisOf(text: ModelText): { flights: string[]; hold_outs: string[]; model: ModelText; window: { start_s: number; end_s: number } | null } | null {
+function diagnosisOf(text: ModelText): { flights: string[]; hold_outs: string[]; model: ModelText; times: Record<string, Times> } | null {
   if (learners.value.length === 0 || !isDrawn.value) return null;
-  return { flights: files(learners.value), hold_outs: files(holdOuts.value), model: text, window: windowOfAll() };
+  return { flights: files(learners.value), hold_outs: files(holdOuts.value), model: text, times: timesOfAll() };
 }
 
 /** What is in the model, as it is now. */
@@ -110,7 +111,7 @@ export interface Judged {
 }
 
 export const ladder = resource(
-  () => (ready.value.length === 0 || !isDrawn.value ? null : { flights: files([...learners.value, ...holdOuts.value]), model: model.value, window: windowOfAll() }),
+  () => (ready.value.length === 0 || !isDrawn.value ? null : { flights: files([...learners.value, ...holdOuts.value]), model: model.value, times: timesOfAll() }),
   async (of): Promise<Judged> => ({ ladder: await ask("ladder", of), learned: learners.value.length }),
 );
 
@@ -119,10 +120,23 @@ interface Said {
   readonly tone: Headline["tone"] | "none";
 }
 
+/** What a page with its flights inside says until it has been found again. */
+export const saidBefore = signal<Said | null>(null);
+
 /** What stands on top. */
 export const headline = computed<Said>(() => {
+  const said = added.value ?? diagnosed.answer.value?.headline;
+  if (!said && saidBefore.value) return saidBefore.value;
+  return found(said ?? compared.answer.value?.headline);
+});
+
+// It holds for what was inside, and ends with the first thing that is found here.
+effect(() => {
+  if (diagnosed.answer.value || diagnosed.problem.value !== null) saidBefore.value = null;
+});
+
+function found(said: Said | undefined): Said {
   if (flights.value.length === 0) return { sentence: "Drop a flight log: see what your altitude sensors get wrong, and why.", tone: "none" };
-  const said = added.value ?? diagnosed.answer.value?.headline ?? compared.answer.value?.headline;
   const flight = shown.value;
   if (flight?.opened.overview.refused) return { sentence: `This log can't be analysed: ${flight.opened.overview.refused}`, tone: "caution" };
   if (said) return said;
@@ -131,7 +145,7 @@ export const headline = computed<Said>(() => {
   const failed = flights.value.find((one) => one.problem !== null);
   if (!flight && failed?.problem) return { sentence: failed.problem, tone: "caution" };
   return { sentence: flight ? "Looking for the cause…" : "Reading the log…", tone: "none" };
-});
+}
 
 // What was said of an addition holds until something else is asked.
 effect(() => {
@@ -155,7 +169,7 @@ export async function learn(id: string, text: ModelText): Promise<void> {
       flights: files(learners.value),
       hold_outs: files(holdOuts.value),
       model: text,
-      window: windowOfAll(),
+      times: timesOfAll(),
       estimate: false,
       time_constant_s: null,
       since: null,

@@ -12,7 +12,9 @@ import { FlightsPanel } from "./flights_panel";
 import { Header, Sentence } from "./header";
 import { LadderPanel } from "./ladder_panel";
 import { Middle } from "./middle";
+import { FlightCard } from "./flight_card";
 import { Panels } from "./panels";
+import { PlanDialog } from "./plan_dialog";
 import { isNarrow } from "./screen";
 import { Tour } from "./tour";
 
@@ -64,6 +66,8 @@ export function App(): JSX.Element {
         </>
       )}
       <Notice />
+      <PlanDialog />
+      <FlightCard />
       <Tour />
       {isDropping.value ? <div class="dropping" aria-hidden="true"><p>Drop to open</p></div> : null}
     </div>

@@ -8,6 +8,7 @@ import { sensor, shown } from "../state/flights";
 import { whatIf } from "../state/pictures";
 import { accept, addEffect, diagnosed, doubted, guides, modelFacts } from "../state/studio";
 import { progress } from "../state/progress";
+import { openPlan } from "./plan_dialog";
 import { OwnEffect } from "./own_effect";
 import { isNarrow } from "./screen";
 import { capital, columnName, plain, sensorName } from "./words";
@@ -31,6 +32,7 @@ export function Effects(): JSX.Element {
       {found && here && name !== null ? <Found name={name} here={here} rows={rowsOf(name)} /> : <Waiting />}
       {found && here ? null : <><InModel /><OwnEffect /></>}
       {found && found.untested.length > 0 ? <Untested /> : null}
+      {isNarrow.value && found ? <p class="pad"><button type="button" disabled={progress.value !== null} onClick={openPlan}>Plan the next flight…</button></p> : null}
     </aside>
   );
 }
@@ -80,7 +82,11 @@ function Found({ name, here, rows }: FoundProps): JSX.Element {
     <>
       <h2 class="pad">{sensorName(name)}: {plain(here.verdict)}</h2>
       {here.advice.startsWith("One of ") ? null : here.indistinguishable.map((set) => <SetBox key={set.join()} set={set} />)}
-      {here.advice ? <p class="box advice"><b>Next</b> {inWords(here.advice)}</p> : null}
+      {here.advice ? (
+        <p class="box advice"><b>Next</b> {inWords(here.advice)}{" "}
+          <button type="button" class="plain advice-plan" disabled={progress.value !== null} onClick={openPlan}>Plan the next flight…</button>
+        </p>
+      ) : null}
       <ul class="effect-list">
         {suspects.map((row) => <EffectRow key={row.candidate.effect} row={row} most={most} />)}
       </ul>

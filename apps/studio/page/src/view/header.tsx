@@ -10,6 +10,7 @@ import { chooseFiles, exportFile, saveModel } from "../state/files";
 import type { ExportKind } from "../state/files";
 import { flights } from "../state/flights";
 import { Menu } from "./menu";
+import { canPlan, openPlan } from "./plan_dialog";
 import { isNarrow } from "./screen";
 
 const SIGNS = { good: "✓", caution: "!", bad: "✕", none: "" } as const;
@@ -24,6 +25,7 @@ export function Header(): JSX.Element {
         <button type="button" onClick={undo} disabled={!canUndo.value} title="Take the newest revision back">Undo</button>
         <button type="button" onClick={() => void saveModel()} disabled={flights.value.length === 0} title="Save the model file">Save</button>
         <Export />
+        {flights.value.length > 0 && !isNarrow.value ? <button type="button" disabled={!canPlan() || progress.value !== null} title="Plan the next flight" onClick={openPlan}>Plan</button> : null}
         {canFly.value ? <button type="button" disabled={progress.value !== null} onClick={() => void fly()}>Fly in QEMU</button> : null}
       </div>
       <Progress />
@@ -57,6 +59,7 @@ function Progress(): JSX.Element | null {
 
 const KINDS: ReadonlyArray<{ kind: ExportKind; text: string }> = [
   { kind: "model", text: "Model (TOML)" },
+  { kind: "page", text: "This page with its flights (HTML)" },
   { kind: "flight", text: "Flight (CSV)" },
   { kind: "compare", text: "Comparison (JSON)" },
   { kind: "diagnose", text: "Diagnosis (JSON)" },

@@ -23,7 +23,7 @@ export function Help(): JSX.Element {
         <form method="dialog">
           <h2>Over the curves</h2>
           <dl>{KEYS.map(([key, text]) => <div key={key}><dt>{key}</dt><dd>{text}</dd></div>)}</dl>
-          <p>The calibration window on its ribbon is dragged, as a whole or by its ends; take-off, launch and landing are shown beside it.</p>
+          <p>On the ribbon below, the calibration window is dragged as a whole or by its ends, and so are take-off and landing; or by arrow keys and Enter. Everything is computed anew.</p>
           <button type="submit" class="main">Close</button>
         </form>
       </dialog>

@@ -1,91 +1,110 @@
-// The flight's own clock: where it is calibrated (to be dragged), take-off, launch and landing.
+// The flight's own clock: where it is calibrated, take-off and landing, all to be dragged or moved by keys; and the launch.
 
 import { useSignal } from "@preact/signals";
-import type { JSX } from "preact";
+import type { HTMLAttributes, JSX } from "preact";
 
 import { clock } from "../charts/number";
 import { useWidth } from "../charts/use_width";
-import { setWindow, shown } from "../state/flights";
+import type { Airborne, Times } from "../protocol";
+import { FOUND, setTimes, shown } from "../state/flights";
 import { calibration } from "../state/pictures";
 import { ribbons } from "../state/studio";
 import { view } from "../state/view";
 import type { Span } from "../state/view";
 
-/** A window shorter than this can't be calibrated on. */
+/** A window shorter than this can't be calibrated on, and no flight is one. */
 const SHORTEST_S = 5;
 
-type End = "from" | "to" | "both";
+/** What is held: an end of the calibration or all of it, or an end of the time in the air. */
+type Grip = "from" | "to" | "both" | "take-off" | "landing";
+
+interface Spans {
+  readonly calibration: Span | null;
+  readonly air: Span;
+}
+
+const LABELS: Readonly<Record<Exclude<Grip, "both">, string>> = {
+  from: "Calibration begins. Arrow keys move it, Enter recalibrates",
+  to: "Calibration ends. Arrow keys move it, Enter recalibrates",
+  "take-off": "Take-off. Arrow keys move it, Enter computes anew",
+  landing: "Landing. Arrow keys move it, Enter computes anew",
+};
 
 export function PhaseRibbon(): JSX.Element | null {
   const [place, width] = useWidth<HTMLDivElement>();
-  const draft = useSignal<Span | null>(null);
-  const held = useSignal<{ end: End; at: number; was: Span } | null>(null);
+  const draft = useSignal<Spans | null>(null);
+  const held = useSignal<{ grip: Grip; at: number; was: Spans } | null>(null);
   const flight = shown.value;
   if (!flight) return null;
   const { overview, first_s: first, last_s: last } = flight.opened;
   const { from, to } = view.value;
-  const window = draft.value ?? calibration.value;
+  const now: Spans = draft.value ?? {
+    calibration: calibration.value,
+    air: { from: overview.take_off_s ?? first, to: overview.landing_s ?? last },
+  };
   const percent = (at: number): string => `${((at - from) / (to - from)) * 100}%`;
   const isSeen = (at: number | null): at is number => at !== null && at >= from && at <= to;
 
-  const moved = (was: Span, end: End, by: number): Span => {
-    if (end === "from") return { from: Math.min(Math.max(was.from + by, first), was.to - SHORTEST_S), to: was.to };
-    if (end === "to") return { from: was.from, to: Math.max(Math.min(was.to + by, last), was.from + SHORTEST_S) };
-    const step = Math.min(Math.max(by, first - was.from), last - was.to);
-    return { from: was.from + step, to: was.to + step };
-  };
-  const commit = (span: Span): void => {
-    const round = (value: number): number => Math.round(value * 100) / 100;
+  const commit = (spans: Spans, grip: Grip): void => {
     draft.value = null;
-    void setWindow(flight.id, { start_s: round(span.from), end_s: round(span.to) });
+    void setTimes(flight.id, said(spans, grip, { from: first, to: last }));
   };
-  const grab = (end: End) => (event: PointerEvent): void => {
-    if (!window || !(event.currentTarget instanceof HTMLElement)) return;
+  const grab = (grip: Grip) => (event: PointerEvent): void => {
+    if (!(event.currentTarget instanceof HTMLElement)) return;
     event.currentTarget.setPointerCapture(event.pointerId);
-    held.value = { end, at: event.clientX, was: window };
+    held.value = { grip, at: event.clientX, was: now };
     event.stopPropagation();
   };
   const pull = (event: PointerEvent): void => {
-    const grip = held.value;
-    if (!grip) return;
-    draft.value = moved(grip.was, grip.end, ((event.clientX - grip.at) / Math.max(width, 1)) * (to - from));
+    const hand = held.value;
+    if (!hand) return;
+    const by = ((event.clientX - hand.at) / Math.max(width, 1)) * (to - from);
+    draft.value = moved(hand.was, hand.grip, by, { from: first, to: last });
   };
-  const release = (): void => {
+  const release = (grip: Grip) => (): void => {
     held.value = null;
-    if (draft.value) commit(draft.value);
+    if (draft.value) commit(draft.value, grip);
   };
-  const keys = (end: End) => (event: KeyboardEvent): void => {
+  const keys = (grip: Grip) => (event: KeyboardEvent): void => {
     const sign = event.key === "ArrowLeft" ? -1 : event.key === "ArrowRight" ? 1 : 0;
-    if (sign !== 0 && window) {
-      draft.value = moved(window, end, sign * (event.shiftKey ? 10 : 1));
+    if (sign !== 0) {
+      draft.value = moved(now, grip, sign * (event.shiftKey ? 10 : 1), { from: first, to: last });
       event.preventDefault();
     }
-    if (event.key === "Enter" && draft.value) commit(draft.value);
+    if (event.key === "Enter" && draft.value) commit(draft.value, grip);
     if (event.key === "Escape") draft.value = null;
   };
-  const handle = (end: "from" | "to", at: number): JSX.Element => (
-    <span
-      class={`grip ${end}`}
-      role="slider"
-      tabIndex={0}
-      aria-label={end === "from" ? "Calibration begins. Arrow keys move it, Enter recalibrates" : "Calibration ends. Arrow keys move it, Enter recalibrates"}
-      aria-valuemin={Math.round(first)}
-      aria-valuemax={Math.round(last)}
-      aria-valuenow={Math.round(at * 10) / 10}
-      aria-valuetext={clock(at)}
-      style={{ left: percent(at) }}
-      onPointerDown={grab(end)}
-      onPointerMove={pull}
-      onPointerUp={release}
-      onKeyDown={keys(end)}
-      onBlur={release}
-    />
-  );
-  const events = [
-    { text: "take-off", at: overview.take_off_s, sign: "↗" },
-    { text: "launch", at: overview.has_launch ? (ribbons.answer.value?.launch_s ?? null) : null, sign: "⇣" },
-    { text: "landing", at: overview.landing_s, sign: "↘" },
-  ];
+  const slider = (grip: Exclude<Grip, "both">, at: number): HTMLAttributes<HTMLSpanElement> => ({
+    role: "slider",
+    tabIndex: 0,
+    "aria-label": LABELS[grip],
+    "aria-valuemin": Math.round(first),
+    "aria-valuemax": Math.round(last),
+    "aria-valuenow": Math.round(at * 10) / 10,
+    "aria-valuetext": clock(at),
+    style: { left: percent(at) },
+    onPointerDown: grab(grip),
+    onPointerMove: pull,
+    onPointerUp: release(grip),
+    onKeyDown: keys(grip),
+    onBlur: release(grip),
+  });
+  /** An end of the time in the air; one that the log does not have stands at the log's own. */
+  const airborneEnd = (grip: "take-off" | "landing"): JSX.Element | null => {
+    const at = grip === "take-off" ? now.air.from : now.air.to;
+    const isInLog = grip === "take-off" ? at > first : at < last;
+    if (overview.has_launch || !isSeen(at)) return null;
+    const sign = grip === "take-off" ? "↗" : "↘";
+    const text = isInLog ? `${grip} at ${clock(at)}` : `no ${grip} in the log`;
+    return (
+      <span key={grip} class={`moment airborne-end ${grip} ${isInLog ? "" : "outside"} ${isEnd(at, from, to) ? "end" : ""}`} title={`${text}: drag it`} {...slider(grip, at)}>
+        <span aria-hidden="true">{sign} {isInLog ? grip : ""}</span>
+      </span>
+    );
+  };
+  const launch = overview.has_launch ? (ribbons.answer.value?.launch_s ?? null) : null;
+  const window = now.calibration;
+  const isOwn = flight.times.window !== null || flight.times.airborne !== null;
   return (
     <div class="ribbon phases" data-tour="window">
       <span class="ribbon-name" aria-hidden="true">calibration</span>
@@ -98,21 +117,57 @@ export function PhaseRibbon(): JSX.Element | null {
               title="Calibrated here: drag it, or its ends"
               onPointerDown={grab("both")}
               onPointerMove={pull}
-              onPointerUp={release}
+              onPointerUp={release("both")}
             />
-            {isSeen(window.from) ? handle("from", window.from) : null}
-            {isSeen(window.to) ? handle("to", window.to) : null}
+            {isSeen(window.from) ? <span class="grip from" {...slider("from", window.from)} /> : null}
+            {isSeen(window.to) ? <span class="grip to" {...slider("to", window.to)} /> : null}
           </>
         ) : null}
-        {events.map(({ text, at, sign }) => (isSeen(at) ? (
-          <span key={text} class={`moment ${at > from + 0.85 * (to - from) ? "end" : ""}`} style={{ left: percent(at) }} title={`${text} at ${clock(at)}`}>
-            <span aria-hidden="true">{sign}</span> {text}
+        {airborneEnd("take-off")}
+        {isSeen(launch) ? (
+          <span class={`moment ${isEnd(launch, from, to) ? "end" : ""}`} style={{ left: percent(launch) }} title={`launch at ${clock(launch)}`}>
+            <span aria-hidden="true">⇣</span> launch
           </span>
-        ) : null))}
-        {flight.window ? (
-          <button type="button" class="plain small reset-window" onClick={() => void setWindow(flight.id, null)} title="Calibrate where Pylon would">reset</button>
+        ) : null}
+        {airborneEnd("landing")}
+        {isOwn ? (
+          <button type="button" class="plain small reset-window" onClick={() => void setTimes(flight.id, FOUND)} title="Calibration, take-off and landing as Pylon finds them">reset</button>
         ) : null}
       </div>
     </div>
   );
+}
+
+/** Whether a label right of its moment would not have room. */
+function isEnd(at: number, from: number, to: number): boolean {
+  return at > from + 0.85 * (to - from);
+}
+
+function moved({ calibration: window, air }: Spans, grip: Grip, by: number, log: Span): Spans {
+  const within = (value: number, least: number, most: number): number => Math.max(Math.min(value, most), least);
+  switch (grip) {
+    case "take-off": return { calibration: window, air: { from: within(air.from + by, log.from, air.to - SHORTEST_S), to: air.to } };
+    case "landing": return { calibration: window, air: { from: air.from, to: within(air.to + by, air.from + SHORTEST_S, log.to) } };
+    case "from": return { calibration: window && { from: within(window.from + by, log.from, window.to - SHORTEST_S), to: window.to }, air };
+    case "to": return { calibration: window && { from: window.from, to: within(window.to + by, window.from + SHORTEST_S, log.to) }, air };
+    case "both": {
+      if (!window) return { calibration: window, air };
+      const step = within(by, log.from - window.from, log.to - window.to);
+      return { calibration: { from: window.from + step, to: window.to + step }, air };
+    }
+  }
+}
+
+/** What the user has said by moving it. */
+function said({ calibration: window, air }: Spans, grip: Grip, log: Span): Partial<Times> {
+  const round = (value: number): number => Math.round(value * 100) / 100;
+  if (grip === "take-off" || grip === "landing") {
+    const airborne: Airborne = {
+      take_off_s: air.from > log.from ? round(air.from) : null,
+      landing_s: air.to < log.to ? round(air.to) : null,
+    };
+    // In the air from end to end is nothing said: it is what a log without both shows.
+    return { airborne: airborne.take_off_s === null && airborne.landing_s === null ? null : airborne };
+  }
+  return { window: window && { start_s: round(window.from), end_s: round(window.to) } };
 }

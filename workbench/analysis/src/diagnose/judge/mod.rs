@@ -45,7 +45,7 @@ const STAND_INS: [(EffectId, EffectId); 4] = [
 ];
 
 /// The least probability at which an effect is a suspect: odds of 19 to 1.
-const SUSPECT: f64 = 0.05;
+pub(super) const SUSPECT: f64 = 0.05;
 
 /// The probability from which on an effect is identified, where sets of effects have probabilities.
 const IDENTIFIED: f64 = 0.95;
@@ -279,7 +279,7 @@ impl Judge<'_> {
     /// listed where the climb rate is not measured, but for the second: what more than one could have made is never one's
     /// alone for that. Where it is measured the effects are more, and collinear beyond what errors of the signals blur: there the
     /// cut costs one true cause in eleven (seeds 5001 to 5100 of the blind trials).
-    fn set(&self, rivals: &Rivals) -> Vec<(EffectId, f64)> {
+    pub(super) fn set(&self, rivals: &Rivals) -> Vec<(EffectId, f64)> {
         let own = self.candidates[rivals.column].effect();
         let mut set = vec![(own, 1.0)];
         let others = rivals.others.iter().zip(&rivals.odds);
@@ -373,7 +373,7 @@ impl Judge<'_> {
     }
 
     /// Of each effect on the subject the column that fits best beside what was chosen.
-    fn one_an_effect(&self, findings: &Findings, subject: Option<Sensor>) -> Vec<usize> {
+    pub(super) fn one_an_effect(&self, findings: &Findings, subject: Option<Sensor>) -> Vec<usize> {
         let mut best: BTreeMap<EffectId, (f64, usize)> = BTreeMap::new();
         for column in self.suspects.usable() {
             let candidate = &self.candidates[*column];

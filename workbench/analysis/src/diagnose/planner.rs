@@ -1,0 +1,330 @@
+//! What flights tell, kept so that one more flight can be added to it before anybody flies.
+//!
+//! A coefficient's variance depends on what is flown and on the noise, not on what the sensors then read: the normal equations of the
+//! planned flight, under the noise that was found, are added to those of the flights. For a set of effects each of them in turn is
+//! taken to be the one that acts, with the coefficient that fits it: the planned flight then reads what it makes of it, and the
+//! likelihood of the others with both is what it is expected to be; with noise it lies about that, so that the probabilities are
+//! medians. Likelihoods count as in the diagnosis, less the more the effects explain: formulas and signals are not quite right.
+
+use executor::Executor;
+use kf_core::effect::EffectId;
+use kf_core::sensor::{SENSORS, Sensor};
+use replay::Replay;
+
+use super::candidates::Candidate;
+use super::diagnosis::Diagnosis;
+use super::excitation::SEEN_SIGMAS;
+use super::from_replay::epochs;
+use super::information::{Information, Solution};
+use super::judge::SUSPECT;
+use super::named_replay::NamedReplay;
+use super::noise::{Noise, NoisePrior};
+use super::outlook::{EffectOutlook, MemberOutlook, Outlook, SetOutlook};
+use super::posterior;
+use super::problem::{Known, Problem};
+use super::rivals;
+use super::roughness::{scale, unsteadiness};
+use super::simplicity::ROUGH_SHAPE;
+use super::wind;
+use super::work::{Judged, judged};
+use crate::progress::{Cancelled, Progress};
+
+/// What flights tell, to be planned on.
+#[derive(Clone, Debug)]
+pub struct Planner {
+    candidates: Vec<Candidate>,
+    prior: NoisePrior,
+    known: Vec<Known>,
+    noise: Noise,
+    /// Sensors that the flights have.
+    has: [bool; SENSORS],
+    /// Whether the wind has columns of its own.
+    has_wind: bool,
+    /// The columns that the normal equations are of.
+    columns: Vec<usize>,
+    information: Information,
+    /// Columns of the effects that were found.
+    found: Vec<usize>,
+    effects: Vec<Planned>,
+    sets: Vec<Set>,
+    tempering: Tempering,
+}
+
+/// An effect to be planned for.
+#[derive(Clone, Debug)]
+struct Planned {
+    column: usize,
+    /// By how much the variance of its coefficient is larger than its fit's.
+    inflation: f64,
+    /// What the coefficient is unsure by beside its noise, in its unit, and as a share of it.
+    unsteadiness: f64,
+    scale: f64,
+}
+
+/// A set that the flights can't tell apart, in the place of one chosen column.
+#[derive(Clone, Debug)]
+struct Set {
+    place: usize,
+    members: Vec<(EffectId, f64, Option<usize>)>,
+}
+
+/// How much a sum of squares counts: the less, the more the effects explain.
+#[derive(Clone, Copy, Debug)]
+struct Tempering {
+    /// What it is divided by where nothing is explained.
+    base: f64,
+    /// The share of what is explained that formulas and signals make wrong.
+    shape: f64,
+}
+
+impl Tempering {
+    /// The power of the likelihood where so many squares are explained.
+    fn power(self, explained: f64) -> f64 {
+        1.0 / (self.base + 0.5 * self.shape * explained.max(0.0))
+    }
+}
+
+/// A diagnosis, and what a further flight can be planned on; nothing to plan on without a flight.
+///
+/// # Errors
+/// [`Cancelled`] when `progress` says so.
+pub fn diagnose_to_plan(
+    flights: &[NamedReplay<'_>],
+    hold_outs: &[NamedReplay<'_>],
+    progress: &mut Progress<'_>,
+    executor: &dyn Executor,
+) -> Result<(Diagnosis, Option<Planner>), Cancelled> {
+    let of = |judged: &mut Judged<'_, '_>, _: &mut Progress<'_>| Ok(Planner::of(judged));
+    let (diagnosis, planner) = judged(flights, hold_outs, None, progress, executor, of)?;
+    let planner = planner.flatten().map(|mut planner| {
+        planner.sets.retain(|set| set.is_said(&diagnosis));
+        planner
+    });
+    Ok((diagnosis, planner))
+}
+
+impl Set {
+    /// Whether the diagnosis has it: not where a misfit is of nothing that is known.
+    fn is_said(&self, diagnosis: &Diagnosis) -> bool {
+        let names = || self.members.iter().map(|(effect, ..)| effect.name());
+        let mut said = diagnosis.sensors.values().flat_map(|sensor| &sensor.indistinguishable);
+        said.any(|set| set.iter().map(|name| &**name).eq(names()))
+    }
+}
+
+impl Planner {
+    fn of(judged: &Judged<'_, '_>) -> Option<Self> {
+        let (judge, findings) = (judged.judge, judged.findings()?);
+        let (candidates, suspects) = (&judged.prepared.candidates, judge.suspects);
+        let found = findings.explanation.columns.clone();
+        let has: [bool; SENSORS] =
+            std::array::from_fn(|i| judged.prepared.series.iter().any(|series| series.has(i)));
+        let subjects = [Some(Sensor::ImuSlave), Some(Sensor::Baro), None];
+        let mut columns: Vec<usize> = subjects
+            .into_iter()
+            .filter(|subject| subject.is_none_or(|sensor| has[sensor.index()]))
+            .flat_map(|subject| judge.one_an_effect(findings, subject))
+            .collect();
+        // Effects whose regressor does not move in the flights.
+        for (column, candidate) in candidates.iter().enumerate() {
+            let is_there = candidate.sensor().is_none_or(|sensor| has[sensor.index()])
+                && judged.prepared.epochs.iter().all(|epochs| epochs.available[column]);
+            let is_known = judge.problem.known.iter().any(|known| {
+                candidates.get(known.column).is_some_and(|other| other.effect() == candidate.effect())
+            });
+            let is_listed = columns.iter().any(|other| candidates[*other].effect() == candidate.effect());
+            if is_there && !is_known && !is_listed {
+                columns.push(column);
+            }
+        }
+        let planned = |column: &usize| {
+            let effect = candidates[*column].effect();
+            let at = found.iter().position(|found| found == column);
+            Planned {
+                column: *column,
+                inflation: at.and_then(|at| findings.inflation.get(at)).copied().unwrap_or(1.0),
+                unsteadiness: unsteadiness(effect, judged.prepared.has_climb_rate),
+                scale: scale(&judged.prepared.epochs, effect),
+            }
+        };
+        let effects: Vec<Planned> = columns.iter().map(planned).collect();
+        let set = |(place, rivals): (usize, &rivals::Rivals)| {
+            let set = judge.set(rivals);
+            let column = |effect: EffectId| {
+                let mut all = std::iter::once(rivals.column).chain(rivals.others.iter().copied());
+                all.find(|column| candidates[*column].effect() == effect)
+            };
+            let members = set.into_iter().map(|(effect, share)| (effect, share, column(effect)));
+            let members: Vec<_> = members.collect();
+            (members.len() > 1).then_some(Set { place, members })
+        };
+        let sets: Vec<Set> = findings.rivals.iter().enumerate().filter_map(set).collect();
+        let of_sets = sets.iter().flat_map(|set| set.members.iter().filter_map(|(.., column)| *column));
+        columns.extend(found.iter().copied().chain(of_sets));
+        columns.sort_unstable();
+        columns.dedup();
+        let is_rough = found.iter().any(|column| suspects.is_rough(*column));
+        let tempering = if findings.posterior.is_some() {
+            Tempering { base: 1.0 / posterior::POWER, shape: posterior::SHAPE }
+        } else {
+            Tempering { base: 1.0, shape: if is_rough { ROUGH_SHAPE } else { rivals::SHAPE } }
+        };
+        let noise = findings.explanation.fit.noise;
+        Some(Self {
+            candidates: candidates.clone(),
+            prior: judge.problem.prior.clone(),
+            known: judge.problem.known.clone(),
+            noise,
+            has,
+            has_wind: judged.prepared.has_wind(),
+            information: judge.problem.information(&noise, &columns),
+            columns,
+            found,
+            effects,
+            sets,
+            tempering,
+        })
+    }
+
+    /// What the planned flight would tell, with the flights. It must have no column that they lack.
+    #[must_use]
+    pub fn outlook(&self, planned: &Replay<'_>, executor: &dyn Executor) -> Outlook {
+        let mut epochs = epochs(planned, &self.candidates, executor);
+        if self.has_wind {
+            wind::append(&mut epochs);
+        }
+        let series = &mut epochs.series;
+        for (residuals, readings) in series.residual_m.iter_mut().zip(&mut series.readings) {
+            for sensor in 0..SENSORS {
+                if self.has[sensor] && residuals[sensor].is_finite() {
+                    residuals[sensor] = 0.0;
+                } else {
+                    residuals[sensor] = f64::NAN;
+                    readings[sensor] = 0;
+                }
+            }
+        }
+        let flight = std::slice::from_ref(&epochs.series);
+        let problem = Problem::new(flight, self.prior.clone(), self.known.clone(), executor);
+        let flown = problem.information(&self.noise, &self.columns);
+        let both = self.information.plus(&flown);
+        let effects = self.effects.iter().map(|effect| self.effect(effect, &both, &epochs.available));
+        let mut effects: Vec<EffectOutlook> = effects.collect();
+        effects.sort_by_key(|effect| !effect.is_found);
+        Outlook { effects, sets: self.sets.iter().map(|set| self.set(set, &flown)).collect() }
+    }
+
+    fn positions(&self, columns: &[usize]) -> Vec<usize> {
+        let at = |column: &usize| self.columns.iter().position(|own| own == column);
+        columns.iter().filter_map(at).collect()
+    }
+
+    /// The fit of a column beside what was found of other effects: the coefficient and its variance.
+    fn fit(&self, information: &Information, column: usize) -> Option<(f64, f64)> {
+        let effect = |column: usize| self.candidates[column].effect();
+        let others = self.found.iter().copied().filter(|other| effect(*other) != effect(column));
+        let picks: Vec<usize> = others.chain([column]).collect();
+        let solution = information.solve(&self.positions(&picks))?;
+        Some((*solution.coefficients.last()?, *solution.covariance.last()?))
+    }
+
+    fn effect(&self, of: &Planned, both: &Information, available: &[bool]) -> EffectOutlook {
+        let candidate = &self.candidates[of.column];
+        let effect = candidate.effect();
+        let now = self.fit(&self.information, of.column);
+        let coefficient = now.map(|(coefficient, _)| coefficient);
+        // The coefficient is what it is: the planned flight's readings are not known.
+        let rough = of.scale * coefficient.unwrap_or(0.0);
+        let sigma = |(_, variance): (f64, f64)| {
+            (variance * of.inflation + of.unsteadiness * of.unsteadiness + rough * rough).sqrt()
+        };
+        let then = self.fit(both, of.column);
+        let largest = effect.plausible().iter().fold(0.0_f64, |most, bound| most.max(f64::from(bound.abs())));
+        let is_seen = |fit: Option<(f64, f64)>| {
+            fit.is_some_and(|(_, variance)| SEEN_SIGMAS * variance.sqrt() < largest)
+        };
+        EffectOutlook {
+            effect: effect.name().into(),
+            sensor: candidate.sensor().map_or("gps", Sensor::name).into(),
+            unit: effect.unit().into(),
+            is_found: self.found.contains(&of.column),
+            coefficient,
+            sigma_now: now.map(sigma),
+            sigma_then: then.map(sigma),
+            largest,
+            is_seen_now: is_seen(now),
+            is_seen_then: is_seen(then),
+            is_planned: available[of.column],
+        }
+    }
+
+    fn set(&self, set: &Set, flown: &Information) -> SetOutlook {
+        let member = |(effect, probability, column): &(EffectId, f64, Option<usize>)| {
+            let would = column.and_then(|column| self.if_it_acts(set, column, flown));
+            MemberOutlook {
+                effect: effect.name().into(),
+                probability: *probability,
+                probability_then: would.as_ref().map(|would| would.probability),
+                left: would.as_ref().map(|would| would.left),
+                sigmas: would.map(|would| would.sigmas),
+            }
+        };
+        SetOutlook { members: set.members.iter().map(member).collect() }
+    }
+
+    /// What would be found with the planned flight if a member of a set is the one that acts.
+    fn if_it_acts(&self, set: &Set, truth: usize, flown: &Information) -> Option<Would> {
+        let beside: Vec<usize> = (0..self.found.len())
+            .filter(|place| *place != set.place)
+            .map(|place| self.found[place])
+            .filter(|other| self.candidates[*other].effect() != self.candidates[truth].effect())
+            .collect();
+        let with = |column: usize| self.positions(&[beside.as_slice(), &[column]].concat());
+        let acting = with(truth);
+        let truth_now = self.information.solve(&acting)?;
+        let both = self.information.plus(&flown.with_response(&acting, &truth_now.coefficients));
+        let truth_then = both.solve(&acting)?;
+        let power_now = self.tempering.power(self.information.total() - truth_now.rest);
+        let power_then = self.tempering.power(both.total() - truth_then.rest);
+        // What an effect's fit is worth, but for what all of the set share.
+        let worth = |power: f64, solution: &Solution| {
+            let variance = solution.covariance.last().copied().unwrap_or(f64::INFINITY);
+            0.5 * libm::log(variance) - 0.5 * power * solution.rest
+        };
+        let of_truth = worth(power_then, &truth_then) - worth(power_now, &truth_now);
+        let mut weights = Vec::new();
+        let mut least = f64::INFINITY;
+        for (_, probability, column) in &set.members {
+            let Some(column) = column else {
+                // What the flights do not record looks like the one that it stands in for.
+                weights.push(*probability);
+                continue;
+            };
+            let picks = with(*column);
+            let (Some(now), Some(then)) = (self.information.solve(&picks), both.solve(&picks)) else {
+                weights.push(*probability);
+                continue;
+            };
+            let gain = worth(power_then, &then) - worth(power_now, &now) - of_truth;
+            weights.push(probability * libm::exp(gain.min(0.0)));
+            if *column != truth {
+                let squares = (then.rest - truth_then.rest) - (now.rest - truth_now.rest);
+                least = least.min(squares.max(0.0));
+            }
+        }
+        let total: f64 = weights.iter().sum();
+        let own = set.members.iter().position(|(.., column)| *column == Some(truth))?;
+        Some(Would {
+            probability: weights[own] / total,
+            left: weights.iter().filter(|weight| **weight / total >= SUSPECT).count(),
+            sigmas: least.sqrt(),
+        })
+    }
+}
+
+/// What would be found.
+struct Would {
+    probability: f64,
+    left: usize,
+    sigmas: f64,
+}
