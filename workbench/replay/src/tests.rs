@@ -305,7 +305,7 @@ fn altitudes_of_two_datums_are_not_compared() {
     let rows = "time_s,gps_alt_m,imu_slave_alt_m,baro_alt_m\n0,1,2,3\n";
     let refused = |more: &str| {
         let flight = read(&format!("{head}{more}{rows}"));
-        Replay::uncalibrated(&flight, &Model::default()).err().map(|error| error.to_string())
+        Replay::uncalibrated(&flight, &Model::default(), None).err().map(|error| error.to_string())
     };
     // A pressure altitude is compared with any.
     assert_eq!(refused(""), None);
