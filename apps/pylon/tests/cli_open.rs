@@ -181,3 +181,29 @@ fn altitudes_of_two_datums_are_refused_until_one_is_converted_by_name() {
     let said = refusal(directory, &["import", "glider.csv", "-o", "again.csv"]);
     assert!(said.contains("it is a flight already"), "{said}");
 }
+
+/// Five hours without a row: neither a landing nor a take-off is made up for them.
+#[test]
+fn a_flight_that_a_gap_parts_has_not_landed_in_it() {
+    let directory = tempfile::tempdir().unwrap();
+    let directory = directory.path();
+    let file = directory.join("gap.csv");
+    glider(&file);
+    let text = fs::read_to_string(&file).unwrap();
+    let later = |line: &str| match line.split_once(',') {
+        Some((time, rest)) if time.parse::<u32>().is_ok_and(|second| second >= 400) => {
+            format!("{},{rest}", time.parse::<u32>().unwrap() + 18_000)
+        }
+        _ => line.to_owned(),
+    };
+    fs::write(&file, text.lines().map(|line| later(line) + "\n").collect::<String>()).unwrap();
+    let text = stdout(directory, &["open", "gap.csv"]);
+    for said in [
+        "in the air when a gap in the log begins",
+        "in the air when a gap in the log ends, landing at 05:12:",
+        "nothing was recorded for 18001 s",
+    ] {
+        assert!(text.contains(said), "no '{said}' in {text}");
+    }
+    assert!(!text.contains("after the landing: on the ground, and"), "{text}");
+}

@@ -159,9 +159,11 @@ impl Extent {
         );
         let skipped = part(self.used_s.0, start_s, "before the calibration".to_owned());
         let later = flights(chosen + 1..self.airborne.len().max(chosen + 1));
+        let has_landed = self.interval().is_none_or(|interval| interval.landing_s.is_some());
         let after = match later.as_str() {
             "" => "on the ground after the landing".to_owned(),
-            later => format!("after the landing: on the ground, and {later}"),
+            later if has_landed => format!("after the landing: on the ground, and {later}"),
+            later => format!("after a gap in which nothing was recorded: {later}"),
         };
         let after = part(self.used_s.1, self.log_s.1, after);
         [earlier, skipped, after].into_iter().flatten().collect()

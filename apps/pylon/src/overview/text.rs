@@ -95,7 +95,8 @@ fn flights(out: &mut String, overview: &Overview) {
         let number = if several { format!("{} ", place + 1) } else { String::new() };
         let is_used = several && overview.usage.flight == Some(place + 1);
         let used = if is_used { "; this one is used" } else { "" };
-        put!(out, "  flight {number:<4}{}{used}", ends(interval));
+        let is_last = place + 1 == overview.airborne.len();
+        put!(out, "  flight {number:<4}{}{used}", ends(interval, place == 0, is_last));
     }
     if overview.airborne.is_empty() {
         put!(out, "  flight     no take-off or landing in this log: treated as one flight");
@@ -111,13 +112,21 @@ fn flights(out: &mut String, overview: &Overview) {
     }
 }
 
-fn ends(interval: &AirborneTime) -> String {
+/// What is between two flights without a landing of the one or a take-off of the other is a long gap.
+fn ends(interval: &AirborneTime, is_first: bool, is_last: bool) -> String {
     let take_off = interval.take_off_s.map_or_else(
-        || "in the air when the log begins (or just about to take off)".to_owned(),
+        || {
+            let when =
+                if is_first { "the log begins (or just about to take off)" } else { "a gap in the log ends" };
+            format!("in the air when {when}")
+        },
         |at_s| format!("take-off at {}", clock(at_s)),
     );
     let landing = interval.landing_s.map_or_else(
-        || "in the air when it ends (or just landed)".to_owned(),
+        || {
+            let when = if is_last { "it ends (or just landed)" } else { "a gap in the log begins" };
+            format!("in the air when {when}")
+        },
         |at_s| format!("landing at {}", clock(at_s)),
     );
     format!("{take_off}, {landing}, {} in the air", duration(interval.duration_s))

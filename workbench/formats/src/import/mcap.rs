@@ -10,9 +10,9 @@ use mcap::parse_record;
 use mcap::records::{Record, op};
 use serde_json::Value;
 
-use super::own_header::own_header;
+use super::own_header::{own_header, put_column};
 use super::{ImportError, Importer};
-use flight_data::{Channel, Column, Flight, Header, MAX_TIME_S, Note};
+use flight_data::{Column, Flight, Header, MAX_TIME_S, Note};
 
 /// What every MCAP begins with.
 const MAGIC: &[u8] = b"\x89MCAP0\r\n";
@@ -50,7 +50,8 @@ impl Importer for Mcap {
                 reader.unread, reader.messages
             )));
         }
-        Ok((reader.flight(header), notes))
+        let flight = reader.flight(header, &mut notes);
+        Ok((flight, notes))
     }
 }
 
@@ -175,7 +176,7 @@ impl Reader {
         }
     }
 
-    fn flight(self, header: Header) -> Flight {
+    fn flight(self, header: Header, notes: &mut Vec<Note>) -> Flight {
         let rows = self.time_s.len();
         let mut flight = Flight { header, time_s: self.time_s, ..Flight::default() };
         for (name, cells) in self.cells {
@@ -183,10 +184,7 @@ impl Reader {
             for (row, value) in cells {
                 column.set_f64(row, Some(value));
             }
-            match Channel::from_name(&name) {
-                Some(channel) => flight.set_channel(channel, column),
-                None => flight.extra.push((name, column)),
-            }
+            notes.extend(put_column(&mut flight, &name, column));
         }
         flight
     }

@@ -17,7 +17,7 @@ use self::footer::MAGIC;
 use super::damage::percent;
 use super::mapping::cell::Cell;
 use super::mapping::{self, LoggedTable};
-use super::own_header::own_header;
+use super::own_header::{own_header, put_column};
 use super::{ImportError, Importer};
 use flight_data::{Channel, Column, Flight, MAX_TIME_S, Note};
 
@@ -86,6 +86,7 @@ fn flight(log: &[u8]) -> Result<(Flight, Vec<Note>), ParquetError> {
         .collect();
     times.retain(has_time);
     let without = cells.footer.rows - times.len();
+    let mut unnamed = Vec::new();
     let mut flight = Flight { header: own_header(keys), time_s: times, ..Flight::default() };
     for (leaf, own) in cells.footer.leaves.iter().enumerate().filter(|(leaf, _)| *leaf != time) {
         let mut column = Column::empty_named(&own.name, flight.time_s.len());
@@ -95,12 +96,9 @@ fn flight(log: &[u8]) -> Result<(Flight, Vec<Note>), ParquetError> {
             }
         });
         problems.extend(said(&own.name, read));
-        match Channel::from_name(&own.name) {
-            Some(channel) => flight.set_channel(channel, column),
-            None => flight.extra.push((own.name.clone(), column)),
-        }
+        unnamed.extend(put_column(&mut flight, &own.name, column));
     }
-    let mut notes: Vec<Note> = problems.into_iter().map(Note::new).collect();
+    let mut notes: Vec<Note> = problems.into_iter().map(Note::new).chain(unnamed).collect();
     if without > 0 {
         notes.push(Note::new(format!(
             "damaged: rows without a time from 0 on, left out: {without} ({})",
