@@ -108,7 +108,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     keep_most_telling(&mut flights, &one_by_one.iter().flat_map(Batch::odd_files).collect::<Vec<_>>());
     let mut all: Vec<NamedFlight<'_>> = load::named(&batch.files, &batch.flights, times);
     all.extend(load::named(&held.files, &held.flights, times));
-    all.iter_mut().for_each(|(file, _)| *file = file_name(file));
+    all.iter_mut().for_each(|named| named.file = file_name(&named.file));
     let mut progress =
         Progress::new("flying every revision", (model.revisions.len() as u64 + 1) * all.len() as u64);
     let mut ladder = ladder(&model, &all, &mut |done| progress.show(done))
