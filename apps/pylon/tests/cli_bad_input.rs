@@ -280,6 +280,16 @@ fn calibration_windows_must_fit() {
 }
 
 #[test]
+fn take_off_and_landing_must_fit() {
+    let directory = flight_with(|_| {});
+    let refused =
+        |airborne: &str| refusal(directory.path(), &["diagnose", "made.csv", "--airborne", airborne]);
+    assert!(refused("20").contains("expected FROM..TO in seconds"));
+    assert!(refused("30..20").contains("expected FROM below TO"));
+    assert!(refused("10..60").contains("made.csv: time in the air 10..60 s: this flight's launch column"));
+}
+
+#[test]
 fn models_and_scenarios_that_make_no_sense_are_refused() {
     let directory = flight_with(|_| {});
     let path = directory.path();

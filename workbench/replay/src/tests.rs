@@ -186,6 +186,47 @@ fn a_given_window_goes_before_the_launch_column() {
 }
 
 #[test]
+fn a_given_take_off_and_landing_go_before_what_is_found() {
+    let flight = noisy_flight(100, 0, false);
+    let given = |calibration: Option<&str>, airborne: &str| GivenTimes {
+        calibration: calibration.map(|window| window.parse().unwrap()),
+        airborne: Some(airborne.parse().unwrap()),
+    };
+    // On the ground until 40 s, which is quiet, and nothing after 80 s.
+    let replay = Replay::new(&flight, &Model::default(), given(None, "40..80")).unwrap();
+    let interval = replay.extent().interval().unwrap();
+    assert_eq!((interval.take_off_s, interval.landing_s), (Some(40.0), Some(80.0)));
+    let CalibrationSource::Quiet(stretch) = replay.source() else { panic!("{}", replay.source()) };
+    assert!(stretch.is_on_ground && stretch.window.end_s <= 40.0, "{stretch}");
+    let last_us = replay.inputs().map(|input| input.time_us).max().unwrap();
+    assert_eq!(last_us, 80_000_000, "a row at the landing belongs to the flight");
+    let said = Usage::of(&replay).lines().join("; ");
+    assert!(said.contains("those given") && said.contains("after the landing"), "{said}");
+    // One that is in the air when the log begins has no ground before it.
+    let replay = Replay::new(&flight, &Model::default(), given(None, "..80")).unwrap();
+    assert!(!matches!(replay.source(), CalibrationSource::Quiet(QuietStretch { is_on_ground: true, .. })));
+    // A diagnosis goes by it as well, and a window of the user's may lie before.
+    let replay = Replay::to_diagnose(&flight, &Model::default(), given(Some("5..30"), "40..80")).unwrap();
+    assert_eq!(replay.inputs().map(|input| input.time_us).max(), Some(80_000_000));
+    let refused = |given: GivenTimes, flight: &Flight| {
+        Replay::new(flight, &Model::default(), given).unwrap_err().to_string()
+    };
+    assert!(refused(given(Some("5..90"), "40..80"), &flight).contains("beyond the landing at 80 s"));
+    assert!(refused(given(None, "40..800"), &flight).contains("which goes from 0 s to 99.98 s"));
+    let launched = noisy_flight(60, 10, true);
+    assert!(refused(given(None, "40..60"), &launched).contains("launch column"));
+}
+
+#[test]
+fn a_given_time_in_the_air_takes_the_place_of_what_overlaps_it() {
+    let mut flight = noisy_flight(100, 0, false);
+    flight.time_s.iter_mut().for_each(|time_s| *time_s *= 10.0);
+    let first = GivenTimes { airborne: Some("100..300".parse().unwrap()), ..GivenTimes::default() };
+    let extent = Extent::of(&flight, first).unwrap();
+    assert_eq!((extent.airborne.len(), extent.chosen, extent.used_s), (1, Some(0), (0.0, 300.0)));
+}
+
+#[test]
 fn without_launch_the_first_quiet_stretch_is_taken() {
     let flight = noisy_flight(100, 0, false);
     let replay = Replay::new(&flight, &Model::default(), None).unwrap();

@@ -1,6 +1,6 @@
 // How long the page takes for an hour of flight, 720,000 rows: `npm run figures`, with PYLON_BIN naming a release build of pylon.
 
-import { execFileSync } from "node:child_process";
+import { execFileSync, spawnSync } from "node:child_process";
 import { mkdtempSync, readFileSync, readdirSync, rmSync, statSync, writeFileSync } from "node:fs";
 import { loadavg, tmpdir } from "node:os";
 import { join } from "node:path";
@@ -38,8 +38,8 @@ coefficient = 0.1
 `;
 
 if (pylon === undefined) throw new Error("PYLON_BIN must name a release build of pylon");
-/** The memory of this program's browser, MB: what its pages and their workers have, and all of it. Shared pages count once (PSS). */
-function memory() {
+/** The processes of this program's browser. */
+function processes() {
   const parents = new Map();
   for (const pid of readdirSync("/proc").filter((name) => /^\d+$/.test(name))) {
     try {
@@ -47,9 +47,25 @@ function memory() {
     } catch { /* It has ended. */ }
   }
   const isOwn = (pid) => { for (let at = pid; at; at = parents.get(at)) if (at === process.pid) return at !== pid; return false; };
+  return [...parents.keys()].filter(isOwn);
+}
+
+/** Seconds of processor that they have taken: what a machine that does nothing else needs, if it did one thing after the other. */
+function processor() {
+  let ticks = 0;
+  for (const pid of processes()) {
+    try {
+      const fields = readFileSync(`/proc/${pid}/stat`, "utf8").split(") ").at(-1).split(" ");
+      ticks += Number(fields[11]) + Number(fields[12]);
+    } catch { /* It has ended. */ }
+  }
+  return ticks / 100;
+}
+
+/** The memory of this program's browser, MB: what its pages and their workers have, and all of it. Shared pages count once (PSS). */
+function memory() {
   const sum = { pages: 0, all: 0 };
-  for (const pid of parents.keys()) {
-    if (!isOwn(pid)) continue;
+  for (const pid of processes()) {
     try {
       const megabytes = Number(/^Pss:\s+(\d+)/m.exec(readFileSync(`/proc/${pid}/smaps_rollup`, "utf8"))?.[1] ?? 0) / 1000;
       sum.all += megabytes;
@@ -99,27 +115,31 @@ try {
   const { page: tab } = await open(browser);
   await tab.locator(".sample").first().waitFor();
   const begun = performance.now();
+  let worked = processor();
+  const work = () => { const now = processor(); const taken = now - worked; worked = now; return `${taken.toFixed(1)} s of processor`; };
   await choose(tab, file);
   const since = () => performance.now() - begun;
   await tab.locator(".flight:not(.failed) .used").first().waitFor();
-  console.log(`opened: ${seconds(since())}`);
+  console.log(`opened: ${seconds(since())}, ${work()}`);
   await tab.locator(".chart.altitude canvas").first().waitFor();
-  console.log(`first picture: ${seconds(since())} after the file was chosen`);
+  console.log(`first picture: ${seconds(since())} after the file was chosen, ${work()} more`);
   await tab.locator(".chart.error canvas").first().waitFor();
-  console.log(`the error: ${seconds(since())}`);
+  console.log(`the error: ${seconds(since())}, ${work()} more`);
   const said = performance.now();
   await tab.waitForFunction(() => !document.querySelector(".progress") && document.querySelector(".effect"), undefined, { timeout: 600_000 });
-  console.log(`the sentence: ${seconds(since())} (${await sentence(tab)})`);
+  console.log(`the sentence: ${seconds(since())}, ${work()} more (all that is computed beside it included) (${await sentence(tab)})`);
   await revisionsAre(tab, 1);
   const native = performance.now();
-  execFileSync("taskset", ["-c", "0", pylon, "diagnose", "hour.csv", "--json"], { cwd: folder, stdio: "ignore" });
+  const timed = spawnSync("bash", ["-c", 'TIMEFORMAT="%U %S"; time taskset -c 0 "$0" diagnose hour.csv --json >/dev/null 2>&1', pylon], { cwd: folder, encoding: "utf8" });
+  const nativeWork = timed.stderr.trim().split(" ").reduce((sum, part) => sum + Number(part), 0);
   const own = performance.now() - native;
-  console.log(`diagnosis by one native core, reading included: ${seconds(own)}; the page's, from the picture on: ${seconds(performance.now() - said - own)}`);
+  console.log(`diagnosis by one native core, reading included: ${seconds(own)}, ${nativeWork.toFixed(1)} s of processor; the page's, from the picture on: ${seconds(performance.now() - said - own)}`);
   const [[was]] = await revisionsAre(tab, 1);
   const adding = performance.now();
+  work();
   await tab.locator(".effect .add").first().click();
   const [, [is]] = await revisionsAre(tab, 2);
-  console.log(`Add to the new numbers: ${seconds(performance.now() - adding)} (${was} m to ${is} m)`);
+  console.log(`Add to the new numbers: ${seconds(performance.now() - adding)}, ${work()} (${was} m to ${is} m)`);
   await tab.locator(".chart.error .legend-entry", { hasText: "After" }).waitFor({ timeout: 300_000 });
   console.log(`Add to the new curve: ${seconds(performance.now() - adding)}`);
   await tab.waitForFunction(() => !document.querySelector(".progress"), undefined, { timeout: 600_000 });

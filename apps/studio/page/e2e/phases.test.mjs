@@ -72,6 +72,7 @@ test("take-off and landing are dragged, and moved by keys", { skip: withoutPylon
     assert.ok(Math.abs(await at(page, /^Landing/) - dragged) < 0.2, "kept over a reload");
     await page.getByRole("button", { name: "reset" }).click();
     await settled(page);
+    await page.getByRole("button", { name: "All", exact: true }).click();
     assert.equal(await at(page, /^Landing/), landing);
     assert.equal(await at(page, /^Take-off/), takeOff);
     assert.deepEqual(wrongs, []);

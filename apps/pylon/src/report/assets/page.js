@@ -45,9 +45,9 @@
   const KEY = "pylon-report-colours";
   const button = document.getElementById("theme");
   const THEMES = {
-    auto: { scheme: "light dark", text: "◐ auto", label: "Colours: as the system has them" },
-    light: { scheme: "light", text: "☀ light", label: "Colours: light" },
-    dark: { scheme: "dark", text: "☾ dark", label: "Colours: dark" },
+    auto: { scheme: "light dark", text: "◐ auto", label: "◐ auto: colours as the system has them" },
+    light: { scheme: "light", text: "☀ light", label: "☀ light: colours" },
+    dark: { scheme: "dark", text: "☾ dark", label: "☾ dark: colours" },
   };
   let theme = "auto";
 

@@ -25,7 +25,7 @@ pub(super) fn section(batch: &Batch, flights: &[FlightReport]) -> Markup {
                     @if vehicle.vehicle.is_empty() { "Vehicles without a name" } @else { (vehicle.vehicle) }
                     ", " (vehicle.flights) @if vehicle.flights == 1 { " flight" } @else { " flights" }
                 }
-                div.scroll { table {
+                div.scroll tabindex="0" { table {
                     thead { tr {
                         th scope="col" { "effect" } th.number scope="col" { "flights" } th.number scope="col" { "mean" }
                         th scope="col" { "unit" } th.number scope="col" { "from flight to flight, 1 sigma" }
@@ -42,7 +42,7 @@ pub(super) fn section(batch: &Batch, flights: &[FlightReport]) -> Markup {
                 "Each flight diagnosed by itself; bold: that flight alone shows that the effect is missing. The trust is that at the \
                  flight's end. Diagrams are drawn of the flights whose names are links."
             }
-            div.scroll { table {
+            div.scroll tabindex="0" { table {
                 thead { tr {
                     th scope="col" { "flight" } th.number scope="col" { "length" } th scope="col" { "verdict" }
                     @for effect in batch.effects() { th.number scope="col" { (effect) } }

@@ -77,9 +77,9 @@ fn table(
         ];
     let rows = captive.iter().chain(free.iter().filter(|_| is_launched));
     html! {
-        div.scroll {
+        div.scroll tabindex="0" {
             table {
-                thead { tr { th scope="col" { "" } @for (name, _) in sensors { th.number scope="col" { (name) } } } }
+                thead { tr { th scope="col" { "quantity" } @for (name, _) in sensors { th.number scope="col" { (name) } } } }
                 tbody {
                     @for (name, explanation, value) in rows {
                         tr {
@@ -106,7 +106,7 @@ fn effects(report: &FlightReport) -> Markup {
     html! {
         @if !effects.is_empty() {
             h4 { "Effects that the model accounts for" }
-            div.scroll {
+            div.scroll tabindex="0" {
                 table {
                     thead { tr {
                         th scope="col" { "effect" } th.number scope="col" { "coefficient" } th.number scope="col" { "± 1 sigma" }

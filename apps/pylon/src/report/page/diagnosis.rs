@@ -87,7 +87,7 @@ fn effect(id: &str) -> Markup {
 
 fn table<'a>(sensor: &SensorDiagnosis, rows: impl Iterator<Item = &'a &'a CandidateFacts>) -> Markup {
     html! {
-        div.scroll {
+        div.scroll tabindex="0" {
             table.candidates {
                 thead { tr {
                     th scope="col" { "candidate" } th.number scope="col" { "coefficient ± sigma" }

@@ -128,7 +128,7 @@ fn failures(report: &FlightReport) -> Markup {
             section {
                 h3 { "Where the model fails" }
                 p { "The stretches of " (after) " with the largest errors, and what the aircraft was doing then." }
-                div.scroll {
+                div.scroll tabindex="0" {
                     table {
                         thead { tr {
                             th scope="col" { "sensor" } th scope="col" { "after " (event) } th scope="col" { "what it was doing" }
@@ -160,7 +160,7 @@ fn by_manoeuvre(report: &FlightReport) -> Markup {
     let Some(first) = manoeuvres.first() else { return html! {} };
     html! {
         h4 { "By manoeuvre" }
-        div.scroll {
+        div.scroll tabindex="0" {
             table {
                 thead { tr {
                     th scope="col" { "manoeuvre" } th.number scope="col" { "for" } th scope="col" { "on average" }

@@ -43,7 +43,7 @@ fn of_flight(flight: &LadderFlight<'_>, has_history: bool) -> Markup {
             p.hint { "No sensor has an error in free flight: there was no launch, or no reference after it." }
         } @else {
             @if let Some(chart) = &flight.chart { (place(chart, false)) }
-            div.scroll {
+            div.scroll tabindex="0" {
                 table.revisions {
                     thead { tr {
                         th scope="col" { @if has_history { "revision" } @else { "model" } } th scope="col" { "sensor" }
@@ -106,7 +106,7 @@ fn when_learned(model: &Model) -> Markup {
             "What was measured then and written into the model: the rms error before and after, on the flight that it was \
              learned from and on one that was held out. Shorter is better; the held-out one counts."
         }
-        div.scroll {
+        div.scroll tabindex="0" {
             table.ladder {
                 thead { tr {
                     th.number scope="col" { "revision" } th scope="col" { "added" } th scope="col" { "learned from" }

@@ -105,7 +105,7 @@ fn header(report: &Report<'_>, title: &str) -> Markup {
                 }
                 a href="#words" { "Words" }
             }
-            button #theme type="button" aria-label="Colours: as the system has them" { "◐ auto" }
+            button #theme type="button" aria-label="◐ auto: colours as the system has them" { "◐ auto" }
         }
     }
 }

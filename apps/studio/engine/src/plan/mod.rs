@@ -180,7 +180,8 @@ fn gain(outlook: &Outlook) -> Gain {
         })
         .collect();
     let effects = outlook.effects.iter();
-    let shrunk: Vec<f64> = effects.filter_map(|effect| Some(effect.sigma_then? / effect.sigma_now?)).collect();
+    let shrunk: Vec<f64> =
+        effects.filter_map(|effect| Some(effect.sigma_then? / effect.sigma_now?)).collect();
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let shows = outlook.effects.iter().filter(|effect| effect.is_seen_then && !effect.is_seen_now).count();
     Gain {
