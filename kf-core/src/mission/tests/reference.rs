@@ -432,6 +432,46 @@ fn a_restart_forgets_no_witness() {
     assert_eq!(flagged_at(LAUNCH + 1_000), never);
 }
 
+/// The supply dips in a dive, and the flight computer's clock knows nothing of 0.3 s in which 7.5 m are lost. The receiver's does, so its
+/// altitude has not left its climb rate, and excuses no barometer that fails later.
+#[test]
+fn what_is_climbed_in_a_restart_is_not_what_the_receiver_has_left() {
+    const AWAY: u64 = 60;
+    let flagged_after = |interrupted_at: Option<u64>| {
+        let mut flight = Flight { seed: 7, noise: 1.0 };
+        let mut mission = Dense::new(&config(true)).unwrap();
+        (0..8_000).find(|k| {
+            let mut input = flight.tick(*k);
+            leap((*k as f32 - LAUNCH as f32) * 0.005, &mut input, 0.0, true);
+            input.imu_slave_altitude_m = None;
+            let away = interrupted_at.map_or(0..0, |at| at..at + AWAY);
+            if *k == away.start && !away.is_empty() {
+                let mut bytes = [0; MAX_SNAPSHOT_BYTES];
+                let length = mission.snapshot().unwrap().to_bytes(&mut bytes).unwrap();
+                let mark = mission.mark();
+                mission = Dense::new(&config(true)).unwrap();
+                mission.restore_snapshot(&bytes[..length], &mark).unwrap();
+            }
+            if away.contains(k) {
+                return false;
+            }
+            if *k >= away.end {
+                input.time_us -= 5_000 * (away.end - away.start);
+            }
+            if *k > LAUNCH + 1_000 {
+                // Two metres more than it may be off: the half of what 7.5 m would excuse.
+                let bound_m2 = mission.latch().unwrap().sensors[BARO].bound_m2;
+                add_to_baro(&mut input, crate::root::reciprocal_root(bound_m2) * bound_m2 + 2.0);
+            }
+            mission.tick(&input).sensors[BARO].trust == Trust::Untrustworthy
+        })
+    };
+    let whole = flagged_after(None).unwrap();
+    assert!((LAUNCH + 1_200..LAUNCH + 1_600).contains(&whole), "{whole}");
+    let interrupted = flagged_after(Some(LAUNCH + 500)).unwrap();
+    assert!(interrupted.abs_diff(whole) < 100, "{interrupted} {whole}");
+}
+
 #[test]
 fn a_single_sensor_is_not_blamed_for_a_drift_that_the_climb_rate_denies() {
     for drift_mps in [2.0, -5.0] {
