@@ -45,7 +45,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let given = Places::find(&arguments.flights)?;
     load::refuse_repeats(&given.files, &[])?;
     let batch = load::Batch::read(&given.files, arguments.strict, |flight| {
-        Replay::new(flight, &model, arguments.calibrate).map(|_| ()).map_err(|error| error.to_string())
+        Replay::new(flight, &model, arguments.calibrate).map(|_| ())
     })?;
     let flights = load::named(&batch.files, &batch.flights);
     let mut progress = Progress::new("flying", (model.revisions.len() as u64 + 1) * batch.files.len() as u64);

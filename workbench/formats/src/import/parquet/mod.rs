@@ -21,6 +21,7 @@ use super::own_header::own_header;
 use super::{ImportError, Importer};
 use flight_data::{Channel, Column, Flight, MAX_TIME_S, Note};
 
+use error::GroupError;
 pub use error::ParquetError;
 
 /// The key of the file's metadata that says whose it is.
@@ -110,7 +111,7 @@ fn flight(log: &[u8]) -> Result<(Flight, Vec<Note>), ParquetError> {
     Ok((flight, notes))
 }
 
-fn said(name: &str, read: Result<(), Vec<String>>) -> Option<String> {
+fn said(name: &str, read: Result<(), Vec<GroupError>>) -> Option<String> {
     let problems = read.err()?;
     let more = if problems.len() > 1 {
         format!(", and {} more groups of rows", problems.len() - 1)
