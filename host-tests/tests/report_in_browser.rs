@@ -13,7 +13,7 @@ use pylon::compare::{Options, compare};
 use pylon::diagnose::{NamedReplay, diagnose};
 use pylon::learn::{NamedFlight, ladder};
 use pylon::replay::Replay;
-use pylon::report::{FlightReport, Report};
+use pylon::report::{FlightReport, Report, TRACE_SLOTS};
 use pylon::simulate::{Scenario, simulate};
 use serde_json::{Value, json};
 use tempfile::TempDir;
@@ -46,9 +46,10 @@ fn report() -> (TempDir, PathBuf) {
     let (flight, _) = simulate(&scenario, scenario.seed).unwrap();
     let model = Model::default();
     let replay = Replay::new(&flight, &model, None).unwrap();
-    let (mut comparison, _) = compare(&replay, &Options::default(), &mut |_| ()).unwrap();
+    let options = Options { trace_slots: Some(TRACE_SLOTS), ..Options::default() };
+    let (mut comparison, traces) = compare(&replay, &options, &mut |_| ()).unwrap();
     comparison.flight.file = "quickstart.csv".into();
-    let flights = [FlightReport::new(0, &replay, comparison).unwrap()];
+    let flights = [FlightReport::new(0, &replay, comparison, &traces.unwrap())];
     let named = NamedReplay { file: "quickstart.csv".into(), replay };
     let diagnosis = diagnose(&[named], &[], &mut || ());
     // What `pylon add` would have made of it: the effect that the scenario hides.

@@ -430,7 +430,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
     fn check_held(&mut self) {
         let (Some(unchecked), Some(latch)) = (&mut self.unchecked, &mut self.latch) else { return };
         let mut failed = FailedChecks::from_bits(latch.failed_checks);
-        let is_done = unchecked.go_on(&self.config, &self.calibration, &mut failed);
+        let is_done = unchecked.evaluate_next(&self.config, &self.calibration, &mut failed);
         latch.failed_checks = failed.bits();
         if is_done {
             self.unchecked = None;

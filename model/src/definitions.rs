@@ -317,7 +317,7 @@ mod tests {
                 format!("{FLAP}{FLAP}"),
                 "row 7: effect_definition 'baro.flap_wash' has the id of another definition",
             ),
-            (with("on = \"baro\"", "on = \"barro\""), "row 3: on = 'barro' is no sensor; nearest: baro"),
+            (with("on = \"baro\"", "on = \"barro\""), "row 3: on = 'barro' is not a sensor; nearest: baro"),
             (with("/ (2*g)", "/ (2*"), "row 4: the regressor of effect_definition baro.flap_wash:"),
             (with("* flap", ""), "plausible"),
             (
@@ -332,7 +332,10 @@ mod tests {
                 with("plausible", "units = { flap = \"furlong\" }\nplausible"),
                 "units.flap of effect_definition baro.flap_wash",
             ),
-            (with("* flap", "* baro.flap_wash"), "baro.flap_wash -> baro.flap_wash are made of each other"),
+            (
+                with("* flap", "* baro.flap_wash"),
+                "baro.flap_wash -> baro.flap_wash refer to each other in a circle",
+            ),
             (
                 format!("{FLAP}[[effect]]\nid = \"baro.flap_wosh\"\ncoefficient = 1\n"),
                 "nearest: baro.flap_wash",
@@ -418,7 +421,7 @@ mod tests {
         };
         let text: String = ["a.a", "a.b", "a.c"].map(delayed).concat();
         assert!(
-            refused(&text).contains("remember 132 numbers; beside 0 estimated effects a restart keeps 82"),
+            refused(&text).contains("remember 132 numbers; with 0 estimated effects a restart keeps 82"),
             "{}",
             refused(&text)
         );

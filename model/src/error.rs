@@ -64,7 +64,7 @@ pub enum ModelError {
         with: &'static str,
     },
     /// A definition on what is no sensor.
-    #[error("row {row}: on = '{on}' is no sensor; nearest: {nearest}")]
+    #[error("row {row}: on = '{on}' is not a sensor; nearest: {nearest}")]
     DefinitionOn {
         /// Line, from 1.
         row: usize,
@@ -74,7 +74,7 @@ pub enum ModelError {
         nearest: String,
     },
     /// Definitions that are made of each other.
-    #[error("row {row}: the definitions {path} are made of each other: write one of them out")]
+    #[error("row {row}: the definitions {path} refer to each other in a circle: write one of them out")]
     Cycle {
         /// Line, from 1.
         row: usize,
@@ -121,7 +121,7 @@ pub enum ModelError {
     },
     /// Formulas that remember more than there is room for.
     #[error(
-        "the effects by formula remember {found} numbers; beside {estimated} estimated effects a restart keeps {most}: use fewer integrals, means and delays, or estimate fewer effects"
+        "the effects by formula remember {found} numbers; with {estimated} estimated effects a restart keeps {most}: use fewer integrals, means and delays, or estimate fewer effects"
     )]
     FormulaWords {
         /// How many.
@@ -150,7 +150,7 @@ pub enum ModelError {
         because: &'static str,
     },
     /// An effect that is there twice.
-    #[error("effect {id} is there twice, expected once")]
+    #[error("effect {id} occurs twice, expected once")]
     Twice {
         /// The id.
         id: &'static str,

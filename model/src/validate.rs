@@ -9,6 +9,8 @@ use crate::{Model, ModelError};
 const POSITIVE: &str = "a finite number above 0";
 const NOT_NEGATIVE: &str = "a finite number from 0 on";
 const FINITE: &str = "a finite number";
+/// No flight lasts a day: a longer window would never be full, and the work of judging its rule grows with it.
+const LONGEST_WINDOW_S: f32 = 86_400.0;
 
 fn require(key: impl Into<String>, value: f32, good: bool, expected: &'static str) -> Result<(), ModelError> {
     if value.is_finite() && good {
@@ -44,7 +46,9 @@ impl Model {
         require("site.latitude_deg", latitude_deg, is_latitude, "a latitude from -90 to 90 degrees")?;
         self.validate_sensors()?;
         positive("monitor.multiplier", self.monitor.multiplier)?;
-        positive("monitor.window_s", self.monitor.window_s)?;
+        let window_s = self.monitor.window_s;
+        let is_window = window_s > 0.0 && window_s <= LONGEST_WINDOW_S;
+        require("monitor.window_s", window_s, is_window, "seconds above 0, at most a day")?;
         not_negative("monitor.persistence_s", self.monitor.persistence_s)?;
         let quality = &self.quality;
         not_negative("quality.minimum_duration_s", quality.minimum_duration_s)?;

@@ -1,5 +1,6 @@
 //! A flight ([`flight_data`]) and the files that it is in.
 
+use std::io;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
@@ -40,7 +41,7 @@ impl ReadError {
 pub enum Problem {
     /// The file could not be opened or read.
     #[error("can not be read: {0}")]
-    Io(String),
+    Io(#[from] io::Error),
     /// It is no flight's CSV, or one with an error in it.
     #[error(transparent)]
     Csv(#[from] CsvProblem),
@@ -63,8 +64,7 @@ impl From<OpenError> for Problem {
 /// # Errors
 /// The first thing in the file that is not as [`flight_data`] says, with file, row and column.
 pub fn read(path: &Path) -> Result<(Flight, Vec<Note>), ReadError> {
-    let text =
-        whole_file::read(path).map_err(|error| ReadError::new(path, Problem::Io(error.to_string())))?;
+    let text = whole_file::read(path).map_err(|error| ReadError::new(path, error.into()))?;
     parse(&text).map_err(|problem| ReadError::new(path, problem.into()))
 }
 

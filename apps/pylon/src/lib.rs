@@ -11,7 +11,6 @@ pub mod learn;
 pub mod output_file;
 pub mod overview;
 pub mod plots;
-pub mod printable;
 pub mod report;
 pub mod results;
 pub mod simulate;

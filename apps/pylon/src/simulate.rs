@@ -1,7 +1,7 @@
 //! The flight simulator ([`::simulate`]) on files.
 
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
@@ -13,7 +13,15 @@ use crate::output_file::{OutputError, prepare, write_atomically};
 /// Why there is no simulated flight; displays as one line.
 #[derive(Debug, Error)]
 pub enum SimulateError {
-    /// The scenario can not be read or makes no sense.
+    /// The scenario's file can not be read.
+    #[error("{}: cannot read the scenario: {source}", file.display())]
+    Unreadable {
+        /// The file.
+        file: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// The scenario makes no sense.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
     /// The scenario makes sense, but the aircraft can not fly it.
@@ -49,14 +57,10 @@ pub struct Summary {
 /// # Errors
 /// When the file cannot be read, is no TOML, has an unknown key or lacks one, or asks for what
 /// cannot be simulated.
-pub fn load_scenario(path: &Path) -> Result<Scenario, ScenarioError> {
-    let file = path.display().to_string();
-    match std::fs::read_to_string(path) {
-        Ok(text) => Scenario::from_toml(&text, &file),
-        Err(error) => {
-            Err(ScenarioError { file, line: None, message: format!("cannot read the scenario: {error}") })
-        }
-    }
+pub fn load_scenario(path: &Path) -> Result<Scenario, SimulateError> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|source| SimulateError::Unreadable { file: path.to_path_buf(), source })?;
+    Ok(Scenario::from_toml(&text, &path.display().to_string())?)
 }
 
 /// Simulates a scenario file with its own seed; writes the flight (CSV) and the truth about it (TOML), both

@@ -52,7 +52,7 @@ mod tests {
         let said = crate::contained::contained(|| {
             executor::both(&Threads, || -> u8 { panic!("elsewhere") }, || 1);
         });
-        assert!(said.unwrap_err().starts_with("elsewhere"));
+        assert!(said.unwrap_err().to_string().starts_with("elsewhere"));
     }
 
     #[test]

@@ -105,6 +105,34 @@ fn of_two_additions_at_once_none_is_lost() {
     assert_eq!(model.matches("[[revision]]").count(), 2, "{model}");
 }
 
+/// The truth is written first: to a pipe that nobody reads, where the program waits until it is killed. Were the flight written
+/// first, it would be there then, without its truth.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_program_that_is_killed_leaves_no_flight_without_its_truth() {
+    let directory = directory();
+    let pipe = directory.path().join("truth.toml");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let before = files(directory.path());
+    let mut command = pylon(directory.path());
+    command.args(["simulate", "scenario.toml", "-o", "flight.csv", "--truth", "truth.toml"]);
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    // It sleeps for good once it waits for the pipe's reader: the kernel's name of where it sleeps says so. Where that is hidden, two
+    // seconds without a tick of processor time do.
+    let of_process = |file: &str| fs::read_to_string(format!("/proc/{}/{file}", child.id())).unwrap();
+    let ticks = || of_process("stat").rsplit(')').next().unwrap().split(' ').nth(12).map(str::to_owned);
+    let mut quiet = 0;
+    while quiet < 20 && !of_process("wchan").contains("partner") {
+        let before = ticks();
+        std::thread::sleep(std::time::Duration::from_millis(100));
+        let is_asleep = of_process("stat").contains(") S ") && ticks() == before;
+        quiet = if is_asleep { quiet + 1 } else { 0 };
+    }
+    child.kill().unwrap();
+    assert!(!child.wait().unwrap().success());
+    assert_eq!(files(directory.path()), before);
+}
+
 #[test]
 fn a_result_that_can_not_be_printed_leaves_the_model_as_it_was() {
     let directory = directory();

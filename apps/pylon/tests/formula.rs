@@ -294,7 +294,7 @@ fn a_definition_that_can_not_be_is_refused_where_it_is_wrong() {
         (of("flap * (tas_mps > 20)"), "expected the same dimension on both sides"),
         (of(&long), "operations"),
         (FLAP.replace("baro.flap_wash", "baro.lag"), "has the id of an effect of the catalogue"),
-        (FLAP.replace("\"baro\"", "\"barro\""), "is no sensor; nearest: baro"),
+        (FLAP.replace("\"baro\"", "\"barro\""), "is not a sensor; nearest: baro"),
     ] {
         fs::write(at.join("wrong.toml"), &text).unwrap();
         let refused = run(at, &["effects", "--model", "wrong.toml"]);

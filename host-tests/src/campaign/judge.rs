@@ -55,8 +55,8 @@ pub enum Invariant {
     Panic,
     /// No late tick: its work is bounded.
     Work,
-    /// No restart that is not told.
-    Told,
+    /// Every restart is reported in the telemetry.
+    RestartReported,
     /// No number is published that is none.
     Finite,
     /// The latch never changes.
@@ -76,7 +76,7 @@ impl Invariant {
         Self::Permanent,
         Self::Panic,
         Self::Work,
-        Self::Told,
+        Self::RestartReported,
         Self::Finite,
         Self::Latch,
     ];
@@ -95,7 +95,7 @@ impl Invariant {
             Self::Permanent => "transient costs the sensor",
             Self::Panic => "panic",
             Self::Work => "tick with too much work",
-            Self::Told => "restart not told",
+            Self::RestartReported => "restart not reported",
             Self::Finite => "not finite",
             Self::Latch => "latch changed",
         }
@@ -251,7 +251,7 @@ impl Judge<'_> {
                 continue;
             }
             self.violations.push(Violation {
-                invariant: Invariant::Told,
+                invariant: Invariant::RestartReported,
                 what: format!("at {:.3} s: {:?}", seconds(restart.tick), restart.report),
             });
         }

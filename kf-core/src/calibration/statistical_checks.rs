@@ -50,7 +50,7 @@ impl StatisticalChecks {
 
     /// Makes one more part of them and settles what is known by then; true when that was the last.
     #[inline(never)]
-    pub(crate) fn go_on<const HEAD: usize, const TAIL: usize, const E: usize>(
+    pub(crate) fn evaluate_next<const HEAD: usize, const TAIL: usize, const E: usize>(
         &mut self,
         config: &MissionConfig<E>,
         calibration: &Calibration<HEAD, TAIL, E>,

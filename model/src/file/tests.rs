@@ -280,7 +280,11 @@ fn impossible_values_name_the_key() {
             "sensor.imu_slave.wander_m_per_sqrt_s = -1",
             "sensor.imu_slave.wander_m_per_sqrt_s is -1, expected a finite number from 0 on",
         ),
-        ("monitor.window_s = 0", "monitor.window_s is 0, expected a finite number above 0"),
+        ("monitor.window_s = 0", "monitor.window_s is 0, expected seconds above 0, at most a day"),
+        (
+            "monitor.window_s = 1e30",
+            "monitor.window_s is 1000000000000000000000000000000, expected seconds above 0, at most a day",
+        ),
         ("quality.implausible_share = 2", "quality.implausible_share is 2, expected a share from 0 to 1"),
         (
             "gps = { propagate_climb_rate = false, climb_rate_sigma_mps = 1 }",
@@ -334,7 +338,7 @@ fn impossible_values_name_the_key() {
         "site.latitude_deg is 91, expected a latitude from -90 to 90 degrees"
     );
     let twice = format!("{effect}coefficient = 1\n{effect}coefficient = 1");
-    assert_eq!(message(&twice), "effect baro.dynamic_pressure is there twice, expected once");
+    assert_eq!(message(&twice), "effect baro.dynamic_pressure occurs twice, expected once");
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use std::ops::ControlFlow;
 
-use executor::contained::contained;
+use executor::contained::{Panicked, contained};
 use executor::{Executor, Inline};
 use flight_data::Header;
 use schemars::JsonSchema;
@@ -161,7 +161,7 @@ pub fn batch(
             diagnosis
         }
     });
-    let alone: Vec<Result<Diagnosis, String>> = executor::map(executor, jobs);
+    let alone: Vec<Result<Diagnosis, Panicked>> = executor::map(executor, jobs);
     let mut units = BTreeMap::new();
     for diagnosis in alone.iter().filter_map(|diagnosis| diagnosis.as_ref().ok()).chain(together) {
         let asked = in_question(diagnosis);
@@ -181,7 +181,7 @@ pub fn batch(
                 file: flight.file.clone(),
                 vehicle: vehicle(&flight.replay.flight().header),
                 verdict: diagnosis.ok().map(|diagnosis| diagnosis.verdict),
-                failed: diagnosis.err().cloned(),
+                failed: diagnosis.err().map(ToString::to_string),
                 coefficients: diagnosis.map(|diagnosis| coefficients(diagnosis, &units)).unwrap_or_default(),
             }
         })

@@ -63,7 +63,7 @@ pub enum FlyError {
     },
     /// Neither the board nor OpenOCD said anything any more.
     #[error(
-        "nothing was heard of the board, nor of openocd, for {seconds} s ({said}): reset the board and try again"
+        "neither the board nor openocd has responded for {seconds} s ({said}): reset the board and try again"
     )]
     Silent {
         /// How long was waited, seconds.

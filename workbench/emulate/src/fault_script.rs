@@ -221,8 +221,8 @@ impl<Ticks: Iterator<Item = TickInput>> Iterator for Scripted<'_, Ticks> {
 mod tests {
     use super::*;
 
-    fn parse(text: &str) -> Result<PlannedFault, String> {
-        text.parse().map_err(|error: FaultError| error.to_string())
+    fn parse(text: &str) -> Result<PlannedFault, FaultError> {
+        text.parse()
     }
 
     #[test]
@@ -270,13 +270,13 @@ mod tests {
             ("baro reset -1", "it is there once"),
             ("baro reset nan", "it is there once"),
         ] {
-            let error = parse(text).unwrap_err();
+            let error = parse(text).unwrap_err().to_string();
             assert!(error.contains(said), "{text}: {error}");
             assert_eq!(error.lines().count(), 1, "{error}");
         }
         // What is near to nothing gets no advice.
         for text in ["radar stuck-low 1..2", "baro melted 1..2"] {
-            let error = parse(text).unwrap_err();
+            let error = parse(text).unwrap_err().to_string();
             assert!(!error.contains("is it"), "{error}");
         }
     }

@@ -2,6 +2,7 @@
 
 use std::any::Any;
 use std::cell::RefCell;
+use std::fmt;
 use std::panic::{self, AssertUnwindSafe, catch_unwind};
 use std::sync::Once;
 
@@ -11,11 +12,29 @@ thread_local! {
     static DEPTH: RefCell<u32> = const { RefCell::new(0) };
 }
 
+/// A panic that was contained.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Panicked {
+    /// Its message.
+    pub message: String,
+    /// File, line and column, if it was in the thread that contained it.
+    pub place: Option<String>,
+}
+
+impl fmt::Display for Panicked {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.message)?;
+        self.place.as_ref().map_or(Ok(()), |place| write!(formatter, " ({place})"))
+    }
+}
+
+impl std::error::Error for Panicked {}
+
 /// Does something, and goes on after a panic of it. The panic is not printed.
 ///
 /// # Errors
-/// What the panic said, and where it was if it was in this thread.
-pub fn contained<T>(work: impl FnOnce() -> T) -> Result<T, String> {
+/// [`Panicked`].
+pub fn contained<T>(work: impl FnOnce() -> T) -> Result<T, Panicked> {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {
         let usual = panic::take_hook();
@@ -31,13 +50,10 @@ pub fn contained<T>(work: impl FnOnce() -> T) -> Result<T, String> {
     // What `work` had in hand is given up with it.
     let done = catch_unwind(AssertUnwindSafe(work));
     DEPTH.with_borrow_mut(|depth| *depth -= 1);
-    done.map_err(|payload| {
-        let place = PLACE.take().map_or_else(String::new, |place| format!(" ({place})"));
-        format!("{}{place}", said(payload.as_ref()))
-    })
+    done.map_err(|payload| Panicked { message: message(payload.as_ref()).to_owned(), place: PLACE.take() })
 }
 
-fn said(payload: &(dyn Any + Send)) -> &str {
+fn message(payload: &(dyn Any + Send)) -> &str {
     let text = payload.downcast_ref::<String>().map(String::as_str);
     text.or_else(|| payload.downcast_ref::<&str>().copied()).unwrap_or("a panic without a word")
 }
@@ -50,7 +66,7 @@ mod tests {
     fn what_panics_says_so_and_the_rest_goes_on() {
         assert_eq!(contained(|| 5), Ok(5));
         let number = 7;
-        let error = contained(|| -> u8 { panic!("number {number}") }).unwrap_err();
+        let error = contained(|| -> u8 { panic!("number {number}") }).unwrap_err().to_string();
         assert!(error.starts_with("number 7 (") && error.contains("contained.rs"), "{error}");
         assert_eq!(contained(|| 6), Ok(6));
     }

@@ -1,5 +1,6 @@
 //! Writing a flight's CSV.
 
+use std::collections::BTreeSet;
 use std::io::{self, Write};
 
 use super::column::Column;
@@ -135,17 +136,17 @@ fn check(flight: &Flight) -> Result<(), FlightError> {
     let expected = flight.rows();
     let known = flight.channels.iter().map(|(channel, column)| (channel.name(), column));
     let extra = flight.extra.iter().map(|(name, column)| (name.as_str(), column));
-    let mut seen: Vec<&str> = vec![names::TIME];
+    let mut seen = BTreeSet::from([names::TIME]);
     for (name, column) in known.chain(extra) {
         if column.len() != expected {
             return Err(FlightError::Ragged { column: name.to_owned(), found: column.len(), expected });
         }
-        let reason = if seen.contains(&name) {
+        let reason = if seen.contains(name) {
             "another column has that name"
         } else if name.trim() != name || name.is_empty() || name.contains(['\n', '\r', '\0']) {
             "it is empty, or has spaces around it, or a line end in it"
         } else {
-            seen.push(name);
+            seen.insert(name);
             continue;
         };
         return Err(FlightError::Text { what: "the column name", text: name.to_owned(), reason });

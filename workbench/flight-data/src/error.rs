@@ -38,7 +38,7 @@ pub enum CsvProblem {
         expected: &'static str,
     },
     /// A header key that can be there once only.
-    #[error("row {row}: header key '{key}' for the second time, expected it once")]
+    #[error("row {row}: header key '{key}' occurs a second time, expected once")]
     HeaderTwice {
         /// Line in the file.
         row: u64,
@@ -89,9 +89,7 @@ pub enum CsvProblem {
         index: usize,
     },
     /// Two columns of the same name.
-    #[error(
-        "row {row}, column {name}: the name is there twice (columns {first} and {second}), expected once"
-    )]
+    #[error("row {row}, column {name}: the name occurs twice (columns {first} and {second}), expected once")]
     Duplicate {
         /// Line in the file.
         row: u64,

@@ -17,7 +17,7 @@ mod truth;
 
 pub use effect::regressor;
 pub use motion::{MotionError, TruthSample};
-pub use scenario::{Scenario, ScenarioError};
+pub use scenario::{Scenario, ScenarioError, ScenarioProblem};
 pub use truth::{SensorTruth, Truth};
 
 use flight_data::Flight;

@@ -1,9 +1,10 @@
-//! Diagrams in a page: uPlot draws them, which the page brings along.
+//! Charts and tables in a page. uPlot draws the charts, which the page brings along; tables are HTML.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use crate::chart::{Chart, Role};
+use crate::table::{Align, Cell, Row, Table, Tone};
 
 /// Defines `pylonCharts`, whose `draw(element, chart)` draws a [`Chart`], given as its JSON.
 pub const SCRIPT: &str = include_str!("../assets/charts.js");
@@ -30,6 +31,78 @@ pub fn data<'a>(charts: impl Iterator<Item = &'a Chart>) -> Result<String, serde
     Ok(serde_json::to_string(&charts)?.replace('<', "\\u003c"))
 }
 
+/// A table as an HTML element. Columns of numbers have the class `number`, explanations are a `span` of the class `note`, and toned
+/// cells have the class `good`, `doubt` or `bad`; the page's style gives these their looks. The first cell of a row is its heading.
+#[must_use]
+pub fn table(table: &Table) -> String {
+    let mut html = String::from("<table><thead><tr>");
+    for column in &table.columns {
+        push_cell(&mut html, "th scope=\"col\"", column.align, &Cell::from(column.name.as_str()));
+    }
+    html.push_str("</tr></thead><tbody>");
+    for row in &table.rows {
+        html.push_str("<tr>");
+        match row {
+            Row::Section(title) => {
+                // To a string, which never fails.
+                let _ = write!(html, "<th scope=\"colgroup\" colspan=\"{}\">", table.columns.len());
+                push_text(&mut html, title);
+                html.push_str("</th>");
+            }
+            Row::Cells(cells) => {
+                let empty = Cell::default();
+                let cells = cells.iter().chain(std::iter::repeat(&empty));
+                for (place, (column, cell)) in table.columns.iter().zip(cells).enumerate() {
+                    push_cell(
+                        &mut html,
+                        if place == 0 { "th scope=\"row\"" } else { "td" },
+                        column.align,
+                        cell,
+                    );
+                }
+            }
+        }
+        html.push_str("</tr>");
+    }
+    html + "</tbody></table>"
+}
+
+/// A cell as the element `start`.
+fn push_cell(html: &mut String, start: &str, align: Align, cell: &Cell) {
+    let number = if align == Align::Right { "number" } else { "" };
+    let tone = match cell.tone {
+        Tone::Neutral => "",
+        Tone::Good => "good",
+        Tone::Doubt => "doubt",
+        Tone::Bad => "bad",
+    };
+    html.extend(["<", start]);
+    let classes = [number, tone].into_iter().filter(|class| !class.is_empty()).collect::<Vec<_>>().join(" ");
+    if !classes.is_empty() {
+        html.extend([" class=\"", &classes, "\""]);
+    }
+    html.push('>');
+    push_text(html, &cell.text);
+    if !cell.note.is_empty() {
+        html.push_str("<span class=\"note\">");
+        push_text(html, &cell.note);
+        html.push_str("</span>");
+    }
+    html.extend(["</", start.split(' ').next().unwrap_or(start), ">"]);
+}
+
+/// A text that can not begin an element or a character reference.
+fn push_text(html: &mut String, text: &str) {
+    for letter in text.chars() {
+        match letter {
+            '<' => html.push_str("&lt;"),
+            '>' => html.push_str("&gt;"),
+            '&' => html.push_str("&amp;"),
+            letter => html.push(letter),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -42,5 +115,21 @@ mod tests {
         assert!(!data.contains('<'), "{data}");
         let read: serde_json::Value = serde_json::from_str(&data).unwrap();
         assert_eq!(read["a"]["x_name"], name);
+    }
+
+    #[test]
+    fn a_table_is_one_element_whose_texts_are_only_text() {
+        let mut sample = Table::new().left("<sensor>").right("error, m");
+        sample.row([Cell::explained("baro", "R&D"), Cell::toned("3", Tone::Bad)]);
+        sample.section("after launch");
+        sample.row(["imu"]);
+        let expected = concat!(
+            "<table><thead><tr><th scope=\"col\">&lt;sensor&gt;</th><th scope=\"col\" class=\"number\">error, m</th></tr></thead>",
+            "<tbody><tr><th scope=\"row\">baro<span class=\"note\">R&amp;D</span></th>",
+            "<td class=\"number bad\">3</td></tr>",
+            "<tr><th scope=\"colgroup\" colspan=\"2\">after launch</th></tr>",
+            "<tr><th scope=\"row\">imu</th><td class=\"number\"></td></tr></tbody></table>",
+        );
+        assert_eq!(table(&sample), expected);
     }
 }

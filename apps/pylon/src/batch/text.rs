@@ -2,14 +2,11 @@
 
 use std::fmt::Write as _;
 
-use comfy_table::{Cell, CellAlignment, ContentArrangement, LineStyle, Table, TableStyle};
+use view::Table;
+use view::text::printable;
 
 use super::{Batch, FlightResult, VehicleResult};
 use crate::diagnose::text::{probability, say, with_sigma};
-use crate::printable::printable;
-
-/// A line below the column names and nothing else.
-const STYLE: TableStyle = TableStyle::new().header_separator(LineStyle::new('─', '─', '─', '─'));
 
 /// The tables as text.
 #[must_use]
@@ -20,13 +17,17 @@ pub fn text(batch: &Batch) -> String {
         "\nFlight by flight (each diagnosed by itself; * this flight alone shows the effect to be missing):"
     );
     let effects: Vec<&str> = batch.effects().collect();
-    let heads = ["  flight", "verdict"].into_iter().map(str::to_owned);
-    let heads = heads.chain(batch.units().map(|(effect, unit)| match unit {
-        "1" => effect.to_string(),
-        unit => format!("{effect}, {unit}"),
-    }));
-    let rows = batch.by_flight.iter().map(|flight| row(flight, &effects));
-    let _ = writeln!(out, "{}", table(heads.collect(), rows.collect(), &[0, 1]));
+    let mut table = Table::new().left("  flight").left("verdict");
+    for (effect, unit) in batch.units() {
+        table = table.right(match unit {
+            "1" => effect.to_string(),
+            unit => format!("{effect}, {unit}"),
+        });
+    }
+    for flight in &batch.by_flight {
+        table.row(row(flight, &effects));
+    }
+    let _ = writeln!(out, "{}", view::text::table(&table, false));
     for flight in &batch.by_flight {
         if let Some(why) = &flight.failed {
             let _ = writeln!(out, "  {}: a bug in pylon, please report it: {why}", flight.file);
@@ -55,8 +56,9 @@ fn write_vehicle(out: &mut String, vehicle: &VehicleResult) {
     let flights =
         if vehicle.flights == 1 { "1 flight".to_owned() } else { format!("{} flights", vehicle.flights) };
     let _ = writeln!(out, "\n{name}: {flights}");
-    let heads = ["  effect", "flights", "mean", "", "from flight to flight"].map(str::to_owned);
-    let rows = vehicle.effects.iter().map(|effect| {
+    let mut table =
+        Table::new().left("  effect").right("flights").right("mean").left("").right("from flight to flight");
+    for effect in &vehicle.effects {
         let spread = if effect.spread > 0.0 {
             with_sigma(effect.mean, effect.spread)
                 .rsplit_once(' ')
@@ -65,15 +67,15 @@ fn write_vehicle(out: &mut String, vehicle: &VehicleResult) {
             "no more than their sigmas".to_owned()
         };
         let spread = if effect.flights > 1 { spread } else { "-".to_owned() };
-        vec![
+        table.row([
             format!("  {}", effect.effect),
             effect.flights.to_string(),
             with_sigma(effect.mean, effect.sigma),
             if effect.unit == "1" { String::new() } else { effect.unit.to_string() },
             spread,
-        ]
-    });
-    let _ = writeln!(out, "{}", table(heads.into(), rows.collect(), &[0, 3]));
+        ]);
+    }
+    let _ = writeln!(out, "{}", view::text::table(&table, false));
     for effect in &vehicle.effects {
         for odd in &effect.outliers {
             let _ = writeln!(
@@ -87,20 +89,4 @@ fn write_vehicle(out: &mut String, vehicle: &VehicleResult) {
             );
         }
     }
-}
-
-fn table(heads: Vec<String>, rows: Vec<Vec<String>>, left: &[usize]) -> String {
-    let mut table = Table::new();
-    table.load_style(STYLE).set_content_arrangement(ContentArrangement::Disabled);
-    let cell = |(place, text): (usize, String)| {
-        let cell = Cell::new(text);
-        if left.contains(&place) { cell } else { cell.set_alignment(CellAlignment::Right) }
-    };
-    table.set_header(heads.into_iter().enumerate().map(cell));
-    for row in rows {
-        table.add_row(row.into_iter().enumerate().map(cell).collect::<Vec<_>>());
-    }
-    table.force_no_tty();
-    let text = table.to_string();
-    text.lines().map(str::trim_end).collect::<Vec<_>>().join("\n")
 }

@@ -10,7 +10,8 @@ use pylon::diagnose::WantedEffect;
 use pylon::flight::Flight;
 use pylon::learn::{Addition, Request, add, addition_text};
 use pylon::output_file::prepare;
-use pylon::replay::{Replay, missing_columns};
+use pylon::replay::{Replay, ReplayError, missing_columns};
+use thiserror::Error;
 use time::{Date, OffsetDateTime};
 
 use super::failure::Failure;
@@ -92,6 +93,22 @@ fn time_constant(text: &str) -> Result<f32, String> {
     }
 }
 
+/// Why an effect can not be learned from a flight.
+#[derive(Debug, Error)]
+enum NotUsable {
+    /// The effect's regressor needs columns that the flight does not have.
+    #[error("{effect} can't be learned, the flight has no {lacking}")]
+    Lacks {
+        /// The effect.
+        effect: &'static str,
+        /// The columns, with commas between them.
+        lacking: String,
+    },
+    /// It can not be replayed.
+    #[error(transparent)]
+    Replay(#[from] ReplayError),
+}
+
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let [given, held_files] = [Places::find(&arguments.from)?, Places::find(&arguments.hold_out)?];
@@ -109,14 +126,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let is_usable = |flight: &Flight| {
         let lacking = missing_columns(flight, effect);
         if !lacking.is_empty() {
-            return Err(format!(
-                "{} can't be learned, the flight has no {}",
-                effect.name(),
-                lacking.join(", ")
-            ));
+            return Err(NotUsable::Lacks { effect: effect.name(), lacking: lacking.join(", ") });
         }
-        let replay = Replay::calibrated_or_not(flight, &before, times);
-        replay.map(|_| ()).map_err(|error| error.to_string())
+        Ok(Replay::calibrated_or_not(flight, &before, times).map(|_| ())?)
     };
     let [batch, held_out] =
         [&given.files, &held_files.files].map(|files| load::Batch::read(files, arguments.strict, is_usable));

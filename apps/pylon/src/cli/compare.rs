@@ -4,7 +4,7 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
-use pylon::compare::{Comparison, Options, RuleRequirements, Traces, compare, text};
+use pylon::compare::{Comparison, FIGURE_SLOTS, Options, RuleRequirements, Traces, compare, text};
 use pylon::plots;
 use pylon::replay::Replay;
 
@@ -61,7 +61,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let replay =
         Replay::new(&flight, &model, arguments.what.times.given()).map_err(|error| in_flight(&error))?;
     let options = Options {
-        traces: arguments.plots.is_some(),
+        trace_slots: arguments.plots.is_some().then_some(FIGURE_SLOTS),
         requirements: RuleRequirements {
             false_alarms_per_hour: arguments.false_alarms,
             step_m: arguments.step,

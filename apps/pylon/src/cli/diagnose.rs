@@ -4,7 +4,7 @@ use std::sync::Mutex;
 
 use clap::Args;
 use pylon::batch;
-use pylon::contained::contained;
+use pylon::contained::{Panicked, contained};
 use pylon::diagnose::{diagnose, text};
 use pylon::results::{DiagnoseResult, FailedDiagnosis};
 
@@ -77,6 +77,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
 }
 
-fn defect(why: &str) -> String {
+fn defect(why: &Panicked) -> String {
     format!("the flights could not be diagnosed together because of a bug in pylon; please report it: {why}")
 }

@@ -4,7 +4,7 @@ use std::fmt::Display;
 use std::io::Write as _;
 use std::process::ExitCode;
 
-use pylon::printable::printable;
+use view::text::printable;
 
 /// Host and target computed different bits.
 const DIFFERS: u8 = 1;

@@ -46,7 +46,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let given = arguments.times.given();
     load::refuse_repeats(&places.files, &[])?;
     let batch = load::Batch::read(&places.files, arguments.strict, |flight| {
-        Replay::new(flight, &model, given).map(|_| ()).map_err(|error| error.to_string())
+        Replay::new(flight, &model, given).map(|_| ())
     })?;
     let flights = load::named(&batch.files, &batch.flights, given);
     let mut progress = Progress::new("flying", (model.revisions.len() as u64 + 1) * batch.files.len() as u64);

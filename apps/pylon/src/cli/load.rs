@@ -1,6 +1,7 @@
 //! Flights and models, by what the user wrote.
 
 use std::collections::BTreeSet;
+use std::error::Error;
 use std::fmt::Display;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -11,8 +12,8 @@ use pylon::diagnose::NamedReplay;
 use pylon::flight::{Flight, Note};
 use pylon::import;
 use pylon::learn::NamedFlight;
-use pylon::printable::printable;
 use pylon::replay::{GivenTimes, Replay, ReplayError, Usage};
+use view::text::printable;
 
 use super::failure::Failure;
 use super::progress::while_busy;
@@ -54,19 +55,18 @@ pub struct Batch {
     /// The flights, in the files' order.
     pub flights: Vec<Read>,
     /// Why each of the others was skipped.
-    skipped: Vec<String>,
+    skipped: Vec<Failure>,
 }
 
 impl Batch {
     /// The flights of some files. One that cannot be read, or that `is_usable` refuses, is skipped, unless it is the only one
     /// or all are to be used (`strict`).
-    pub fn read(
+    pub fn read<E: Error>(
         files: &[PathBuf],
         strict: bool,
-        is_usable: impl Fn(&Flight) -> Result<(), String>,
+        is_usable: impl Fn(&Flight) -> Result<(), E>,
     ) -> Result<Self, Failure> {
         let mut batch = Self { files: Vec::new(), flights: Vec::new(), skipped: Vec::new() };
-        let mut first = None;
         for file in files {
             let usable = contained(|| {
                 flight(file).and_then(|read| match is_usable(&read.0) {
@@ -86,16 +86,13 @@ impl Batch {
                     batch.flights.push(read);
                 }
                 Err(failure) if strict || files.len() == 1 => return Err(failure),
-                Err(failure) => {
-                    batch.skipped.push(failure.message().to_owned());
-                    first.get_or_insert(failure);
-                }
+                Err(failure) => batch.skipped.push(failure),
             }
         }
-        match first {
-            Some(failure) if batch.files.is_empty() => Err(failure),
-            _ => Ok(batch),
+        if batch.files.is_empty() && !batch.skipped.is_empty() {
+            return Err(batch.skipped.swap_remove(0));
         }
+        Ok(batch)
     }
 
     /// Says on standard error which flights were skipped, and why.
@@ -106,7 +103,7 @@ impl Batch {
         let all = self.files.len() + self.skipped.len();
         let mut text = format!("skipped {} of {all} flights (--strict fails instead):\n", self.skipped.len());
         for why in &self.skipped {
-            text += &format!("  {why}\n");
+            text += &format!("  {}\n", why.message());
         }
         // Nothing is left to be told to when standard error is closed.
         let _ = write!(std::io::stderr(), "{text}");

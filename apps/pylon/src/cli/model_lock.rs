@@ -39,3 +39,38 @@ pub fn lock_model(path: &Path) -> Result<ModelLock, Failure> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+    use std::sync::Barrier;
+
+    use pylon::output_file::write_atomically;
+
+    use super::*;
+
+    /// As `add` does it: read, change, replace. Without the lock, or with one on the replaced file, changes are lost.
+    #[test]
+    fn of_25_changes_at_once_none_is_lost() {
+        const CHANGES: usize = 25;
+        let directory = tempfile::tempdir().unwrap();
+        let model = directory.path().join("ours.toml");
+        fs::write(&model, "").unwrap();
+        let start = Barrier::new(CHANGES);
+        std::thread::scope(|scope| {
+            for change in 0..CHANGES {
+                let (model, start) = (&model, &start);
+                scope.spawn(move || {
+                    start.wait();
+                    let _lock = lock_model(model).unwrap();
+                    let text = fs::read_to_string(model).unwrap();
+                    std::thread::yield_now();
+                    write_atomically(model, |out| write!(out, "{text}# {change}\n")).unwrap();
+                });
+            }
+        });
+        let text = fs::read_to_string(&model).unwrap();
+        assert_eq!(text.lines().count(), CHANGES, "{text}");
+        (0..CHANGES).for_each(|change| assert!(text.contains(&format!("# {change}\n")), "{change}: {text}"));
+    }
+}

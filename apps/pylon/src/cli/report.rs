@@ -6,13 +6,13 @@ use std::sync::Mutex;
 use clap::Args;
 use pylon::batch::{self, Batch};
 use pylon::compare::{Options, compare};
-use pylon::contained::contained;
+use pylon::contained::{Panicked, contained};
 use pylon::diagnose::{NamedReplay, diagnose};
 use pylon::flight::Note;
 use pylon::learn::{NamedFlight, ladder};
 use pylon::output_file::write_atomically;
 use pylon::replay::Replay;
-use pylon::report::{FlightReport, Report, file_name, keep_most_telling};
+use pylon::report::{FlightReport, Report, TRACE_SLOTS, file_name, keep_most_telling};
 use pylon::results::{ReportResult, VERSION};
 
 use super::failure::Failure;
@@ -70,11 +70,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let times = arguments.times.given();
     load::refuse_repeats(&given.files, &held_files.files)?;
     let batch = load::Batch::read(&given.files, arguments.strict, |flight| {
-        Replay::new(flight, &model, times).map(|_| ()).map_err(|error| error.to_string())
+        Replay::new(flight, &model, times).map(|_| ())
     })?;
     let held = load::Batch::read(&held_files.files, arguments.strict, |flight| {
-        let replay = Replay::calibrated_or_not(flight, &model, times);
-        replay.map(|_| ()).map_err(|error| error.to_string())
+        Replay::calibrated_or_not(flight, &model, times).map(|_| ())
     })?;
     let learned_from = by_name(load::replays(&batch.files, &batch.flights, &model, times)?);
     let model_name = file_name(&arguments.model);
@@ -148,7 +147,7 @@ fn by_name(mut named: Vec<NamedReplay<'_>>) -> Vec<NamedReplay<'_>> {
     named
 }
 
-fn defect(file: &str, why: &str) -> String {
+fn defect(file: &str, why: &Panicked) -> String {
     format!("{file}: not drawn because of a bug in pylon; please report it: {why}")
 }
 
@@ -161,10 +160,12 @@ fn flight(
     let NamedReplay { file, replay } = named;
     let in_flight = |error: &dyn std::fmt::Display| Failure::input(format!("{file}: {error}"));
     let mut progress = Progress::new("flying", replay.flight().rows() as u64);
-    let (mut comparison, _) = compare(replay, &Options::default(), &mut |rows| progress.show(rows))
-        .map_err(|error| in_flight(&error))?;
+    let options = Options { trace_slots: Some(TRACE_SLOTS), ..Options::default() };
+    let (mut comparison, traces) =
+        compare(replay, &options, &mut |rows| progress.show(rows)).map_err(|error| in_flight(&error))?;
     comparison.flight.file.clone_from(file);
     model.clone_into(&mut comparison.model);
     comparison.warnings.splice(0..0, notes.iter().map(ToString::to_string));
-    FlightReport::new(index, replay, comparison).map_err(|error| in_flight(&error))
+    let traces = traces.ok_or_else(|| in_flight(&"its comparison kept no traces"))?;
+    Ok(FlightReport::new(index, replay, comparison, &traces))
 }

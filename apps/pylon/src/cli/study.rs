@@ -56,10 +56,8 @@ impl StudyPlaces {
 
     /// Reads the flights that can be used with that model.
     pub fn read(self, model: &Model, arguments: &StudyArguments) -> Result<StudyFlights, Failure> {
-        let is_usable = |flight: &Flight| {
-            let replay = Replay::calibrated_or_not(flight, model, arguments.times.given());
-            replay.map(|_| ()).map_err(|error| error.to_string())
-        };
+        let is_usable =
+            |flight: &Flight| Replay::calibrated_or_not(flight, model, arguments.times.given()).map(|_| ());
         Ok(StudyFlights {
             learned: Batch::read(&self.learned.files, arguments.strict, is_usable)?,
             held: Batch::read(&self.held.files, arguments.strict, is_usable)?,

@@ -2,7 +2,7 @@
 
 use std::io::{self, IsTerminal as _, Write as _};
 
-use pylon::printable::printable;
+use view::text::printable;
 
 use super::failure::Failure;
 

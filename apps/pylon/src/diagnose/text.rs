@@ -2,13 +2,11 @@
 
 use std::fmt::Write as _;
 
-use comfy_table::{Attribute, Cell, CellAlignment, Color, ContentArrangement, LineStyle, Table, TableStyle};
+use view::text::printable;
+use view::{Cell, Table, Tone};
 
-use crate::printable::printable;
 use analysis::diagnose::{CandidateFacts, Diagnosis, Glitch, SensorDiagnosis, SensorWander, Verdict};
 
-/// A line below the column names and nothing else.
-const STYLE: TableStyle = TableStyle::new().header_separator(LineStyle::new('─', '─', '─', '─'));
 /// Candidates that are listed beside the chosen ones.
 const OTHERS: usize = 5;
 
@@ -189,7 +187,7 @@ fn write_sensor(out: &mut String, name: &str, sensor: &SensorDiagnosis, has_laun
     let others = sensor.candidates.iter().filter(|candidate| !candidate.chosen).take(OTHERS);
     let rows: Vec<&CandidateFacts> = chosen.chain(others).collect();
     if !rows.is_empty() {
-        put!(out, "{}", table(&rows, colour));
+        put!(out, "{}", view::text::table(&table(&rows), colour));
     }
     if !sensor.advice.is_empty() {
         put!(out, "  {}", sensor.advice);
@@ -205,37 +203,24 @@ pub(crate) fn with_probability(sensor: &SensorDiagnosis, effect: &str) -> String
     }
 }
 
-fn table(rows: &[&CandidateFacts], colour: bool) -> String {
-    let mut table = Table::new();
-    table.load_style(STYLE).set_content_arrangement(ContentArrangement::Disabled);
-    let heads = ["  candidate", "coefficient", "", "probability", "p-value", "held-out rms", "size, rms"];
-    table.set_header(heads.iter().enumerate().map(|(k, head)| {
-        let cell = Cell::new(head).add_attribute(Attribute::Bold);
-        if k == 0 || k == 2 { cell } else { cell.set_alignment(CellAlignment::Right) }
-    }));
+fn table(rows: &[&CandidateFacts]) -> Table {
+    let mut table = Table::new().left("  candidate").right("coefficient").left("");
+    table = ["probability", "p-value", "held-out rms", "size, rms"].into_iter().fold(table, Table::right);
     for row in rows {
         let mark = if row.chosen { "*" } else { " " };
         let time = row.time_constant_s.map_or_else(String::new, |tau| format!(" ({tau:.0} s)"));
-        let name = Cell::new(format!("{mark} {}{time}", row.effect));
-        let right = |text: String| Cell::new(text).set_alignment(CellAlignment::Right);
-        table.add_row(vec![
-            if row.chosen { name.fg(Color::Green) } else { name },
-            right(with_sigma(row.coefficient, row.sigma)),
-            Cell::new(&row.unit),
-            right(row.probability.map_or_else(|| "-".to_owned(), per_cent)),
-            right(probability(row.p_value)),
-            right(before_after(row.rms_before_m, row.rms_after_m)),
-            right(format!("{:.2} m", row.size_m)),
+        let tone = if row.chosen { Tone::Good } else { Tone::Neutral };
+        table.row([
+            Cell::toned(format!("{mark} {}{time}", row.effect), tone),
+            with_sigma(row.coefficient, row.sigma).into(),
+            (*row.unit).into(),
+            row.probability.map_or_else(|| "-".to_owned(), per_cent).into(),
+            probability(row.p_value).into(),
+            before_after(row.rms_before_m, row.rms_after_m).into(),
+            format!("{:.2} m", row.size_m).into(),
         ]);
     }
-    if colour {
-        table.enforce_styling();
-    } else {
-        table.force_no_tty();
-    }
-    let text = table.to_string();
-    let lines: Vec<&str> = text.lines().map(str::trim_end).collect();
-    lines.join("\n")
+    table
 }
 
 /// A value with its sigma, to two digits of the sigma.

@@ -1,8 +1,7 @@
 //! What an effect looks like: the error that it makes in a simulated flight, as a small picture.
 
-use std::fmt::Write as _;
-
 use kf_core::effect::EffectId;
+use view::{Chart, Moment, Role};
 
 use crate::simulate::scenario::{self, Effect, InjectionPhase};
 use crate::simulate::{Scenario, regressor, simulate};
@@ -17,8 +16,7 @@ const SHARE: f64 = 0.1;
 const TIME_CONSTANT_S: f64 = 40.0;
 /// Points that are kept of a picture.
 const POINTS: usize = 600;
-/// Letters of a picture, across and down; each has two by four dots.
-const ACROSS: usize = 64;
+/// Lines of the charts as text.
 const DOWN: usize = 8;
 const DOWN_ALTITUDE: usize = 4;
 
@@ -95,93 +93,38 @@ impl Picture {
         )
     }
 
-    /// Whose altitude it is that is wrong.
+    /// The sensor whose altitude is wrong.
     #[must_use]
-    pub fn victim(&self) -> &'static str {
+    pub fn subject(&self) -> &'static str {
         self.effect.subject().name()
     }
 
-    /// The picture, in letters of a terminal.
+    /// The altitude and, below it, the error, over the time of the flight.
+    #[must_use]
+    pub fn charts(&self) -> [Chart; 2] {
+        let end_s = self.time_s.last().copied().unwrap_or(1.0).max(1.0);
+        let chart = |values: &[f64], y_name: String, role| {
+            let column = values.iter().copied().map(Some).collect();
+            let mut chart = Chart::new(String::new(), String::new(), "time, s", y_name, self.time_s.clone())
+                .line("", role, column);
+            chart.moments.push(Moment { name: "launch".to_owned(), role: Role::Event, x: self.launch_s });
+            chart.x_range = Some([0.0, end_s]);
+            let range = view::svg::range(values.iter().copied());
+            chart.y_range = Some([range.start, range.end]);
+            chart
+        };
+        [
+            chart(&self.altitude_m, "altitude, m".to_owned(), Role::Measured),
+            chart(&self.error_m, format!("error of {}, m", self.subject()), Role::Effect),
+        ]
+    }
+
+    /// The same charts as text.
     #[must_use]
     pub fn text(&self) -> String {
-        let mut text = String::new();
-        let end_s = self.time_s.last().copied().unwrap_or(0.0);
-        for (name, values, down) in [
-            ("altitude".to_owned(), &self.altitude_m, DOWN_ALTITUDE),
-            (format!("error of {}", self.victim()), &self.error_m, DOWN),
-        ] {
-            let _ = writeln!(text, "  {name}, m");
-            let range = extremes(values);
-            let rows = dots(values, range, down);
-            for (row, line) in rows.iter().enumerate() {
-                let label = match row {
-                    0 => format!("{:.1}", range[1]),
-                    row if row + 1 == rows.len() => format!("{:.1}", range[0]),
-                    _ => String::new(),
-                };
-                let _ = writeln!(text, "{label:>10} ┤{line}");
-            }
-        }
-        let launch = (self.launch_s / end_s.max(1e-9) * ACROSS as f64) as usize;
-        let _ = writeln!(text, "{:>10} └{}", "", mark(launch));
-        let _ = writeln!(
-            text,
-            "{:>10}  0 s{:launch$}launch{:>rest$}",
-            "",
-            "",
-            format!("{end_s:.0} s"),
-            launch = launch.saturating_sub(3),
-            rest = ACROSS.saturating_sub(launch + 6).max(1)
-        );
-        text
+        let [altitude, error] = self.charts();
+        view::text::stack(&[(&altitude, DOWN_ALTITUDE), (&error, DOWN)])
     }
-}
-
-/// Least and greatest; never the same.
-fn extremes(values: &[f64]) -> [f64; 2] {
-    let fold = |start: f64, pick: fn(f64, f64) -> f64| values.iter().copied().fold(start, pick);
-    let [least, most] = [fold(f64::INFINITY, f64::min), fold(f64::NEG_INFINITY, f64::max)];
-    if most > least { [least, most] } else { [least - 0.5, least + 0.5] }
-}
-
-/// The axis, with the launch marked.
-fn mark(launch: usize) -> String {
-    (0..ACROSS).map(|place| if place == launch { '┴' } else { '─' }).collect()
-}
-
-/// A curve in braille: each letter has two dots across and four down.
-fn dots(values: &[f64], [least, most]: [f64; 2], down: usize) -> Vec<String> {
-    /// The bit of each dot, by column and row.
-    const BITS: [[u32; 4]; 2] = [[0x01, 0x02, 0x04, 0x40], [0x08, 0x10, 0x20, 0x80]];
-    let mut cells = vec![[0_u32; ACROSS]; down];
-    let height = (4 * down - 1) as f64;
-    let dot = |value: f64| ((most - value) / (most - least) * height).round().clamp(0.0, height) as usize;
-    let mut before: Option<usize> = None;
-    for column in 0..2 * ACROSS {
-        let from = column * values.len() / (2 * ACROSS);
-        let Some(value) = values.get(from) else { break };
-        let now = dot(*value);
-        // A steep curve is not to have holes.
-        let (top, bottom) = before.map_or((now, now), |before| {
-            if before < now {
-                (before + 1, now)
-            } else if before > now {
-                (now, before - 1)
-            } else {
-                (now, now)
-            }
-        });
-        for row in top..=bottom {
-            if let (Some(line), Some(bits)) = (cells.get_mut(row / 4), BITS.get(column % 2))
-                && let (Some(cell), Some(bit)) = (line.get_mut(column / 2), bits.get(row % 4))
-            {
-                *cell |= bit;
-            }
-        }
-        before = Some(now);
-    }
-    let letter = |bits: &u32| char::from_u32(0x2800 + bits).unwrap_or(' ');
-    cells.iter().map(|line| line.iter().map(letter).collect::<String>()).collect()
 }
 
 #[cfg(test)]
@@ -193,7 +136,8 @@ mod tests {
         let mut seen: Vec<(EffectId, Vec<f64>)> = Vec::new();
         for effect in EffectId::ALL {
             let picture = Picture::of(effect).unwrap();
-            let [least, most] = extremes(&picture.error_m);
+            let least = picture.error_m.iter().copied().fold(f64::INFINITY, f64::min);
+            let most = picture.error_m.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             assert!(most > least && picture.error_m.iter().any(|error| error.abs() > 1e-6), "{effect:?}");
             let size = least.abs().max(most.abs());
             let shape: Vec<f64> = picture.error_m.iter().map(|error| error / size).collect();

@@ -12,14 +12,14 @@ pub use formats::import::{
 };
 pub use replay::barometer;
 
-use crate::flight::{Flight, Note, Problem, ReadError};
+use crate::flight::{Flight, Note, ReadError};
 use crate::threads::Threads;
 use crate::whole_file;
 
 /// Imports a log.
 ///
 /// # Errors
-/// [`Problem::Io`], [`Problem::Import`].
+/// [`Problem::Io`](crate::flight::Problem::Io), [`Problem::Import`](crate::flight::Problem::Import).
 pub fn import_file(path: &Path) -> Result<(Flight, Vec<Note>), ReadError> {
     import_file_corrected(path, &Corrections::default())
 }
@@ -57,7 +57,7 @@ pub fn import_file_corrected(
 /// Reads a flight: its CSV, or any log that can be imported.
 ///
 /// # Errors
-/// [`Problem::Io`]; as [`formats::import::open`].
+/// [`Problem::Io`](crate::flight::Problem::Io); as [`formats::import::open`].
 pub fn open(path: &Path) -> Result<(Flight, Vec<Note>), ReadError> {
     let bytes = read(path)?;
     formats::import::open(&bytes, &path.display().to_string(), &Threads)
@@ -67,7 +67,7 @@ pub fn open(path: &Path) -> Result<(Flight, Vec<Note>), ReadError> {
 /// What kind of file one is that [`open`] reads, in the words of who has it.
 ///
 /// # Errors
-/// [`Problem::Io`].
+/// [`Problem::Io`](crate::flight::Problem::Io).
 pub fn format_name(path: &Path) -> Result<&'static str, ReadError> {
     Ok(formats::import::format_name(&read(path)?))
 }
@@ -75,21 +75,25 @@ pub fn format_name(path: &Path) -> Result<&'static str, ReadError> {
 /// Whether a file is one that [`open`] knows how to read: a flight's CSV or a log, by what is in it.
 ///
 /// # Errors
-/// [`Problem::Io`].
+/// [`Problem::Io`](crate::flight::Problem::Io).
 pub fn is_known(path: &Path) -> Result<bool, ReadError> {
     Ok(formats::import::is_known(&read(path)?))
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, ReadError> {
     whole_file::read(path).map_err(|error| {
-        let why = match error.kind() {
+        let said = match error.kind() {
             io::ErrorKind::IsADirectory => {
-                "it is a folder, expected one file (diagnose, report, ladder and add take folders)".to_owned()
+                Some("it is a folder, expected one file (diagnose, report, ladder and add take folders)")
             }
-            io::ErrorKind::NotFound => "there is no such file or folder".to_owned(),
-            _ => error.to_string(),
+            io::ErrorKind::NotFound => Some("there is no such file or folder"),
+            _ => None,
         };
-        ReadError::new(path, Problem::Io(why))
+        let error = match said {
+            Some(said) => io::Error::new(error.kind(), said),
+            None => error,
+        };
+        ReadError::new(path, error.into())
     })
 }
 

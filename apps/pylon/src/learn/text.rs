@@ -2,12 +2,9 @@
 
 use std::fmt::Write as _;
 
-use comfy_table::{Cell, CellAlignment, ContentArrangement, LineStyle, Table, TableStyle};
+use view::Table;
 
 use analysis::learn::{Addition, FlightChange, JudgedOn, Ladder, SensorScore};
-
-/// A line below the column names and nothing else.
-const STYLE: TableStyle = TableStyle::new().header_separator(LineStyle::new('─', '─', '─', '─'));
 
 /// Writing a line to a string, which can not fail.
 macro_rules! put {
@@ -23,26 +20,6 @@ fn number(value: Option<f64>, digits: usize) -> String {
 /// When a flag was raised: seconds after launch.
 fn flag(after_s: Option<f64>) -> String {
     after_s.map_or_else(|| "never".to_owned(), |after_s| format!("{after_s:.1}"))
-}
-
-fn table(heads: &[&str]) -> Table {
-    let mut table = Table::new();
-    table.load_style(STYLE).set_content_arrangement(ContentArrangement::Disabled);
-    table.set_header(heads.iter().map(Cell::new));
-    table
-}
-
-/// The table's lines, the columns from `first` on right-aligned.
-fn rendered(mut table: Table, first: usize) -> String {
-    for (k, column) in table.column_iter_mut().enumerate() {
-        if k >= first {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-    }
-    table.force_no_tty();
-    let text = table.to_string();
-    let lines: Vec<&str> = text.lines().map(str::trim_end).collect();
-    lines.join("\n")
 }
 
 /// What was added to which file.
@@ -73,13 +50,19 @@ pub fn addition_text(addition: &Addition, file: &str) -> String {
     }
     put!(out, "written to {file} as revision {}", addition.revision);
     put!(out, "\nError in free flight (rms, eq. 16) and flags (s after launch), before -> after:\n");
-    let mut rows = table(&["flight", "", "sensor", "error, m", "doubtful", "untrustworthy"]);
+    let mut rows = Table::new()
+        .left("flight")
+        .left("")
+        .left("sensor")
+        .right("error, m")
+        .right("doubtful")
+        .right("untrustworthy");
     for (kind, flights) in [("learned from", &addition.learning), ("held out", &addition.held_out)] {
         for flight in flights {
             add_rows(&mut rows, kind, flight);
         }
     }
-    put!(out, "{}", rendered(rows, 3));
+    put!(out, "{}", view::text::table(&rows, false));
     put!(out, "\n{}", held_out(addition));
     for concern in &addition.concerns {
         put!(out, "\nwritten despite this (--force): {concern}");
@@ -138,7 +121,7 @@ fn add_rows(rows: &mut Table, kind: &str, flight: &FlightChange) {
             continue;
         }
         let both = |show: &dyn Fn(&SensorScore) -> String| format!("{} -> {}", show(before), show(after));
-        rows.add_row([
+        rows.row([
             flight.file.clone(),
             kind.to_owned(),
             name.to_string(),
@@ -155,15 +138,15 @@ pub fn ladder_text(ladder: &Ladder) -> String {
     let mut out = String::new();
     put!(out, "model: {}", ladder.model);
     put!(out, "Errors are rms (eq. 16); flags are seconds after launch.\n");
-    let heads =
-        ["revision", "added", "flight", "sensor", "captive, m", "free, m", "doubtful", "untrustworthy"];
-    let mut rows = table(&heads);
+    let words = ["revision", "added", "flight", "sensor"];
+    let mut rows = words.into_iter().fold(Table::new(), Table::left);
+    rows = ["captive, m", "free, m", "doubtful", "untrustworthy"].into_iter().fold(rows, Table::right);
     for revision in &ladder.revisions {
         for flight in &revision.flights {
             for (name, score) in &flight.sensors {
                 let is_free = score.free_flight_rms_m.is_some();
                 let flag_of = |after_s: Option<f64>| if is_free { flag(after_s) } else { "-".to_owned() };
-                rows.add_row([
+                rows.row([
                     revision.number.to_string(),
                     revision.effect.as_deref().unwrap_or("-").to_owned(),
                     flight.file.clone(),
@@ -176,7 +159,7 @@ pub fn ladder_text(ladder: &Ladder) -> String {
             }
         }
     }
-    put!(out, "{}", rendered(rows, 4));
+    put!(out, "{}", view::text::table(&rows, false));
     if ladder.revisions.len() == 1 {
         put!(out, "\nThe model has no revisions; `pylon add` writes one for each effect it learns.");
     }

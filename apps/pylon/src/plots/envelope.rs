@@ -54,7 +54,7 @@ mod tests {
 
     #[test]
     fn outline_touches_every_extreme() {
-        let mut envelope = Envelope::default();
+        let mut envelope = Envelope::new(crate::compare::FIGURE_SLOTS);
         for (time_us, value) in [(0, 1.0), (100, -2.0), (200, 3.0), (5_000, 0.5)] {
             envelope.push(time_us, value);
         }

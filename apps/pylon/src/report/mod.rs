@@ -1,7 +1,7 @@
 //! `pylon report`: flights, where the model holds and where it fails, as one page to look at.
 //!
 //! The page is one HTML file that needs no network: style, uPlot and all data are in it. Long flights are thinned out
-//! (least and greatest of each slot of time), so that it stays small.
+//! (least, greatest and mean of each slot of time), so that it stays small.
 
 mod dependence;
 mod figures;
@@ -16,10 +16,10 @@ use kf_core::sensor::Sensor;
 use model::Model;
 
 use crate::batch::Batch;
-use crate::compare::Comparison;
+use crate::compare::{Comparison, Traces};
 use crate::diagnose::Diagnosis;
 use crate::learn::Ladder;
-use crate::replay::{Replay, ReplayError};
+use crate::replay::Replay;
 use dependence::Dependence;
 use recording::{ERROR, Recording};
 use signals::{Blocks, signals};
@@ -42,6 +42,9 @@ pub struct FlightReport {
     /// Whether its diagrams are in the page.
     is_drawn: bool,
 }
+
+/// Slots of time of a chart's series: four times the pixels of a wide chart, so that a zoom has something to show.
+pub const TRACE_SLOTS: usize = 6_000;
 
 /// Flights that a page has diagrams of; of more, the oddest and the worst.
 pub const MOST_DRAWN: usize = 4;
@@ -76,14 +79,13 @@ pub struct Report<'a> {
 }
 
 impl FlightReport {
-    /// Gathers what is drawn. `index` tells the flights of one page apart; `comparison` is that of the replay.
-    ///
-    /// # Errors
-    /// As [`Replay::run`].
-    pub fn new(index: usize, replay: &Replay<'_>, comparison: Comparison) -> Result<Self, ReplayError> {
+    /// Gathers what is drawn. `index` tells the flights of one page apart; `comparison` and `traces` are those of the replay, the traces
+    /// with [`TRACE_SLOTS`].
+    #[must_use]
+    pub fn new(index: usize, replay: &Replay<'_>, comparison: Comparison, traces: &Traces) -> Self {
         let id = format!("flight-{}", index + 1);
-        let recording = Recording::take(replay, &comparison)?;
-        Ok(Self {
+        let recording = Recording::of(traces, &comparison);
+        Self {
             calibration: figures::calibration(&id, &recording),
             residuals: figures::residuals(&id, &recording, &comparison),
             free_flight: figures::free_flight(&id, &recording, &comparison),
@@ -92,7 +94,7 @@ impl FlightReport {
             is_drawn: true,
             comparison,
             id,
-        })
+        }
     }
 
     /// The largest error of its sensors in free flight, rms, metres.

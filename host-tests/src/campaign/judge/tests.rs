@@ -53,10 +53,10 @@ fn restarted(restarts: &[(usize, bool)]) -> Vec<Invariant> {
 #[test]
 fn a_restart_is_told_by_its_text_or_by_the_number_of_any_within_a_second() {
     assert_eq!(restarted(&[(1_000, true)]), []);
-    assert_eq!(restarted(&[(1_000, false)]), [Invariant::Told]);
+    assert_eq!(restarted(&[(1_000, false)]), [Invariant::RestartReported]);
     assert_eq!(restarted(&[(1_000, false), (1_010, false), (1_048, true)]), []);
-    assert_eq!(restarted(&[(1_000, false), (1_201, true)]), [Invariant::Told]);
-    assert_eq!(restarted(&[(1_000, true), (1_010, false)]), [Invariant::Told]);
+    assert_eq!(restarted(&[(1_000, false), (1_201, true)]), [Invariant::RestartReported]);
+    assert_eq!(restarted(&[(1_000, true), (1_010, false)]), [Invariant::RestartReported]);
 }
 
 /// The integrated altitude is pushed at tick 12,000: 2 m/s, flagged at 13,000 in the clean flight and never in the faulty one, where the flight

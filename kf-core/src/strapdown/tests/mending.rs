@@ -18,7 +18,7 @@ fn after_gap(off_mps: f32) -> Rig {
 }
 
 /// Flies on at rest at 1,000 m with ten fixes a second, of this altitude.
-fn fly_on(rig: &mut Rig, seconds: u64, fix_m: impl Fn(u64) -> Option<f32>) -> u32 {
+fn fly(rig: &mut Rig, seconds: u64, fix_m: impl Fn(u64) -> Option<f32>) -> u32 {
     let mut taken = 0;
     for tick in 0..seconds * SECOND {
         rig.step(&rest());
@@ -34,7 +34,7 @@ fn a_gap_of_a_second_is_mended_within_half_a_minute() {
     for off_mps in [-2.5, -1.3, 0.0, 1.3, 2.5] {
         let mut rig = after_gap(off_mps);
         assert!(rig.channel.is_mending() && rig.channel.altitude_m().is_some());
-        let taken = fly_on(&mut rig, 40, |_| Some(1_000.0));
+        let taken = fly(&mut rig, 40, |_| Some(1_000.0));
         // Until what is left of it is what a unit drifts anyway, and no longer: it has to be watched.
         assert!((100..300).contains(&taken) && !rig.channel.is_mending(), "{off_mps}: {taken}");
         let climb_mps = rig.channel.climb_rate.value();
@@ -156,7 +156,7 @@ fn without_fixes_it_says_what_it_has_until_that_is_nothing() {
     // 5 m, of a climb rate known to 1.3 m/s and a level known to ten degrees.
     assert!((2 * SECOND..6 * SECOND).contains(&said), "{said}");
     // And again with the first fixes.
-    fly_on(&mut rig, 10, |_| Some(1_000.0));
+    fly(&mut rig, 10, |_| Some(1_000.0));
     assert!(rig.channel.altitude_m().is_some());
 }
 
@@ -165,7 +165,7 @@ fn without_fixes_it_says_what_it_has_until_that_is_nothing() {
 fn a_receiver_that_has_jumped_mends_nothing() {
     let mut rig = after_gap(0.0);
     let altitude_m = rig.channel.altitude.value();
-    let taken = fly_on(&mut rig, 3, |_| Some(1_100.0));
+    let taken = fly(&mut rig, 3, |_| Some(1_100.0));
     assert_eq!(taken, 0);
     assert!((rig.channel.altitude.value() - altitude_m).abs() < 0.1);
 }
@@ -205,7 +205,7 @@ fn without_a_gap_nothing_is_mended() {
     let mut rig = Rig::captive(60);
     rig.channel.launch();
     assert_eq!(rig.channel.reference(rig.time_us() + 1, 1_000.0), Err(StrapdownError::Launched));
-    assert_eq!(fly_on(&mut rig, 10, |_| Some(1_010.0)), 0);
+    assert_eq!(fly(&mut rig, 10, |_| Some(1_010.0)), 0);
     assert!((rig.channel.altitude.value() - 1_000.0).abs() < 0.1);
 }
 

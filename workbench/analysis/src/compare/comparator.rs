@@ -62,10 +62,11 @@ pub struct MissionEnd<'a> {
 }
 
 impl Comparator {
-    /// A comparator; `with_traces` keeps what figures are drawn from.
+    /// A comparator; `trace_slots` keeps what charts are drawn from, each series with at most so many slots.
     #[must_use]
-    pub fn new(with_traces: bool) -> Self {
-        Self { traces: with_traces.then(Box::default), ..Self::default() }
+    pub fn new(trace_slots: Option<usize>) -> Self {
+        let traces = trace_slots.map(|slots| Box::new(Traces::new(slots)));
+        Self { traces, ..Self::default() }
     }
 
     /// Takes one tick.
@@ -78,7 +79,7 @@ impl Comparator {
             self.launch_us = Some(output.time_us);
         }
         if let Some(traces) = &mut self.traces {
-            traces.take(output);
+            traces.take(input, output);
         }
         for (has_read, sensor) in self.has_read.iter_mut().zip(&output.sensors) {
             *has_read |= sensor.error_m.is_some() || sensor.rejection.is_some();

@@ -26,7 +26,7 @@ pub use comparison::{
     CalibrationFacts, Comparison, CrossCheckFacts, EffectFacts, FlightFacts, MonitorFacts, ReadingCounts,
     ReferenceComparison, SensorComparison,
 };
-pub use envelope::{Envelope, Slot};
+pub use envelope::{Envelope, FIGURE_SLOTS, Slot};
 pub use kinematics::MotionSources;
 pub use manoeuvre::{Manoeuvre, Motion, without_minus_zero};
 pub use motion_track::MotionTrack;
@@ -35,4 +35,4 @@ pub use remedies::{Remedy, RemedyFigures};
 pub use rules::{Recommendation, RuleRequirements, SensorRules};
 pub use run::{Options, compare};
 pub use timeline::{ErrorFigures, Failures, ManoeuvreErrors, Stretch};
-pub use traces::{EstimateTrace, Traces};
+pub use traces::{EstimateTrace, ModelTrace, Traces};

@@ -20,8 +20,8 @@ const ROWS_PER_REPORT: u64 = 1 << 14;
 /// What a comparison is to do.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Options {
-    /// Keep what figures are drawn from.
-    pub traces: bool,
+    /// Keep what charts are drawn from, each series with at most so many slots of time.
+    pub trace_slots: Option<usize>,
     /// What the monitor's rules are judged by.
     pub requirements: RuleRequirements,
 }
@@ -56,7 +56,7 @@ fn fly(
     progress: &mut (dyn FnMut(u64) + Send),
     executor: &dyn Executor,
 ) -> Result<(Comparison, Option<Box<Traces>>, RemedyTally), ReplayError> {
-    let mut comparator = Comparator::new(options.traces);
+    let mut comparator = Comparator::new(options.trace_slots);
     let mut tally = RemedyTally::default();
     let mut rows = 0;
     let summary = replay.run(&mut |input, output| {

@@ -1,12 +1,14 @@
-//! What the paper's figures are drawn from.
+//! What a flight's charts are drawn from: the paper's figures, and measured against modelled.
 
+use kf_core::atmosphere::pressure_altitude_m;
+use kf_core::input::{BaroReading, TickInput};
 use kf_core::output::{Phase, TickOutput};
-use kf_core::sensor::SENSORS;
+use kf_core::sensor::{SENSORS, Sensor};
 
-use super::envelope::Envelope;
+use super::envelope::{Envelope, FIGURE_SLOTS};
 
 /// An estimate and the standard deviation the filter gives it.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct EstimateTrace {
     /// The estimate, metres.
     pub value_m: Envelope,
@@ -14,8 +16,19 @@ pub struct EstimateTrace {
     pub sigma_m: Envelope,
 }
 
+/// A sensor's readings against the model's prediction of them, over captive and free flight.
+#[derive(Clone, Debug)]
+pub struct ModelTrace {
+    /// The reading as an altitude, metres; only of ticks that have an error.
+    pub measured_m: Envelope,
+    /// The model's prediction of it, metres.
+    pub modelled_m: Envelope,
+    /// Measured less modelled, metres.
+    pub error_m: Envelope,
+}
+
 /// Series of one flight, thinned out for drawing. Times are the inputs', microseconds.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Traces {
     /// Altitude of the reference, captive flight.
     pub altitude: EstimateTrace,
@@ -29,12 +42,41 @@ pub struct Traces {
     pub free_error_m: [Envelope; SENSORS],
     /// Their moving averages, metres.
     pub moving_average_m: [Envelope; SENSORS],
+    /// Readings against predictions.
+    pub against_model: [ModelTrace; SENSORS],
 }
 
 impl Traces {
+    /// Without a tick; of each series at most that many slots, of estimates, which are smooth, at most [`FIGURE_SLOTS`].
+    #[must_use]
+    pub fn new(slots: usize) -> Self {
+        let series = || Envelope::new(slots);
+        let estimate = || EstimateTrace {
+            value_m: Envelope::new(slots.min(FIGURE_SLOTS)),
+            sigma_m: Envelope::new(slots.min(FIGURE_SLOTS)),
+        };
+        let by_sensor = || Sensor::ALL.map(|_| series());
+        Self {
+            altitude: estimate(),
+            biases: Sensor::ALL.map(|_| estimate()),
+            reference_residual_m: series(),
+            captive_error_m: by_sensor(),
+            free_error_m: by_sensor(),
+            moving_average_m: by_sensor(),
+            against_model: Sensor::ALL.map(|_| ModelTrace {
+                measured_m: series(),
+                modelled_m: series(),
+                error_m: series(),
+            }),
+        }
+    }
+
     /// Takes one tick.
     #[inline]
-    pub(super) fn take(&mut self, output: &TickOutput) {
+    pub(super) fn take(&mut self, input: &TickInput, output: &TickOutput) {
+        if output.phase != Phase::Settling {
+            self.take_against_model(input, output);
+        }
         let time_us = output.time_us;
         match output.phase {
             Phase::Settling => {}
@@ -62,5 +104,29 @@ impl Traces {
                 }
             }
         }
+    }
+
+    fn take_against_model(&mut self, input: &TickInput, output: &TickOutput) {
+        for (sensor, tick) in Sensor::ALL.into_iter().zip(&output.sensors) {
+            let Some(error_m) = tick.error_m else { continue };
+            let trace = &mut self.against_model[sensor.index()];
+            trace.error_m.push(output.time_us, error_m);
+            if let Some(measured_m) = reading_m(sensor, input) {
+                trace.measured_m.push(output.time_us, measured_m);
+                trace.modelled_m.push(output.time_us, measured_m - error_m);
+            }
+        }
+    }
+}
+
+/// What a sensor read, as an altitude.
+fn reading_m(sensor: Sensor, input: &TickInput) -> Option<f32> {
+    match sensor {
+        Sensor::ImuMaster => input.imu_master_altitude_m,
+        Sensor::ImuSlave => input.imu_slave_altitude_m,
+        Sensor::Baro => match input.baro? {
+            BaroReading::PressurePa(pressure_pa) => pressure_altitude_m(pressure_pa),
+            BaroReading::AltitudeM(altitude_m) => Some(altitude_m),
+        },
     }
 }

@@ -64,6 +64,8 @@ mod search;
 mod series;
 mod signals;
 mod simplicity;
+#[cfg(test)]
+mod small_problems;
 mod smoothed_climb;
 mod study;
 mod suspects;

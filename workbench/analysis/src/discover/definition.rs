@@ -19,7 +19,7 @@ pub enum DefinitionError {
     Taken(String),
     /// The definitions are no tables.
     #[error(
-        "effect_definition is no [[effect_definition]] table; write each one as a table below such a line"
+        "effect_definition is not an [[effect_definition]] table; write each one as a table below such a line"
     )]
     NotTables,
 }

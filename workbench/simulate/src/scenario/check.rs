@@ -1,44 +1,48 @@
 //! What a scenario's numbers must obey. Every message: the key, its value, what was expected.
 
 use super::plan::{Manoeuvre, Segment};
+use super::problem::{Expected, ScenarioProblem};
 use super::sensors::{
     AirData, AltitudeSensor, AttitudeSensor, Barometer, CarrierFlow, Gps, Inertial, Interval, Noise, Sampling,
 };
 use super::{Airframe, Captive, Effect, EffectId, Scenario};
 
-type Check = Result<(), String>;
+type Check = Result<(), ScenarioProblem>;
 
-fn fail(key: &str, value: f64, expected: &str) -> Check {
-    Err(format!("`{key}` is {value}: expected {expected}"))
+fn fail(key: &str, value: f64, expected: Expected) -> Check {
+    Err(ScenarioProblem::Number { key: key.to_owned(), value, expected })
 }
 
 fn finite(key: &str, value: f64) -> Check {
-    if value.is_finite() { Ok(()) } else { fail(key, value, "a finite number") }
+    if value.is_finite() { Ok(()) } else { fail(key, value, Expected::Finite) }
 }
 
 fn positive(key: &str, value: f64) -> Check {
     finite(key, value)?;
-    if value > 0.0 { Ok(()) } else { fail(key, value, "a number above 0") }
+    if value > 0.0 { Ok(()) } else { fail(key, value, Expected::Positive) }
 }
 
 fn not_negative(key: &str, value: f64) -> Check {
     finite(key, value)?;
-    if value >= 0.0 { Ok(()) } else { fail(key, value, "0 or more") }
+    if value >= 0.0 { Ok(()) } else { fail(key, value, Expected::NotNegative) }
 }
 
 fn between(key: &str, value: f64, low: f64, high: f64) -> Check {
     finite(key, value)?;
-    if (low..=high).contains(&value) { Ok(()) } else { fail(key, value, &format!("{low} to {high}")) }
+    if (low..=high).contains(&value) { Ok(()) } else { fail(key, value, Expected::Between(low, high)) }
 }
 
 impl Scenario {
     /// Says the first thing that cannot be simulated.
     pub(super) fn check(&self) -> Check {
         if self.name.is_empty() || self.name.contains(['\n', '\r']) {
-            return Err("`name` is empty or has a line break: expected one line".to_owned());
+            return Err(ScenarioProblem::NotOneLine { keys: "`name`", is: "is empty or has a line break" });
         }
         if self.source.contains(['\n', '\r']) || self.vehicle.name.contains(['\n', '\r']) {
-            return Err("`source` or `vehicle.name` has a line break: expected one line".to_owned());
+            return Err(ScenarioProblem::NotOneLine {
+                keys: "`source` or `vehicle.name`",
+                is: "has a line break",
+            });
         }
         between("rate_hz", self.rate_hz, 1.0, 2000.0)?;
         between("latitude_deg", self.latitude_deg, -90.0, 90.0)?;
@@ -132,33 +136,36 @@ impl Segment {
         if let Some(load_factor) = self.load_factor {
             between(&format!("{at}.load_factor"), load_factor, -10.0, 50.0)?;
         }
-        let (name, path, bank, airspeed, load) = match self.manoeuvre {
-            Manoeuvre::Straight => ("straight", None, false, false, false),
-            Manoeuvre::Dive => ("dive", Some(-1.0), false, false, true),
-            Manoeuvre::Climb => ("climb", Some(1.0), false, false, true),
-            Manoeuvre::LevelOff => ("level_off", None, false, false, true),
-            Manoeuvre::PullUp => ("pull_up", Some(1.0), false, false, true),
-            Manoeuvre::Turn => ("turn", None, true, false, false),
-            Manoeuvre::Accelerate => ("accelerate", None, false, true, false),
-            Manoeuvre::Decelerate => ("decelerate", None, false, true, false),
+        let (path, bank, airspeed, load) = match self.manoeuvre {
+            Manoeuvre::Straight => (None, false, false, false),
+            Manoeuvre::Dive => (Some(-1.0), false, false, true),
+            Manoeuvre::Climb | Manoeuvre::PullUp => (Some(1.0), false, false, true),
+            Manoeuvre::LevelOff => (None, false, false, true),
+            Manoeuvre::Turn => (None, true, false, false),
+            Manoeuvre::Accelerate | Manoeuvre::Decelerate => (None, false, true, false),
         };
+        let name = self.manoeuvre.name();
+        let at = || at.to_owned();
+        let not_of = |what: String, key| Err(ScenarioProblem::NotOf { at: at(), what, key });
+        let missing = |what: String, key| Err(ScenarioProblem::Missing { at: at(), what, key });
         match (path, self.flight_path_deg) {
-            (None, Some(_)) => return Err(format!("`{at}`: a {name} has no `flight_path_deg`")),
+            (None, Some(_)) => return not_of(format!("a {name}"), "flight_path_deg"),
             (Some(sign), value) if !value.is_some_and(|value| value * sign > 0.0) => {
                 let side = if sign < 0.0 { "below" } else { "above" };
-                return Err(format!("`{at}`: a {name} needs `flight_path_deg` {side} 0"));
+                return Err(ScenarioProblem::WrongWay { at: at(), manoeuvre: self.manoeuvre, side });
             }
             _ => {}
         }
-        if bank != self.bank_deg.is_some() {
-            let verb = if bank { "needs" } else { "has no" };
-            return Err(format!("`{at}`: a {name} {verb} `bank_deg`"));
+        match (bank, self.bank_deg) {
+            (true, None) => return missing(format!("a {name}"), "bank_deg"),
+            (false, Some(_)) => return not_of(format!("a {name}"), "bank_deg"),
+            _ => {}
         }
         if airspeed && self.airspeed_mps.is_none() {
-            return Err(format!("`{at}`: {name} needs `airspeed_mps`"));
+            return missing(name.to_owned(), "airspeed_mps");
         }
         if !load && self.load_factor.is_some() {
-            return Err(format!("`{at}`: a {name} has no `load_factor`"));
+            return not_of(format!("a {name}"), "load_factor");
         }
         Ok(())
     }
@@ -169,7 +176,7 @@ impl Sampling {
         let key = format!("{at}.sampling.rate_hz");
         positive(&key, self.rate_hz)?;
         if self.rate_hz > row_rate_hz {
-            return fail(&key, self.rate_hz, &format!("at most the rows' {row_rate_hz} Hz"));
+            return fail(&key, self.rate_hz, Expected::RowRate(row_rate_hz));
         }
         between(&format!("{at}.sampling.latency_s"), self.latency_s, 0.0, 60.0)?;
         between(&format!("{at}.sampling.dropout_probability"), self.dropout_probability, 0.0, 1.0)?;
@@ -289,8 +296,20 @@ impl Effect {
         {
             match value {
                 Some(value) if wanted => positive(&format!("{at}.{key}"), value)?,
-                Some(_) => return Err(format!("`{at}`: {} has no `{key}`", self.id.name())),
-                None if wanted => return Err(format!("`{at}`: {} needs `{key}`", self.id.name())),
+                Some(_) => {
+                    return Err(ScenarioProblem::NotOf {
+                        at: at.to_owned(),
+                        what: self.id.name().to_owned(),
+                        key,
+                    });
+                }
+                None if wanted => {
+                    return Err(ScenarioProblem::Missing {
+                        at: at.to_owned(),
+                        what: self.id.name().to_owned(),
+                        key,
+                    });
+                }
                 None => {}
             }
         }

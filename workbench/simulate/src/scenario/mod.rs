@@ -6,6 +6,7 @@
 mod check;
 mod effect;
 mod plan;
+mod problem;
 mod read;
 mod sensors;
 mod vehicle;
@@ -14,6 +15,7 @@ use serde::Deserialize;
 
 pub use effect::{Effect, EffectId, InjectionPhase};
 pub use plan::{Manoeuvre, Segment};
+pub use problem::{Expected, ScenarioProblem};
 pub use read::ScenarioError;
 pub use sensors::{
     AirData, AltitudeSensor, AttitudeSensor, Barometer, BarometerTemperature, CarrierFlow, ColdStart, Gps,

@@ -24,6 +24,23 @@ pub enum Manoeuvre {
     Decelerate,
 }
 
+impl Manoeuvre {
+    /// Its name in a scenario.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Straight => "straight",
+            Self::Dive => "dive",
+            Self::Climb => "climb",
+            Self::LevelOff => "level_off",
+            Self::PullUp => "pull_up",
+            Self::Turn => "turn",
+            Self::Accelerate => "accelerate",
+            Self::Decelerate => "decelerate",
+        }
+    }
+}
+
 /// One manoeuvre. Any segment may set a new airspeed target; the last one holds.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -3,16 +3,18 @@
 use std::fmt;
 
 use super::Scenario;
+use super::problem::ScenarioProblem;
 
 /// What is wrong with a scenario: where, what, and what was expected.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub struct ScenarioError {
     /// The file's name.
     pub file: String,
     /// Line of the file, where it is known.
     pub line: Option<usize>,
-    /// What is wrong; one line.
-    pub message: String,
+    /// What is wrong.
+    #[source]
+    pub problem: ScenarioProblem,
 }
 
 impl fmt::Display for ScenarioError {
@@ -21,7 +23,7 @@ impl fmt::Display for ScenarioError {
         if let Some(line) = self.line {
             write!(f, ":{line}")?;
         }
-        write!(f, ": {}", self.message)
+        write!(f, ": {}", self.problem)
     }
 }
 
@@ -34,9 +36,12 @@ impl Scenario {
         let scenario: Self = toml::from_str(text).map_err(|error| ScenarioError {
             file: file.to_owned(),
             line: error.span().map(|span| line_of(text, span.start)),
-            message: with_nearest_name(error.message()),
+            problem: ScenarioProblem::Syntax {
+                hint: with_nearest_name(error.message()),
+                source: Box::new(error),
+            },
         })?;
-        scenario.check().map_err(|message| ScenarioError { file: file.to_owned(), line: None, message })?;
+        scenario.check().map_err(|problem| ScenarioError { file: file.to_owned(), line: None, problem })?;
         Ok(scenario)
     }
 }

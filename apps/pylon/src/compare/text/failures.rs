@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::number::{NONE, metres, percent, signed_m};
 use super::put;
-use super::table::{Mood, Sheet};
+use super::table::{by_sensor, row};
 use crate::compare::{Comparison, ErrorFigures, Motion, Stretch, without_minus_zero};
 
 pub(super) fn write(out: &mut String, comparison: &Comparison, colour: bool) {
@@ -28,14 +28,14 @@ pub(super) fn write(out: &mut String, comparison: &Comparison, colour: bool) {
     let Some(first) = failures.by_manoeuvre.first() else { return };
     let mut heads = vec!["for", "climb", "speed", "load", "turn"];
     heads.extend(first.sensors.iter().map(|(name, _)| &**name));
-    let mut sheet = Sheet::new("mean, rms error", &heads);
+    let mut table = by_sensor("mean, rms error", &heads);
     for kind in &failures.by_manoeuvre {
         let mut cells = vec![format!("{:.0} s", kind.seconds)];
         cells.extend(motion_cells(&kind.motion));
         cells.extend(kind.sensors.iter().map(|(_, errors)| errors.as_ref().map_or_else(dash, pair)));
-        sheet.row(kind.doing.name(), cells.into_iter().map(|cell| (cell, Mood::Neutral)));
+        row(&mut table, kind.doing.name(), cells.into_iter());
     }
-    put!(out, "\n{}", sheet.render(colour));
+    put!(out, "\n{}", view::text::table(&table, colour));
 }
 
 fn dash() -> String {

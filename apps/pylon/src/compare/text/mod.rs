@@ -13,10 +13,10 @@ use analysis::name::Name;
 use kf_core::sensor::Sensor;
 
 use self::number::{grouped, metres, plain, seconds, signed_m};
-use self::table::{Mood, Sheet};
+use self::table::{by_sensor, row};
 use super::words::Words;
 use super::{Comparison, CrossCheckFacts, SensorComparison};
-use crate::printable::printable;
+use view::text::printable;
 
 /// Writing a line to a string, which can not fail.
 macro_rules! put {
@@ -190,7 +190,7 @@ fn remedies(out: &mut String, comparison: &Comparison, colour: bool) {
         comparison.words().after
     );
     let names: Vec<&str> = first.sensors.iter().map(|figures| &*figures.sensor).collect();
-    let mut sheet = Sheet::new("mean and rms error; untrustworthy after", &names);
+    let mut table = by_sensor("mean and rms error; untrustworthy after", &names);
     for remedy in &comparison.remedies {
         let label = match &*remedy.second_correction {
             "moving_average" => "moving average",
@@ -198,17 +198,16 @@ fn remedies(out: &mut String, comparison: &Comparison, colour: bool) {
             other => other,
         };
         let cells = remedy.sensors.iter().map(|figures| {
-            let text = format!(
+            format!(
                 "{}, {}; {}",
                 signed_m(Some(figures.mean_m)),
                 metres(Some(figures.rms_m)),
                 never(figures.untrustworthy_after_s)
-            );
-            (text, Mood::Neutral)
+            )
         });
-        sheet.row(label, cells);
+        row(&mut table, label, cells);
     }
-    put!(out, "{}", sheet.render(colour));
+    put!(out, "{}", view::text::table(&table, colour));
     put!(
         out,
         "Both learn from the reference: they show how slow the errors are, not that the sensor is right."

@@ -4,8 +4,10 @@ use std::fmt::Write as _;
 
 use super::super::words::Words;
 use super::number::{NONE, metres, per_hour, percent, plain, seconds};
-use super::table::{Mood, Sheet};
+use super::table::{by_sensor, row};
 use super::{in_order, never, put};
+use view::Table;
+
 use crate::compare::{Comparison, SensorRules};
 use crate::statistics::{Delay, Fault, RuleQuality};
 
@@ -22,27 +24,27 @@ pub(super) fn write(out: &mut String, comparison: &Comparison, colour: bool) {
     let monitor = &comparison.monitor;
     let Words { before, residual, .. } = comparison.words();
     put!(out, "\nThe monitor's rule, assessed on each sensor's own {residual}");
-    let mut sheet = Sheet::new("fault to detect", &names);
-    let row = |sheet: &mut Sheet, label: &str, cell: &dyn Fn(&SensorRules) -> String| {
-        sheet.row(label, columns.iter().map(|rules| (cell(rules), Mood::Neutral)));
+    let mut table = by_sensor("fault to detect", &names);
+    let row_of = |table: &mut Table, label: &str, cell: &dyn Fn(&SensorRules) -> String| {
+        row(table, label, columns.iter().map(|rules| cell(rules)));
     };
-    row(&mut sheet, "step", &|rules| rules.step().map_or_else(|| NONE.to_owned(), fault));
-    row(&mut sheet, "ramp", &|rules| rules.ramp().map_or_else(|| NONE.to_owned(), fault));
+    row_of(&mut table, "step", &|rules| rules.step().map_or_else(|| NONE.to_owned(), fault));
+    row_of(&mut table, "ramp", &|rules| rules.ramp().map_or_else(|| NONE.to_owned(), fault));
 
-    sheet.section("current rule");
-    row(&mut sheet, "rule", &|_| rule(monitor.multiplier, monitor.window_s));
-    quality_rows(&mut sheet, &columns, |rules| rules.set.as_ref());
+    table.section("current rule");
+    row_of(&mut table, "rule", &|_| rule(monitor.multiplier, monitor.window_s));
+    quality_rows(&mut table, &columns, |rules| rules.set.as_ref());
 
     let wanted = columns.first().map(|rules| rules.wanted_false_alarms_per_hour);
-    sheet.section(&format!("recommended at {}", per_hour(wanted)));
-    row(&mut sheet, "rule", &|rules| {
+    table.section(format!("recommended at {}", per_hour(wanted)));
+    row_of(&mut table, "rule", &|rules| {
         rules
             .recommended
             .as_ref()
             .map_or_else(|| format!("{before} too short"), |advice| rule(advice.multiplier, advice.window_s))
     });
-    quality_rows(&mut sheet, &columns, |rules| rules.recommended.as_ref().map(|advice| &advice.quality));
-    put!(out, "{}", sheet.render(colour));
+    quality_rows(&mut table, &columns, |rules| rules.recommended.as_ref().map(|advice| &advice.quality));
+    put!(out, "{}", view::text::table(&table, colour));
     for (name, rules) in by_name {
         notes(out, name, rules, before);
     }
@@ -53,22 +55,22 @@ fn rule(multiplier: f64, window_s: f64) -> String {
 }
 
 fn quality_rows(
-    sheet: &mut Sheet,
+    table: &mut Table,
     columns: &[&SensorRules],
     quality: impl for<'a> Fn(&'a SensorRules) -> Option<&'a RuleQuality>,
 ) {
-    let mut row = |label: &str, cell: &dyn Fn(&RuleQuality) -> String| {
+    let mut row_of = |label: &str, cell: &dyn Fn(&RuleQuality) -> String| {
         let of = |rules: &&SensorRules| quality(rules).map_or_else(|| NONE.to_owned(), cell);
-        sheet.row(label, columns.iter().map(|rules| (of(rules), Mood::Neutral)));
+        row(table, label, columns.iter().map(of));
     };
-    row("alarm limit", &|quality| metres(Some(quality.rule.threshold_m)));
-    row("healthy readings beyond it", &|quality| percent(Some(quality.healthy_share_beyond)));
-    row("first doubt on a healthy sensor after", &|quality| {
+    row_of("alarm limit", &|quality| metres(Some(quality.rule.threshold_m)));
+    row_of("healthy readings beyond it", &|quality| percent(Some(quality.healthy_share_beyond)));
+    row_of("first doubt on a healthy sensor after", &|quality| {
         quality.healthy_first_doubt_s.map_or_else(|| "> 10 min".to_owned(), |s| seconds(Some(s)))
     });
-    row("false alarms (untrustworthy)", &|quality| per_hour(Some(quality.false_alarms_per_hour)));
-    row("step detected after (90 %)", &|quality| delay(quality.delays.first()));
-    row("ramp detected after (90 %)", &|quality| delay(quality.delays.get(1)));
+    row_of("false alarms (untrustworthy)", &|quality| per_hour(Some(quality.false_alarms_per_hour)));
+    row_of("step detected after (90 %)", &|quality| delay(quality.delays.first()));
+    row_of("ramp detected after (90 %)", &|quality| delay(quality.delays.get(1)));
 }
 
 fn fault(fault: Fault) -> String {

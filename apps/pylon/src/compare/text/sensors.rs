@@ -3,8 +3,10 @@
 use std::fmt::Write as _;
 
 use super::number::{NONE, grouped, metres, plain, seconds, signed_m, with_sigma_m};
-use super::table::{Mood, Sheet};
+use super::table::{by_sensor, row};
 use super::{in_order, never, put};
+use view::{Cell, Table, Tone};
+
 use crate::compare::{Comparison, PhaseSummary, SensorComparison};
 use crate::statistics::Whiteness;
 
@@ -18,13 +20,13 @@ pub(super) fn write(out: &mut String, comparison: &Comparison, colour: bool) {
     }
     let names: Vec<&str> = sensors.iter().map(|(name, _)| *name).collect();
     let columns: Vec<&SensorComparison> = sensors.iter().map(|(_, sensor)| *sensor).collect();
-    let mut sheet = Sheet::new(comparison.words().before, &names);
-    captive(&mut sheet, &columns);
+    let mut table = by_sensor(comparison.words().before, &names);
+    captive(&mut table, &columns);
     if comparison.launch_s.is_some() {
-        sheet.section(comparison.words().after);
-        free_flight(&mut sheet, &columns);
+        table.section(comparison.words().after);
+        free_flight(&mut table, &columns);
     }
-    put!(out, "\n{}", sheet.render(colour));
+    put!(out, "\n{}", view::text::table(&table, colour));
     let reference = &comparison.reference.captive;
     if reference.readings > 0 {
         put!(
@@ -37,55 +39,54 @@ pub(super) fn write(out: &mut String, comparison: &Comparison, colour: bool) {
     }
 }
 
-fn captive(sheet: &mut Sheet, columns: &[&SensorComparison]) {
-    let mut row = |label: &str, cell: &dyn Fn(&SensorComparison) -> String| {
-        sheet.row(label, columns.iter().map(|sensor| (cell(sensor), Mood::Neutral)));
+fn captive(table: &mut Table, columns: &[&SensorComparison]) {
+    let mut row_of = |label: &str, cell: &dyn Fn(&SensorComparison) -> String| {
+        row(table, label, columns.iter().map(|sensor| cell(sensor)));
     };
-    row("bias (filter estimate)", &|sensor| with_sigma_m(sensor.bias_m, sensor.bias_sigma_m));
-    row("standard error of the mean residual", &|sensor| metres(sensor.captive.bias_standard_error_m));
-    row("spread of the residual (1 sigma)", &|sensor| metres(sensor.residual_sigma_m));
-    row("robust spread (1 sigma)", &|sensor| metres(sensor.captive.robust_spread_m));
-    row("rms error", &|sensor| metres(sensor.captive_rms_m));
-    row("error correlation time", &|sensor| seconds(sensor.captive.correlation_time_s));
-    row("readings (effective)", &|sensor| readings(&sensor.captive));
-    row("innovations white", &|sensor| white(sensor.captive.innovation_whiteness.as_ref()));
-    row("mean NIS (95 % limits if consistent)", &|sensor| nis(&sensor.captive));
+    row_of("bias (filter estimate)", &|sensor| with_sigma_m(sensor.bias_m, sensor.bias_sigma_m));
+    row_of("standard error of the mean residual", &|sensor| metres(sensor.captive.bias_standard_error_m));
+    row_of("spread of the residual (1 sigma)", &|sensor| metres(sensor.residual_sigma_m));
+    row_of("robust spread (1 sigma)", &|sensor| metres(sensor.captive.robust_spread_m));
+    row_of("rms error", &|sensor| metres(sensor.captive_rms_m));
+    row_of("error correlation time", &|sensor| seconds(sensor.captive.correlation_time_s));
+    row_of("readings (effective)", &|sensor| readings(&sensor.captive));
+    row_of("innovations white", &|sensor| white(sensor.captive.innovation_whiteness.as_ref()));
+    row_of("mean NIS (95 % limits if consistent)", &|sensor| nis(&sensor.captive));
 }
 
-fn free_flight(sheet: &mut Sheet, columns: &[&SensorComparison]) {
-    let mut row = |label: &str, cell: &dyn Fn(&SensorComparison) -> (String, Mood)| {
-        let cells = columns
-            .iter()
-            .map(|sensor| if sensor.flies_free { cell(sensor) } else { (NONE.to_owned(), Mood::Neutral) });
-        sheet.row(label, cells);
+fn free_flight(table: &mut Table, columns: &[&SensorComparison]) {
+    let mut row_of = |label: &str, cell: &dyn Fn(&SensorComparison) -> Cell| {
+        let cells =
+            columns.iter().map(|sensor| if sensor.flies_free { cell(sensor) } else { Cell::from(NONE) });
+        row(table, label, cells);
     };
-    let neutral = |text: String| (text, Mood::Neutral);
-    row("mean error", &|sensor| neutral(signed_m(sensor.free_flight.bias_m)));
-    row("spread of the error", &|sensor| neutral(metres(sensor.free_flight.spread_m)));
-    row("rms error", &|sensor| neutral(metres(sensor.free_flight_rms_m)));
-    row("error correlation time", &|sensor| neutral(seconds(sensor.free_flight.correlation_time_s)));
-    row("errors white", &|sensor| neutral(white(sensor.free_flight.error_whiteness.as_ref())));
-    row("alarm limit of the monitor", &|sensor| neutral(metres(sensor.bound_m)));
-    row("moving average at the end", &|sensor| neutral(signed_m(sensor.moving_average_end_m)));
-    row("doubtful after", &|sensor| flag(sensor, sensor.doubtful_after_s, Mood::Doubt));
-    row("untrustworthy after", &|sensor| flag(sensor, sensor.untrustworthy_after_s, Mood::Bad));
-    row("trust at the end", &|sensor| (sensor.trust.to_string(), trust_mood(&sensor.trust)));
+    let neutral = |text: String| Cell::from(text);
+    row_of("mean error", &|sensor| neutral(signed_m(sensor.free_flight.bias_m)));
+    row_of("spread of the error", &|sensor| neutral(metres(sensor.free_flight.spread_m)));
+    row_of("rms error", &|sensor| neutral(metres(sensor.free_flight_rms_m)));
+    row_of("error correlation time", &|sensor| neutral(seconds(sensor.free_flight.correlation_time_s)));
+    row_of("errors white", &|sensor| neutral(white(sensor.free_flight.error_whiteness.as_ref())));
+    row_of("alarm limit of the monitor", &|sensor| neutral(metres(sensor.bound_m)));
+    row_of("moving average at the end", &|sensor| neutral(signed_m(sensor.moving_average_end_m)));
+    row_of("doubtful after", &|sensor| flag(sensor, sensor.doubtful_after_s, Tone::Doubt));
+    row_of("untrustworthy after", &|sensor| flag(sensor, sensor.untrustworthy_after_s, Tone::Bad));
+    row_of("trust at the end", &|sensor| Cell::toned(sensor.trust.to_string(), tone(&sensor.trust)));
 }
 
-fn flag(sensor: &SensorComparison, after_s: Option<f64>, raised: Mood) -> (String, Mood) {
+fn flag(sensor: &SensorComparison, after_s: Option<f64>, raised: Tone) -> Cell {
     match after_s {
-        Some(_) => (never(after_s), raised),
-        None if sensor.free_flight.readings > 0 => (never(None), Mood::Good),
-        None => (NONE.to_owned(), Mood::Neutral),
+        Some(_) => Cell::toned(never(after_s), raised),
+        None if sensor.free_flight.readings > 0 => Cell::toned(never(None), Tone::Good),
+        None => Cell::from(NONE),
     }
 }
 
-fn trust_mood(trust: &str) -> Mood {
+fn tone(trust: &str) -> Tone {
     match trust {
-        "trusted" => Mood::Good,
-        "untrustworthy" => Mood::Bad,
-        "doubtful" | "unmonitored" => Mood::Doubt,
-        _ => Mood::Neutral,
+        "trusted" => Tone::Good,
+        "untrustworthy" => Tone::Bad,
+        "doubtful" | "unmonitored" => Tone::Doubt,
+        _ => Tone::Neutral,
     }
 }
 

@@ -2,9 +2,10 @@
 //! others.
 
 use maud::{Markup, html};
+use view::Table;
 
-use super::file_name;
-use crate::batch::{Batch, EffectResult, FlightResult};
+use super::{file_name, scrolled};
+use crate::batch::{Batch, EffectResult, FlightResult, VehicleResult};
 use crate::compare::text::number::seconds;
 use crate::diagnose::text::{probability, say, with_sigma};
 use crate::report::{FlightReport, figures::free_sensors, summary as words};
@@ -25,18 +26,7 @@ pub(super) fn section(batch: &Batch, flights: &[FlightReport]) -> Markup {
                     @if vehicle.vehicle.is_empty() { "Vehicles without a name" } @else { (vehicle.vehicle) }
                     ", " (vehicle.flights) @if vehicle.flights == 1 { " flight" } @else { " flights" }
                 }
-                div.scroll tabindex="0" { table {
-                    thead { tr {
-                        th scope="col" { "effect" } th.number scope="col" { "flights" } th.number scope="col" { "mean" }
-                        th scope="col" { "unit" } th.number scope="col" { "from flight to flight, 1 sigma" }
-                    } }
-                    tbody { @for effect in &vehicle.effects { tr {
-                        th scope="row" { (effect.effect) } td.number { (effect.flights) }
-                        td.number { (with_sigma(effect.mean, effect.sigma)) }
-                        td { @if effect.unit != "1" { (effect.unit) } }
-                        td.number { @if effect.flights > 1 { (format!("{:.2e}", effect.spread)) } @else { "-" } }
-                    } } }
-                } }
+                (scrolled(&coefficients(vehicle)))
             }
             p.hint {
                 "Each flight diagnosed by itself; bold: that flight alone shows that the effect is missing. The trust is that at the \
@@ -52,6 +42,21 @@ pub(super) fn section(batch: &Batch, flights: &[FlightReport]) -> Markup {
             } }
         }
     }
+}
+
+fn coefficients(vehicle: &VehicleResult) -> Table {
+    let spread = "from flight to flight, 1 sigma";
+    let mut table = Table::new().left("effect").right("flights").right("mean").left("unit").right(spread);
+    for effect in &vehicle.effects {
+        table.row([
+            effect.effect.to_string(),
+            effect.flights.to_string(),
+            with_sigma(effect.mean, effect.sigma),
+            if effect.unit == "1" { String::new() } else { effect.unit.to_string() },
+            if effect.flights > 1 { format!("{:.2e}", effect.spread) } else { "-".to_owned() },
+        ]);
+    }
+    table
 }
 
 fn outliers(effect: &EffectResult) -> impl Iterator<Item = String> + '_ {

@@ -2,7 +2,9 @@
 
 use kf_core::sensor::Sensor;
 use maud::{Markup, html};
+use view::{Cell, Table};
 
+use super::scrolled;
 use crate::compare::SensorComparison;
 use crate::compare::text::meaning;
 use crate::compare::text::number::{grouped, metres, plain, seconds, signed_m, with_sigma_m};
@@ -31,7 +33,7 @@ pub(super) fn section(report: &FlightReport) -> Markup {
                     @for check in &calibration.failed_checks { li { b { (check) } ": " (meaning(check)) } }
                 }
             }
-            @if !sensors.is_empty() { (table(&sensors, comparison.launch_s.is_some(), comparison.words())) }
+            @if !sensors.is_empty() { (scrolled(&table(&sensors, comparison.launch_s.is_some(), comparison.words()))) }
             (effects(report))
         }
     }
@@ -41,7 +43,7 @@ fn table(
     sensors: &[(&str, &SensorComparison)],
     is_launched: bool,
     Words { before, event, .. }: Words,
-) -> Markup {
+) -> Table {
     let [rms_before, mean_after, rms_after] = [
         format!("rms error in {before}"),
         format!("mean error after {event}"),
@@ -75,22 +77,13 @@ fn table(
                 if s.flies_free { s.trust.to_string() } else { "stays behind".to_owned() }
             }),
         ];
-    let rows = captive.iter().chain(free.iter().filter(|_| is_launched));
-    html! {
-        div.scroll tabindex="0" {
-            table {
-                thead { tr { th scope="col" { "quantity" } @for (name, _) in sensors { th.number scope="col" { (name) } } } }
-                tbody {
-                    @for (name, explanation, value) in rows {
-                        tr {
-                            th scope="row" { (name) @if !explanation.is_empty() { span.note { (explanation) } } }
-                            @for (_, sensor) in sensors { td.number { (value(sensor)) } }
-                        }
-                    }
-                }
-            }
-        }
+    let mut table = sensors.iter().fold(Table::new().left(""), |table, (name, _)| table.right(*name));
+    for (name, explanation, value) in captive.iter().chain(free.iter().filter(|_| is_launched)) {
+        let heading = Cell::explained(*name, *explanation);
+        let cells = sensors.iter().map(|(_, sensor)| Cell::from(value(sensor)));
+        table.row(std::iter::once(heading).chain(cells));
     }
+    table
 }
 
 fn flag(sensor: &SensorComparison, after_s: Option<f64>) -> String {
@@ -103,28 +96,21 @@ fn flag(sensor: &SensorComparison, after_s: Option<f64>) -> String {
 
 fn effects(report: &FlightReport) -> Markup {
     let effects = &report.comparison.effects;
+    let mut table =
+        Table::new().left("effect").right("coefficient").right("± 1 sigma").left("unit").left("from");
+    for effect in effects {
+        table.row([
+            effect.effect.to_string(),
+            plain(Some(effect.coefficient)),
+            plain(Some(effect.sigma)),
+            effect.unit.to_string(),
+            if effect.estimated { "estimated in captive flight" } else { "the model" }.to_owned(),
+        ]);
+    }
     html! {
         @if !effects.is_empty() {
             h4 { "Effects that the model accounts for" }
-            div.scroll tabindex="0" {
-                table {
-                    thead { tr {
-                        th scope="col" { "effect" } th.number scope="col" { "coefficient" } th.number scope="col" { "± 1 sigma" }
-                        th scope="col" { "unit" } th scope="col" { "from" }
-                    } }
-                    tbody {
-                        @for effect in effects {
-                            tr {
-                                th scope="row" { (effect.effect) }
-                                td.number { (plain(Some(effect.coefficient))) }
-                                td.number { (plain(Some(effect.sigma))) }
-                                td { (effect.unit) }
-                                td { @if effect.estimated { "estimated in captive flight" } @else { "the model" } }
-                            }
-                        }
-                    }
-                }
-            }
+            (scrolled(&table))
         }
     }
 }

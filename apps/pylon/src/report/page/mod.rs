@@ -12,6 +12,7 @@ mod ladder;
 mod signals;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
+use view::Table;
 
 use super::ladder::LadderFlight;
 use super::{Chart, Report};
@@ -175,6 +176,11 @@ fn place(chart: &Chart, small: bool) -> Markup {
             noscript { "This diagram needs JavaScript." }
         }
     }
+}
+
+/// A table that scrolls sideways where the screen is narrow.
+fn scrolled(table: &Table) -> Markup {
+    html! { div.scroll tabindex="0" { (PreEscaped(view::page::table(table))) } }
 }
 
 /// What a page calls a file: it is passed on, and the author's folders are nobody's business.

@@ -19,7 +19,7 @@ use self::board::Board;
 #[cfg(feature = "parquet")]
 use super::Importer as _;
 use super::mapping::quantity::Quantity;
-use super::mapping::{self, Fault, LoggedTable, changes};
+use super::mapping::{self, Fault, LoggedTable, TableError, changes};
 
 pub use board::{Guess, TimeGuess};
 pub use draft::Draft;
@@ -35,20 +35,15 @@ pub fn guess_log(log: &[u8]) -> Result<Draft, Fault> {
     // A flight's own header lines are remarks to a table.
     let no_table = || {
         let known = super::IMPORTERS.iter().find(|importer| importer.recognises(log));
-        match known {
-            Some(importer) => format!(
-                "it is a log of a known format ({}), which 'pylon import' reads without a mapping",
-                importer.name()
-            ),
-            None => "no table of numbers was found in it, expected lines of at least two cells each, with the same separator"
-                .to_owned(),
-        }
+        Fault::from(
+            known.map_or(TableError::NoTable, |importer| TableError::Known { format: importer.name() }),
+        )
     };
     #[cfg(feature = "parquet")]
     if super::parquet::Parquet.recognises(log) {
-        return Err(Fault::Log(no_table()));
+        return Err(no_table());
     }
-    Ok(guess(&mapping::table(log, |found| found.ok_or_else(|| Fault::Log(no_table())))?))
+    Ok(guess(&mapping::table(log, |found| found.ok_or_else(no_table))?))
 }
 
 /// Drafts a mapping of a table.

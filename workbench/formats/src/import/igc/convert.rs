@@ -4,7 +4,9 @@ use std::collections::VecDeque;
 use std::mem;
 
 use super::log::{Altitudes, Log};
-use super::units::{Inferred, SpeedSample, airspeed_unit, climb_unit, ground_speed_unit, temperature_unit};
+use super::units::{
+    Inferred, SpeedSample, UnitUnknown, airspeed_unit, climb_unit, ground_speed_unit, temperature_unit,
+};
 use crate::import::ImportError;
 use crate::import::airspeed::{standard_temperature_c, true_airspeed_factor};
 use crate::import::damage::percent;
@@ -323,7 +325,13 @@ impl Converter {
     }
 
     /// A signal if its unit could be told, else its plain numbers.
-    fn signal_in_unit(&mut self, code: &str, name: &str, raw: Column, inferred: Result<Inferred, String>) {
+    fn signal_in_unit(
+        &mut self,
+        code: &str,
+        name: &str,
+        raw: Column,
+        inferred: Result<Inferred, UnitUnknown>,
+    ) {
         match inferred {
             Ok(Inferred { unit: (unit, scale), why }) => {
                 self.note(format!("{name}: {code} is taken as {unit}: {why}"));
@@ -333,7 +341,7 @@ impl Converter {
         }
     }
 
-    fn keep_plain(&mut self, code: &str, name: &str, raw: Column, why: &str) {
+    fn keep_plain(&mut self, code: &str, name: &str, raw: Column, why: &UnitUnknown) {
         let plain = raw_name(code);
         self.note(format!(
             "no {name}: the unit of {code} can not be told ({why}); its plain numbers are kept as {plain}"

@@ -5,6 +5,7 @@
 //! keeps the plain numbers as a signal and says so.
 
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
+use thiserror::Error;
 
 use crate::import::airspeed::standard_temperature_c;
 
@@ -75,8 +76,44 @@ fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
     if index < values.len() { *values.select_nth_unstable_by(index, f64::total_cmp).1 } else { f64::NAN }
 }
 
-fn too_few(found: usize) -> String {
-    format!("only {found} samples in motion to tell the unit by, expected {FEWEST_SAMPLES}")
+/// Why a unit could not be inferred.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum UnitUnknown {
+    /// There is too little to tell it by.
+    #[error("only {found} samples in motion to tell the unit by, expected {FEWEST_SAMPLES}")]
+    TooFew {
+        /// Samples.
+        found: usize,
+    },
+    /// Two fit.
+    #[error("{best} fits the {speeds}, to {percent:.0} %, but {other} does to {next_percent:.0} % as well")]
+    TwoFit {
+        /// What the speed was compared with.
+        speeds: &'static str,
+        /// The unit that fits best.
+        best: &'static str,
+        /// Its misfit, per cent of the speed.
+        percent: f64,
+        /// The next one.
+        other: &'static str,
+        /// Its misfit, per cent of the speed.
+        next_percent: f64,
+    },
+    /// None fits.
+    #[error("no unit fits the {with}")]
+    NoneFits {
+        /// What the numbers were compared with.
+        with: &'static str,
+    },
+    /// Two give temperatures that the air can have.
+    #[error("{0} and {1} are both possible")]
+    TwoPossible(&'static str, &'static str),
+    /// None does.
+    #[error("no unit gives possible temperatures")]
+    NonePossible,
+    /// A variometer that does not follow the climb.
+    #[error("it does not follow the climb by pressure altitude")]
+    DoesNotFollow,
 }
 
 /// The constant wind that best explains `|ground - wind| = raw / scale`: Gauss-Newton steps from the
@@ -114,23 +151,23 @@ fn wind_mps(samples: &[SpeedSample], scale: f64) -> Option<Vector2<f64>> {
 /// The unit of a true airspeed.
 ///
 /// # Errors
-/// Why it could not be told.
-pub fn airspeed_unit(samples: Vec<SpeedSample>) -> Result<Inferred, String> {
+/// [`UnitUnknown`].
+pub fn airspeed_unit(samples: Vec<SpeedSample>) -> Result<Inferred, UnitUnknown> {
     speed_unit(samples, true)
 }
 
 /// The unit of a speed over ground.
 ///
 /// # Errors
-/// Why it could not be told.
-pub fn ground_speed_unit(samples: Vec<SpeedSample>) -> Result<Inferred, String> {
+/// [`UnitUnknown`].
+pub fn ground_speed_unit(samples: Vec<SpeedSample>) -> Result<Inferred, UnitUnknown> {
     speed_unit(samples, false)
 }
 
-fn speed_unit(mut moving: Vec<SpeedSample>, has_wind: bool) -> Result<Inferred, String> {
+fn speed_unit(mut moving: Vec<SpeedSample>, has_wind: bool) -> Result<Inferred, UnitUnknown> {
     moving.retain(|sample| sample.raw > 0.0 && sample.ground_mps.0.hypot(sample.ground_mps.1) > SLOWEST_MPS);
     if moving.len() < FEWEST_SAMPLES {
-        return Err(too_few(moving.len()));
+        return Err(UnitUnknown::TooFew { found: moving.len() });
     }
     let mut fits: Vec<(f64, f64, Unit)> = Vec::new();
     for unit in SPEED_UNITS {
@@ -155,11 +192,8 @@ fn speed_unit(mut moving: Vec<SpeedSample>, has_wind: bool) -> Result<Inferred, 
             let percent = 100.0 * misfit;
             match others.first() {
                 Some((next, _, other)) if *next < CLEARANCE * misfit.max(SMALLEST_MISFIT) => {
-                    let next = 100.0 * next;
-                    Err(format!(
-                        "{} fits the {speeds}, to {percent:.0} %, but {} does to {next:.0} % as well",
-                        unit.0, other.0
-                    ))
+                    let next_percent = 100.0 * next;
+                    Err(UnitUnknown::TwoFit { speeds, best: unit.0, percent, other: other.0, next_percent })
                 }
                 _ => {
                     let wind = if has_wind { format!(" of {wind_speed:.0} m/s") } else { String::new() };
@@ -169,7 +203,7 @@ fn speed_unit(mut moving: Vec<SpeedSample>, has_wind: bool) -> Result<Inferred, 
                 }
             }
         }
-        _ => Err(format!("no unit fits the {speeds}")),
+        _ => Err(UnitUnknown::NoneFits { with: speeds }),
     }
 }
 
@@ -183,10 +217,10 @@ const LAPSE_RATES_K_PER_KM: std::ops::RangeInclusive<f64> = -13.0..=-2.5;
 /// The unit of an outside air temperature from samples of pressure altitude (metres) and logged number.
 ///
 /// # Errors
-/// Why it could not be told.
-pub fn temperature_unit(samples: &[(f64, f64)]) -> Result<Inferred, String> {
+/// [`UnitUnknown`].
+pub fn temperature_unit(samples: &[(f64, f64)]) -> Result<Inferred, UnitUnknown> {
     if samples.len() < FEWEST_SAMPLES {
-        return Err(too_few(samples.len()));
+        return Err(UnitUnknown::TooFew { found: samples.len() });
     }
     let count = samples.len() as f64;
     let mean = |value: fn(&(f64, f64)) -> f64| samples.iter().map(value).sum::<f64>() / count;
@@ -213,18 +247,18 @@ pub fn temperature_unit(samples: &[(f64, f64)]) -> Result<Inferred, String> {
             );
             Ok(Inferred { unit, why })
         }
-        (Some((unit, ..)), Some((other, ..))) => Err(format!("{} and {} are both possible", unit.0, other.0)),
-        (None, _) => Err("no unit gives possible temperatures".to_owned()),
+        (Some((unit, ..)), Some((other, ..))) => Err(UnitUnknown::TwoPossible(unit.0, other.0)),
+        (None, _) => Err(UnitUnknown::NonePossible),
     }
 }
 
 /// The unit of a variometer from samples of climb rate (m/s, by pressure altitude) and logged number.
 ///
 /// # Errors
-/// Why it could not be told.
-pub fn climb_unit(samples: &[(f64, f64)]) -> Result<Inferred, String> {
+/// [`UnitUnknown`].
+pub fn climb_unit(samples: &[(f64, f64)]) -> Result<Inferred, UnitUnknown> {
     if samples.len() < FEWEST_SAMPLES {
-        return Err(too_few(samples.len()));
+        return Err(UnitUnknown::TooFew { found: samples.len() });
     }
     let sum = |value: fn(&(f64, f64)) -> f64| samples.iter().map(value).sum::<f64>();
     let (climb2, raw2, product) =
@@ -233,7 +267,7 @@ pub fn climb_unit(samples: &[(f64, f64)]) -> Result<Inferred, String> {
     // Its reciprocal regression brackets the scale from above, this one from below.
     let scale = (product / climb2) / correlation;
     if correlation.is_nan() || correlation <= 0.5 {
-        return Err("it does not follow the climb by pressure altitude".to_owned());
+        return Err(UnitUnknown::DoesNotFollow);
     }
     CLIMB_UNITS
         .into_iter()
@@ -242,7 +276,7 @@ pub fn climb_unit(samples: &[(f64, f64)]) -> Result<Inferred, String> {
             unit,
             why: format!("it follows the climb by pressure altitude (correlation {correlation:.2})"),
         })
-        .ok_or_else(|| "no unit fits the climb by pressure altitude".to_owned())
+        .ok_or(UnitUnknown::NoneFits { with: "climb by pressure altitude" })
 }
 
 #[cfg(test)]
@@ -291,16 +325,16 @@ mod tests {
     fn refuses_what_it_can_not_tell() {
         // Straight and at one speed: kt with a tail wind look like km/h with a head wind.
         let straight: Vec<_> = (0..600).map(|_| SpeedSample { raw: 50.0, ground_mps: (20.0, 0.0) }).collect();
-        let refused = airspeed_unit(straight).unwrap_err();
+        let refused = airspeed_unit(straight).unwrap_err().to_string();
         assert!(refused.contains("as well"), "{refused}");
-        assert!(airspeed_unit(flight(true, 3.6)[..59].to_vec()).unwrap_err().starts_with("only 59 samples"));
+        assert_eq!(airspeed_unit(flight(true, 3.6)[..59].to_vec()), Err(UnitUnknown::TooFew { found: 59 }));
         // A number that has nothing to do with speed.
         let other: Vec<_> = flight(true, 1.0)
             .into_iter()
             .enumerate()
             .map(|(index, sample)| SpeedSample { raw: if index % 2 == 0 { 10.0 } else { 400.0 }, ..sample })
             .collect();
-        assert!(airspeed_unit(other).unwrap_err().starts_with("no unit fits"));
+        assert!(matches!(airspeed_unit(other), Err(UnitUnknown::NoneFits { .. })));
     }
 
     #[test]
@@ -316,7 +350,7 @@ mod tests {
         // 12 degrees or 1.2 degrees at constant altitude: both happen.
         let level: Vec<_> = (0..200).map(|_| (1000.0, 120.0)).collect();
         assert_eq!(
-            temperature_unit(&level).unwrap_err(),
+            temperature_unit(&level).unwrap_err().to_string(),
             "tenths of degrees C and hundredths of degrees C are both possible"
         );
         let broken: Vec<_> = (0..200).map(|step| (10.0 * f64::from(step), 9999.0)).collect();
@@ -337,7 +371,7 @@ mod tests {
             assert_eq!(climb_unit(&climb(unit.1)).unwrap().unit, unit);
         }
         let unrelated: Vec<_> = climb(1.0).into_iter().map(|(rate, _)| (rate, 5.0)).collect();
-        assert!(climb_unit(&unrelated).unwrap_err().contains("does not follow"));
+        assert_eq!(climb_unit(&unrelated), Err(UnitUnknown::DoesNotFollow));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! A table as a flight, by a mapping.
 
-use super::Fault;
 use super::document::{ColumnName, Mapping, Signal, TimeBase};
+use super::error::{ColumnError, Fault, MappingError, SignalError, TableError};
 use super::quantity::{Quantity, plausible};
 use super::table::LoggedTable;
 use crate::import::damage::percent;
@@ -9,7 +9,7 @@ use crate::import::gps_time::utc_text;
 use crate::import::stamps;
 use crate::import::table::{Destination, Filling, Samples, Table, assemble};
 use crate::import::velocity::{Position, velocities};
-use flight_data::{Channel, Column, Flight, Header, Note};
+use flight_data::{Channel, Column, CsvProblem, Flight, Header, Note};
 
 /// A time that is farther than this from the middle of the others, seconds (30 years), is none.
 const FAR_S: f64 = 1e9;
@@ -20,14 +20,14 @@ pub const EPOCH_S: std::ops::Range<f64> = 946_684_800.0..4_102_444_800.0;
 
 /// Makes a flight.
 pub fn apply(table: &LoggedTable, mapping: &Mapping, name: &str) -> Result<(Flight, Vec<Note>), Fault> {
-    let Some(base) = &mapping.time else { return Err(Fault::Mapping("no [time]".to_owned())) };
+    let Some(base) = &mapping.time else { return Err(MappingError::NoTimeBase.into()) };
     let mut notes = Vec::new();
     let seconds = seconds(table, base)?;
     let Times { times_us, epoch_s } = times(table, &seconds, &mut notes)?;
     let mut fillings = Vec::new();
     let mut used = vec![false; table.columns.len()];
     if let Some(column) = &base.column {
-        mark(&mut used, place(table, column).map_err(Fault::Mapping)?);
+        mark(&mut used, place(table, column).map_err(MappingError::TimeColumn)?);
     }
     let fixes = fix_rows(table, mapping)?;
     let nowhere = nowhere(table, mapping);
@@ -39,8 +39,7 @@ pub fn apply(table: &LoggedTable, mapping: &Mapping, name: &str) -> Result<(Flig
         ));
     }
     for (destination, signal) in &mapping.signals {
-        let column = place(table, &signal.column)
-            .map_err(|what| Fault::Mapping(format!("[signals] {destination}: {what}")))?;
+        let column = signal_place(table, destination, signal)?;
         mark(&mut used, column);
         let mut samples = samples(table, column, destination, signal, fixes.as_deref());
         if is_of_fix(destination) {
@@ -54,7 +53,7 @@ pub fn apply(table: &LoggedTable, mapping: &Mapping, name: &str) -> Result<(Flig
     let mut header = Header {
         vehicle: mapping.flight.vehicle.trim().replace(char::is_control, " "),
         source: format!("imported table, by {name}"),
-        altitude_datum: mapping.datum().map_err(Fault::Mapping)?,
+        altitude_datum: mapping.datum()?,
         other: vec![("log_format".to_owned(), "table".to_owned())],
     };
     mapping.datums().for_each(|(column, datum)| header.set_datum(column, datum));
@@ -62,13 +61,11 @@ pub fn apply(table: &LoggedTable, mapping: &Mapping, name: &str) -> Result<(Flig
     flight.require_altitudes().map_err(|problem| {
         let has = |channel: Channel| mapping.signals.contains_key(channel.name());
         match problem {
-            flight_data::CsvProblem::Missing { name, .. } if !has(Channel::GpsAltM) => Fault::Mapping(
-                format!("[signals] has no {name}, expected the reference's altitude among them"),
-            ),
-            flight_data::CsvProblem::Missing { name, .. } => Fault::Log(format!(
-                "not one value of {name} in the table, expected some: nothing to compare with"
-            )),
-            other => Fault::Mapping(format!("[signals]: {other}")),
+            CsvProblem::Missing { name, .. } if !has(Channel::GpsAltM) => {
+                Fault::from(MappingError::NoReference { name: name.to_string() })
+            }
+            CsvProblem::Missing { name, .. } => TableError::NoValue { name: name.to_string() }.into(),
+            other => MappingError::Flight(other).into(),
         }
     })?;
     if let Some(epoch_s) = epoch_s {
@@ -113,11 +110,11 @@ fn mark(used: &mut [bool], column: usize) {
 }
 
 /// The place of a column, from 0.
-fn place(table: &LoggedTable, column: &ColumnName) -> Result<usize, String> {
+fn place(table: &LoggedTable, column: &ColumnName) -> Result<usize, ColumnError> {
     let count = table.columns.len();
     match column {
         ColumnName::Place(place) if (1..=count).contains(place) => Ok(place - 1),
-        ColumnName::Place(place) => Err(format!("column {place} of {count}, expected 1 to {count}")),
+        ColumnName::Place(place) => Err(ColumnError::Place { place: *place, count }),
         ColumnName::Name(name) => {
             let found: Vec<usize> = table
                 .names
@@ -129,26 +126,22 @@ fn place(table: &LoggedTable, column: &ColumnName) -> Result<usize, String> {
                 [place] => Ok(*place),
                 [] => {
                     let near = table.names.iter().min_by_key(|own| strsim::osa_distance(own, name));
-                    let near = near
-                        .filter(|own| strsim::osa_distance(own, name) <= 2)
-                        .map_or_else(String::new, |own| format!(" (is it '{own}'?)"));
-                    Err(format!(
-                        "no column '{name}' in the table{near}, expected one of: {}",
-                        table.names.join(", ")
-                    ))
+                    let near = near.filter(|own| strsim::osa_distance(own, name) <= 2).cloned();
+                    Err(ColumnError::Unknown { name: name.clone(), near, names: table.names.clone() })
                 }
                 several => {
-                    let places: Vec<String> = several.iter().map(|place| (place + 1).to_string()).collect();
-                    Err(format!(
-                        "several columns are named '{name}', expected the place of one of them, as column = {} (they are \
-                         {})",
-                        places.first().map_or("1", String::as_str),
-                        places.join(", ")
-                    ))
+                    let places = several.iter().map(|place| place + 1).collect();
+                    Err(ColumnError::Ambiguous { name: name.clone(), places })
                 }
             }
         }
     }
+}
+
+/// The place of a signal's column, from 0.
+fn signal_place(table: &LoggedTable, name: &str, signal: &Signal) -> Result<usize, MappingError> {
+    place(table, &signal.column)
+        .map_err(|error| MappingError::Signal { name: name.to_owned(), source: SignalError::Column(error) })
 }
 
 /// The time of each row, seconds by the log's own clock; NaN where there is none.
@@ -158,21 +151,14 @@ fn seconds(table: &LoggedTable, base: &TimeBase) -> Result<Vec<f64>, Fault> {
         let rate_hz = base.rate_hz.unwrap_or(1.0);
         return Ok((0..rows).map(|row| row as f64 / rate_hz).collect());
     };
-    let column = place(table, column).map_err(|what| Fault::Mapping(format!("[time] {what}")))?;
+    let column = place(table, column).map_err(MappingError::TimeColumn)?;
     let Some(cells) = table.columns.get(column) else { return Ok(Vec::new()) };
     let is_number = cells.numbers >= cells.clocks + cells.dates;
     let unit = base.unit.as_deref().and_then(|unit| Quantity::Time.unit(unit));
     match (is_number, unit) {
         (true, Some(unit)) => Ok(cells.values.iter().map(|value| value * unit.factor).collect()),
-        (true, None) => Err(Fault::Mapping(format!(
-            "[time] has no unit for column '{}', expected one of {}",
-            table.name(column),
-            Quantity::Time.unit_names()
-        ))),
-        (false, Some(_)) => Err(Fault::Mapping(format!(
-            "[time] column '{}' has times of day or dates, expected no unit",
-            table.name(column)
-        ))),
+        (true, None) => Err(MappingError::NoTimeUnit(table.name(column).to_owned()).into()),
+        (false, Some(_)) => Err(MappingError::UnitOfClock(table.name(column).to_owned()).into()),
         (false, None) if cells.dates > 0 => Ok(cells.values.clone()),
         (false, None) => Ok(past_midnight(&cells.values)),
     }
@@ -206,7 +192,7 @@ pub fn middle(values: impl IntoIterator<Item = f64>) -> Option<f64> {
 
 fn times(table: &LoggedTable, seconds: &[f64], notes: &mut Vec<String>) -> Result<Times, Fault> {
     let Some(center) = middle(seconds.iter().copied()) else {
-        return Err(Fault::Log("no row with a time in the table, expected at least one".to_owned()));
+        return Err(TableError::NoTime.into());
     };
     let is_near = |value: &f64| (value - center).abs() <= FAR_S;
     let first = seconds.iter().copied().filter(is_near).fold(f64::INFINITY, f64::min);
@@ -256,8 +242,7 @@ fn fix_rows(table: &LoggedTable, mapping: &Mapping) -> Result<Option<Vec<bool>>,
     let held = mapping.signals.iter().filter(|(name, signal)| signal.held && is_of_fix(name));
     let mut rows: Option<Vec<bool>> = None;
     for (name, signal) in held {
-        let column = place(table, &signal.column)
-            .map_err(|what| Fault::Mapping(format!("[signals] {name}: {what}")))?;
+        let column = signal_place(table, name, signal)?;
         let rows = rows.get_or_insert_with(|| vec![false; table.lines.len()]);
         for (slot, is_new) in rows.iter_mut().zip(changes(table.values(column))) {
             *slot |= is_new;

@@ -1,9 +1,11 @@
 //! A mapping file.
 
 use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
 
 use serde::Deserialize;
 
+use super::error::{MappingError, SignalError};
 use super::quantity::Quantity;
 use super::table::{Layout, Separator};
 use flight_data::{AltitudeDatum, is_altitude, unit_slip};
@@ -93,45 +95,36 @@ impl Mapping {
     /// Reads a mapping file's text.
     ///
     /// # Errors
-    /// What is wrong with it, with the line where there is one.
-    pub fn parse(text: &str) -> Result<Self, String> {
+    /// [`MappingError`], with the line where there is one.
+    pub fn parse(text: &str) -> Result<Self, MappingError> {
         let mapping: Self = toml::from_str(text).map_err(|error| {
-            let line = error.span().map(|span| text.get(..span.start).unwrap_or(text).matches('\n').count() + 1);
-            let line = line.map_or_else(String::new, |line| format!("line {line}: "));
-            let message = error.message();
-            if message.contains("missing field `pylon-mapping`") {
-                return "no 'pylon-mapping = 1' in it, expected a mapping file ('pylon import LOG --guess -o mapping.toml' \
-                        drafts one)"
-                    .to_owned();
+            if error.message().contains("missing field `pylon-mapping`") {
+                return MappingError::NotAMapping;
             }
-            format!("{line}{message}")
+            let before = error.span().map(|span| text.get(..span.start).unwrap_or(text));
+            let line = before.map(|before| NonZeroUsize::MIN.saturating_add(before.matches('\n').count()));
+            MappingError::Syntax { line, source: Box::new(error) }
         })?;
         mapping.check()?;
         Ok(mapping)
     }
 
-    fn check(&self) -> Result<(), String> {
+    fn check(&self) -> Result<(), MappingError> {
         if self.version != 1 {
-            return Err(format!("pylon-mapping version {}, this program reads version 1", self.version));
+            return Err(MappingError::Version(self.version));
         }
         self.datum()?;
         match &self.time {
-            None => {
-                return Err("no [time], expected one: column = \"...\" and unit = \"s\", or rate_hz = 100 for a table \
-                            without a time"
-                    .to_owned());
-            }
-            Some(TimeBase { column: None, rate_hz: None, .. }) => {
-                return Err("[time] has neither column nor rate_hz, expected one of them".to_owned());
-            }
+            None => return Err(MappingError::NoTimeBase),
+            Some(TimeBase { column: None, rate_hz: None, .. }) => return Err(MappingError::EmptyTimeBase),
             Some(TimeBase { column: Some(_), rate_hz: Some(_), .. }) => {
-                return Err("[time] has both column and rate_hz, expected one of them".to_owned());
+                return Err(MappingError::TwoTimeBases);
             }
             Some(TimeBase { rate_hz: Some(rate_hz), .. }) if !(*rate_hz > 0.0 && *rate_hz <= 1e5) => {
-                return Err(format!("[time] rate_hz is {rate_hz}, expected rows a second, above 0"));
+                return Err(MappingError::Rate(*rate_hz));
             }
             Some(TimeBase { unit: Some(unit), .. }) if Quantity::Time.unit(unit).is_none() => {
-                return Err(format!("[time] unit '{unit}', expected one of {}", Quantity::Time.unit_names()));
+                return Err(MappingError::TimeUnit(unit.clone()));
             }
             Some(_) => {}
         }
@@ -144,14 +137,12 @@ impl Mapping {
     /// What the altitudes are measured from.
     ///
     /// # Errors
-    /// Another name than one of the two.
-    pub fn datum(&self) -> Result<AltitudeDatum, String> {
+    /// [`MappingError::Datum`].
+    pub fn datum(&self) -> Result<AltitudeDatum, MappingError> {
         match self.flight.altitude_datum.as_deref() {
             None | Some("msl") => Ok(AltitudeDatum::Msl),
             Some("ellipsoid") => Ok(AltitudeDatum::Ellipsoid),
-            Some(other) => {
-                Err(format!("[flight] altitude_datum is '{other}', expected \"msl\" or \"ellipsoid\""))
-            }
+            Some(other) => Err(MappingError::Datum(other.to_owned())),
         }
     }
 
@@ -174,26 +165,24 @@ impl Mapping {
     ///
     /// # Errors
     /// A separator or decimal sign that there is not; nothing found and nothing said.
-    pub fn layout(&self, found: Option<Layout>) -> Result<Layout, String> {
+    pub fn layout(&self, found: Option<Layout>) -> Result<Layout, MappingError> {
         let file = &self.file;
         let separator = match file.separator.as_deref() {
-            Some(name) => Some(Separator::from_name(name).ok_or_else(|| {
-                format!("[file] separator is '{name}', expected \",\", \";\", \"tab\", \"|\" or \"spaces\"")
-            })?),
+            Some(name) => {
+                Some(Separator::from_name(name).ok_or_else(|| MappingError::Separator(name.to_owned()))?)
+            }
             None => None,
         };
         let decimal_comma = match file.decimal.as_deref() {
             Some(",") => Some(true),
             Some(".") => Some(false),
-            Some(other) => return Err(format!("[file] decimal is '{other}', expected \".\" or \",\"")),
+            Some(other) => return Err(MappingError::Decimal(other.to_owned())),
             None => None,
         };
         let names_line = file.names_line;
         let first_line = file.first_line.or_else(|| names_line.map(|line| line + 1));
         if names_line.zip(first_line).is_some_and(|(names, first)| names >= first) {
-            return Err(
-                "[file] names_line is not above first_line, expected it there (0: no names)".to_owned()
-            );
+            return Err(MappingError::NamesLine);
         }
         let layout = found.map(|found| Layout {
             separator: separator.unwrap_or(found.separator),
@@ -213,45 +202,33 @@ impl Mapping {
                 first_line: first_line?,
             })
         };
-        layout.or_else(said).ok_or_else(|| {
-            "no table of numbers was found in the log, expected lines of cells with the same separator; if it is one, say \
-             separator, names_line and first_line under [file]"
-                .to_owned()
-        })
+        layout.or_else(said).ok_or(MappingError::NoLayout)
     }
 }
 
 impl Signal {
-    fn check(&self, name: &str) -> Result<(), String> {
-        if name == "time_s" {
-            return Err("[signals] time_s: the time base is said under [time]".to_owned());
+    fn check(&self, name: &str) -> Result<(), MappingError> {
+        let is_a_name = name.trim() == name && !name.is_empty() && !name.contains(['\n', '\r', '\0']);
+        if !is_a_name {
+            return Err(MappingError::SignalName(name.to_owned()));
         }
-        if name.trim() != name || name.is_empty() || name.contains(['\n', '\r', '\0']) {
-            return Err(format!("[signals] '{}': no name for a signal", name.escape_debug()));
+        self.check_conversion(name).map_err(|source| MappingError::Signal { name: name.to_owned(), source })
+    }
+
+    fn check_conversion(&self, name: &str) -> Result<(), SignalError> {
+        if name == "time_s" {
+            return Err(SignalError::IsTime);
         }
         let quantity = Quantity::of(name);
         if let (None, Some(known)) = (quantity, unit_slip(name)) {
-            return Err(format!(
-                "[signals] {name}: looks like {known} in another unit; write {known} = {{ column = ..., unit = \"...\" }}, \
-                 and the values are converted"
-            ));
+            return Err(SignalError::OtherUnit { known });
         }
         if let Some(unit) = &self.unit {
             match quantity {
-                None => {
-                    return Err(format!(
-                        "[signals] {name}: a signal of your own is kept in its own unit; expected scale and offset in place \
-                         of unit"
-                    ));
-                }
-                Some(Quantity::Count) => {
-                    return Err(format!("[signals] {name}: is a number without a unit, expected no unit"));
-                }
+                None => return Err(SignalError::UnitOfOwn),
+                Some(Quantity::Count) => return Err(SignalError::UnitOfCount),
                 Some(quantity) if quantity.unit(unit).is_none() => {
-                    return Err(format!(
-                        "[signals] {name}: unit '{unit}', expected one of {}",
-                        quantity.unit_names()
-                    ));
+                    return Err(SignalError::Unit { unit: unit.clone(), quantity });
                 }
                 Some(_) => {}
             }
@@ -259,18 +236,13 @@ impl Signal {
         if let Some(datum) = &self.datum
             && (AltitudeDatum::from_name(datum).is_none() || !is_altitude(name))
         {
-            return Err(format!(
-                "[signals] {name}: datum is '{datum}', expected \"msl\", \"ellipsoid\" or \"pressure\", and of an altitude only"
-            ));
+            return Err(SignalError::Datum(datum.clone()));
         }
-        for (what, value) in [("scale", self.scale), ("offset", self.offset)] {
-            if value.is_some_and(|value| !value.is_finite() || (what == "scale" && value == 0.0)) {
-                return Err(format!(
-                    "[signals] {name}: {what} is {}, expected a number{}",
-                    value.unwrap_or(0.0),
-                    if what == "scale" { " other than 0" } else { "" }
-                ));
-            }
+        if let Some(scale) = self.scale.filter(|scale| !scale.is_finite() || *scale == 0.0) {
+            return Err(SignalError::Scale(scale));
+        }
+        if let Some(offset) = self.offset.filter(|offset| !offset.is_finite()) {
+            return Err(SignalError::Offset(offset));
         }
         Ok(())
     }
@@ -310,7 +282,7 @@ mod tests {
             ("pylon-mapping = 2\n", "version 2"),
             ("pylon-mapping = 1\n", "no [time]"),
             ("pylon-mapping = 1\n[time]\n", "neither column nor rate_hz"),
-            ("pylon-mapping = 1\n[time]\nrate_hz = 0\n", "expected rows a second"),
+            ("pylon-mapping = 1\n[time]\nrate_hz = 0\n", "expected rows per second"),
             ("pylon-mapping = 1\n[time]\ncolumn = \"t\"\nunit = \"m\"\n", "unit 'm', expected one of s, ms"),
             ("pylon-mapping = 1\n[tme]\n", "line 2: unknown field `tme`"),
             (&format!("{GOOD}baro_hpa = {{ column = 1 }}\n"), "looks like baro_pa in another unit"),
@@ -322,9 +294,9 @@ mod tests {
                 "scale is 0, expected a number other than 0",
             ),
             (&format!("{GOOD}flap = {{ columm = 1 }}\n"), "line 6: "),
-            (&format!("{GOOD}time_s = {{ column = 1 }}\n"), "said under [time]"),
+            (&format!("{GOOD}time_s = {{ column = 1 }}\n"), "belongs under [time]"),
         ] {
-            let error = Mapping::parse(text).unwrap_err();
+            let error = Mapping::parse(text).unwrap_err().to_string();
             assert!(error.contains(words), "{text}: {error}");
         }
     }

@@ -6,8 +6,10 @@
 mod apply;
 pub(super) mod cell;
 mod document;
+mod error;
 pub mod table;
 
+use super::ImportError;
 #[cfg(feature = "parquet")]
 use super::parquet;
 pub use super::quantity;
@@ -15,27 +17,17 @@ use flight_data::{Flight, Note};
 
 pub(super) use apply::{EPOCH_S, changes, middle, past_midnight};
 pub use document::Mapping;
+pub use error::{ColumnError, Fault, MappingError, SignalError, TableError};
 pub use table::{Cells, Layout, LoggedTable, MOST_COLUMNS};
-
-/// What is wrong, and where.
-#[derive(Debug)]
-pub enum Fault {
-    /// With the log.
-    Log(String),
-    /// With the mapping.
-    Mapping(String),
-}
 
 /// Imports a table from its bytes by a mapping of that name.
 ///
 /// # Errors
 /// [`Fault`].
 pub fn import(log: &[u8], mapping: &Mapping, name: &str) -> Result<(Flight, Vec<Note>), Fault> {
-    let table = table(log, |found| mapping.layout(found).map_err(Fault::Mapping))?;
+    let table = table(log, |found| Ok(mapping.layout(found)?))?;
     if table.layout.is_none() && mapping.says_layout() {
-        return Err(Fault::Mapping(
-            "[file] says how a text is laid out, expected no [file]: the log is Parquet, which says it itself".to_owned(),
-        ));
+        return Err(MappingError::LayoutOfParquet.into());
     }
     apply::apply(&table, mapping, name)
 }
@@ -59,19 +51,17 @@ pub fn table(
     layout: impl Fn(Option<Layout>) -> Result<Layout, Fault>,
 ) -> Result<LoggedTable, Fault> {
     if log.is_empty() {
-        return Err(Fault::Log("an empty file: nothing was recorded".to_owned()));
+        return Err(TableError::from(ImportError::Empty).into());
     }
     #[cfg(feature = "parquet")]
     if parquet::is_parquet(log) {
-        return parquet::table(log).map_err(|error| Fault::Log(error.to_string()));
+        return parquet::table(log).map_err(|error| TableError::from(ImportError::from(error)).into());
     }
     if super::is_utf16(log) {
-        return Err(Fault::Log(super::ImportError::Utf16.to_string()));
+        return Err(TableError::from(ImportError::Utf16).into());
     }
     if log.get(..4_096).unwrap_or(log).contains(&0) {
-        return Err(Fault::Log(
-            "it is not text, expected a table of numbers as text (CSV) or Parquet; a log of a known program needs no mapping".to_owned(),
-        ));
+        return Err(TableError::NotText.into());
     }
     Ok(LoggedTable::read(log, layout(Layout::find(log))?))
 }

@@ -24,7 +24,7 @@ const MAPPING: &str = "pylon-mapping = 1\n[flight]\nvehicle = \"kite\"\n[time]\n
     latitude_deg = { column = \"Lat\", held = true }\nlongitude_deg = { column = 5, held = true }\n";
 
 fn read(log: &str, mapping: &str) -> Result<(Flight, Vec<String>), String> {
-    let mapping = Mapping::parse(mapping)?;
+    let mapping = Mapping::parse(mapping).map_err(|error| error.to_string())?;
     match import(log.as_bytes(), &mapping, "m.toml") {
         Ok((flight, notes)) => Ok((flight, notes.iter().map(|note| note.text().to_owned()).collect())),
         Err(Fault::Log(what)) => Err(format!("log: {what}")),

@@ -10,7 +10,7 @@ use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader};
 use parquet::file::reader::{ChunkReader, Length};
 use parquet::file::serialized_reader::SerializedPageReader;
 
-use super::error::ParquetError;
+use super::error::{ChunkError, GroupError, ParquetError};
 use super::footer::{Footer, Group, Kind, Leaf};
 use super::pages;
 use crate::import::mapping::cell::{Cell, cell};
@@ -38,7 +38,7 @@ impl<'a> Cells<'a> {
         let footer = Footer::read(file)?;
         let wrong = |what: String| ParquetError::Footer { what };
         let metadata = contained(|| ParquetMetaDataReader::decode_metadata(footer.bytes))
-            .map_err(wrong)?
+            .map_err(|panicked| wrong(panicked.to_string()))?
             .map_err(|error| wrong(error.to_string()))?;
         if metadata.file_metadata().schema_descr().num_columns() != footer.leaves.len() {
             return Err(wrong("its tree of columns is none".to_owned()));
@@ -49,13 +49,13 @@ impl<'a> Cells<'a> {
     /// Gives each cell of a column that has one, with its row. Numbers may be infinite or none (NaN).
     ///
     /// # Errors
-    /// Where it can not be read, and why: a sentence a group of rows. The cells of the others are given.
-    pub fn column(&self, place: usize, take: &mut dyn FnMut(usize, Cell)) -> Result<(), Vec<String>> {
+    /// Where it can not be read, and why, by group of rows. The cells of the others are given.
+    pub fn column(&self, place: usize, take: &mut dyn FnMut(usize, Cell)) -> Result<(), Vec<GroupError>> {
         let mut problems = Vec::new();
         let mut first_row = 0;
         for (number, group) in self.footer.groups.iter().enumerate() {
             if let Err(why) = self.chunk(number, group, place, first_row, take) {
-                problems.push(format!("rows {} to {}: {why}", first_row + 1, first_row + group.rows));
+                problems.push(GroupError { first: first_row + 1, last: first_row + group.rows, why });
             }
             first_row += group.rows;
         }
@@ -69,10 +69,11 @@ impl<'a> Cells<'a> {
         place: usize,
         first_row: usize,
         take: &mut dyn FnMut(usize, Cell),
-    ) -> Result<(), String> {
-        let gone = || "it is not there".to_owned();
+    ) -> Result<(), ChunkError> {
+        let gone = || ChunkError::Missing;
         let leaf = self.footer.leaves.get(place).ok_or_else(gone)?;
-        let chunk = group.chunks.get(place).ok_or_else(gone)?.as_ref().map_err(|why| (*why).to_owned())?;
+        let chunk =
+            group.chunks.get(place).ok_or_else(gone)?.as_ref().map_err(|why| ChunkError::Damaged(why))?;
         let bytes = self.file.get(chunk.start..chunk.start + chunk.length).ok_or_else(gone)?;
         pages::check(bytes, leaf, chunk)?;
         // The crate wants to own what it reads, a column of one group at a time.
@@ -87,9 +88,9 @@ impl<'a> Cells<'a> {
         });
         match read {
             Ok(Ok(rows)) if rows == group.rows => Ok(()),
-            Ok(Ok(rows)) => Err(format!("it ends after {rows} of them")),
-            Ok(Err(error)) => Err(error.to_string()),
-            Err(panic) => Err(format!("it does not decode ({panic})")),
+            Ok(Ok(rows)) => Err(ChunkError::Short { rows }),
+            Ok(Err(error)) => Err(error.into()),
+            Err(panicked) => Err(panicked.into()),
         }
     }
 }

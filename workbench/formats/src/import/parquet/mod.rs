@@ -19,8 +19,9 @@ use super::mapping::cell::Cell;
 use super::mapping::{self, LoggedTable};
 use super::own_header::{own_header, put_column};
 use super::{ImportError, Importer};
-use flight_data::{Channel, Column, Flight, MAX_TIME_S, Note};
+use flight_data::{Column, Flight, MAX_TIME_S, Note};
 
+use error::GroupError;
 pub use error::ParquetError;
 
 /// The key of the file's metadata that says whose it is.
@@ -108,7 +109,7 @@ fn flight(log: &[u8]) -> Result<(Flight, Vec<Note>), ParquetError> {
     Ok((flight, notes))
 }
 
-fn said(name: &str, read: Result<(), Vec<String>>) -> Option<String> {
+fn said(name: &str, read: Result<(), Vec<GroupError>>) -> Option<String> {
     let problems = read.err()?;
     let more = if problems.len() > 1 {
         format!(", and {} more groups of rows", problems.len() - 1)

@@ -1,5 +1,6 @@
 //! What the pages of a column say about themselves, before the `parquet` crate takes room for it.
 
+use super::error::ChunkError;
 use super::footer::{Chunk, Leaf};
 use super::thrift::Reader;
 
@@ -18,48 +19,48 @@ const PAGE_HEAD: usize = 1 << 16;
 /// Whether the pages of a column are within its bytes, and as long as so many values can be.
 ///
 /// # Errors
-/// What is wrong with them.
-pub fn check(bytes: &[u8], leaf: &Leaf, chunk: &Chunk) -> Result<(), String> {
+/// [`ChunkError`].
+pub fn check(bytes: &[u8], leaf: &Leaf, chunk: &Chunk) -> Result<(), ChunkError> {
     if !CODECS.iter().any(|(codec, _)| *codec == chunk.codec) {
         let names: Vec<&str> = CODECS.iter().map(|(_, name)| *name).collect();
         let known = usize::try_from(chunk.codec).ok().and_then(|codec| CODEC_NAMES.get(codec));
-        return Err(format!(
-            "it is compressed by {}, expected one of {}",
-            known.unwrap_or(&"something unknown"),
-            names.join(", ")
-        ));
+        return Err(ChunkError::Codec {
+            found: known.unwrap_or(&"something unknown"),
+            known: names.join(", "),
+        });
     }
     let mut reader = Reader::new(bytes);
     let mut left = chunk.values;
     while left > 0 {
-        let header = reader.structure().ok_or("a page's head is damaged")?;
+        let header = reader.structure().ok_or(ChunkError::Damaged("a page's head is damaged"))?;
         let size = |number: i16| header.int(number).and_then(|value| usize::try_from(value).ok());
-        let (whole, packed) = size(2).zip(size(3)).ok_or("a page does not say how long it is")?;
+        let (whole, packed) =
+            size(2).zip(size(3)).ok_or(ChunkError::Damaged("a page does not say how long it is"))?;
         if packed > reader.left() || (chunk.codec == 0 && whole != packed) {
-            return Err("a page is said to be longer than it is".to_owned());
+            return Err(ChunkError::Damaged("a page is said to be longer than it is"));
         }
         let body = match header.int(1) {
             Some(0) => header.field(5),
             Some(2) => header.field(7),
             Some(3) => header.field(8),
-            _ => return Err("a page is of an unknown kind".to_owned()),
+            _ => return Err(ChunkError::Damaged("a page is of an unknown kind")),
         };
-        let body = body.ok_or("a page does not say what is in it")?;
+        let body = body.ok_or(ChunkError::Damaged("a page does not say what is in it"))?;
         let count = |number: i16| body.int(number).and_then(|value| usize::try_from(value).ok());
-        let values = count(1).ok_or("a page does not say how many values it has")?;
+        let values = count(1).ok_or(ChunkError::Damaged("a page does not say how many values it has"))?;
         let is_dictionary = header.int(1) == Some(2);
         let encoding = body.int(if header.int(1) == Some(3) { 4 } else { 2 }).unwrap_or(-1);
         if !ENCODINGS.contains(&encoding) {
-            return Err(format!("its values are encoded in a way that is not read (number {encoding})"));
+            return Err(ChunkError::Encoding(encoding));
         }
         if values > if is_dictionary { chunk.values } else { left } {
-            return Err("a page has more values than the column".to_owned());
+            return Err(ChunkError::Damaged("a page has more values than the column"));
         }
         // A dictionary has all of its values written out, each text behind its length in four bytes.
         let least = if is_dictionary { values.saturating_mul(leaf.width.unwrap_or(4)) } else { 0 };
         let each = leaf.width.map_or(WORD, |width| 2 * width + 8);
         if whole < least || whole > PAGE_HEAD.saturating_add(values.saturating_mul(each)) {
-            return Err(format!("a page of {values} values is said to have {whole} bytes"));
+            return Err(ChunkError::PageSize { values, bytes: whole });
         }
         left -= if is_dictionary { 0 } else { values };
         reader.skip(packed);

@@ -59,10 +59,11 @@ fn a_page_that_says_more_than_it_has_is_refused_before_room_is_taken_for_it() {
     let page = |whole: &[u8], values: &[u8]| {
         [&[0x15, 0, 0x15][..], whole, &[0x15, 0x10, 0x2c, 0x15], values, &[0x15, 0, 0, 0], &[0; 8]].concat()
     };
-    assert_eq!(pages::check(&page(&[0x10], &[2]), &leaf, &chunk(1, 0)), Ok(()));
-    assert_eq!(pages::check(&page(&[0x10], &[2]), &leaf, &chunk(1, 1)), Ok(()));
+    for codec in [0, 1] {
+        pages::check(&page(&[0x10], &[2]), &leaf, &chunk(1, codec)).unwrap();
+    }
     let refused = |bytes: &[u8], values, codec, words: &str| {
-        let error = pages::check(bytes, &leaf, &chunk(values, codec)).unwrap_err();
+        let error = pages::check(bytes, &leaf, &chunk(values, codec)).unwrap_err().to_string();
         assert!(error.contains(words), "{error}");
     };
     // A page of one number that unpacks to a gigabyte.

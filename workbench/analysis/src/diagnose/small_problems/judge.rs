@@ -1,0 +1,81 @@
+//! The verdicts.
+
+use std::ops::ControlFlow;
+
+use super::*;
+use crate::diagnose::diagnosis::{SensorDiagnosis, Verdict};
+use crate::diagnose::judge::Judge;
+use crate::diagnose::search::Search;
+
+const BLOCKS: usize = 400;
+
+/// The barometer's verdict on a flight with a roll angle that is `sine(4)`.
+fn of_baro(small: &Small) -> SensorDiagnosis {
+    let roll = |block: usize| 0.4 * sine(4, block);
+    let epochs = [small.epochs(&[("roll_rad", &roll)])];
+    let flights = [small.series.clone()];
+    let (problem, suspects) = (problem(&flights), small.suspects());
+    let mut search = Search::new(&problem, &suspects);
+    let explanation = search.run(&mut || ControlFlow::Continue(())).unwrap();
+    let judge = Judge {
+        problem: &problem,
+        held: None,
+        candidates: &small.candidates,
+        suspects: &suspects,
+        epochs: &epochs,
+        has_climb_rate: true,
+    };
+    let (diagnosis, _) = judge.verdicts(&mut search, explanation, &mut || ControlFlow::Continue(())).unwrap();
+    diagnosis.sensors["baro"].clone()
+}
+
+/// Effects that the flight would show at a size that nature allows, so that it excites enough.
+fn candidates(small: Small) -> Small {
+    small
+        .candidate(EffectId::BaroLag, |block| 10.0 * sine(0, block))
+        .candidate(EffectId::BaroScale, |block| 100.0 * sine(1, block))
+}
+
+#[test]
+fn a_flight_in_which_nothing_acts_has_no_significant_misfit() {
+    let found = of_baro(&candidates(Small::new(BLOCKS, 0)));
+    assert_eq!((found.verdict, found.missing), (Verdict::NoSignificantMisfit, Vec::new()));
+    assert_eq!(found.follows, []);
+}
+
+/// The same without anything that an effect could show in.
+#[test]
+fn a_flight_that_shows_nothing_excites_too_little() {
+    let still = Small::new(BLOCKS, 1)
+        .candidate(EffectId::BaroLag, |block| 1e-4 * sine(0, block))
+        .candidate(EffectId::BaroScale, |block| 1e-4 * sine(1, block));
+    assert_eq!(of_baro(&still).verdict, Verdict::InsufficientExcitation);
+}
+
+#[test]
+fn one_effect_is_identified() {
+    let found = of_baro(&candidates(Small::new(BLOCKS, 2)).error(|block| 0.3 * 10.0 * sine(0, block)));
+    assert_eq!(found.verdict, Verdict::Identified);
+    assert_eq!(found.missing, ["baro.lag"]);
+    let lag = found.candidates.iter().find(|candidate| candidate.effect == "baro.lag").unwrap();
+    assert!(lag.chosen && (lag.coefficient - 0.3).abs() < 4.0 * lag.sigma, "{lag:?}");
+}
+
+#[test]
+fn two_effects_of_one_shape_are_indistinguishable() {
+    let small = candidates(Small::new(BLOCKS, 3))
+        .candidate(EffectId::BaroDynamicPressure, |block| 20.0 * sine(0, block))
+        .error(|block| 0.3 * 10.0 * sine(0, block));
+    let found = of_baro(&small);
+    assert_eq!(found.verdict, Verdict::Indistinguishable);
+    let mut set = found.indistinguishable[0].clone();
+    set.sort();
+    assert_eq!(set, ["baro.dynamic_pressure", "baro.lag"]);
+}
+
+#[test]
+fn a_rest_that_follows_a_signal_is_an_unknown_effect() {
+    let found = of_baro(&candidates(Small::new(BLOCKS, 4)).error(|block| 5.0 * 0.4 * sine(4, block)));
+    assert_eq!(found.verdict, Verdict::UnknownEffect);
+    assert_eq!(found.follows[0].signal, "roll_rad");
+}
