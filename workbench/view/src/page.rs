@@ -72,7 +72,7 @@ mod tests {
 
     #[test]
     fn numbers_are_rounded_to_what_is_read_off() {
-        assert_eq!(rounded(-1234.567_89, 6).to_string(), "-1234.57");
+        assert_eq!(rounded(-1_234.567_89, 6).to_string(), "-1234.57");
         assert_eq!(rounded(0.000_123_456_789, 6).to_string(), "0.000123457");
         assert_eq!(rounded(86_400.017_5, 7).to_string(), "86400.02");
         assert_eq!([0.0, -3.0].map(|value| rounded(value, 6)), [0.0, -3.0]);
