@@ -103,7 +103,7 @@ impl GivenAirborne {
         let times = || flight.time_s.iter().copied();
         let (first_s, last_s) = (times().next().unwrap_or(0.0), times().fold(0.0, f64::max));
         let (from_s, to_s) = (self.take_off_s.unwrap_or(first_s), self.landing_s.unwrap_or(last_s));
-        if !(from_s < to_s) {
+        if from_s >= to_s {
             return Err(AirborneError::Empty(self));
         }
         if from_s < first_s || to_s > last_s || !times().any(|time_s| (from_s..to_s).contains(&time_s)) {

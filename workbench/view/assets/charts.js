@@ -26,7 +26,7 @@ const pylonCharts = (() => {
   const font = () => `${textSize()}px ${getComputedStyle(document.body).fontFamily}`;
 
   function number(value) {
-    if (value == null) return "–";
+    if (value == null) return "";
     const size = Math.abs(value);
     return value.toFixed(size >= 1000 ? 1 : size >= 10 ? 2 : 3);
   }
@@ -51,7 +51,7 @@ const pylonCharts = (() => {
       const dense = band.role === "residual";
       const edge = { stroke: () => faint(band.role, dense ? 0.9 : 0.35), width: dense ? 1 : 0.5 };
       // One entry in the legend, with both edges.
-      const value = (_, __, ___, at) => at == null ? "–" : span(band.from[at], band.to[at]);
+      const value = (_, __, ___, at) => at == null ? "" : span(band.from[at], band.to[at]);
       add(band.to, band.role, { label: band.name, ...edge, value });
       add(band.from, band.role, { label: band.name, ...edge, class: "edge" });
       const last = columns.length - 1;

@@ -77,8 +77,8 @@ impl Role {
             Self::Bound => Ink::new(GREY, PALE_GREY, 2, "#2b333b", "#d5dde4"),
             // Dark enough to be seen over a dense blue series.
             Self::Sigma => Ink::new([150, 45, 0], [240, 224, 217], 2, "#2b333b", "#d5dde4"),
-            Self::Doubtful => Ink::new(MAGENTA, PALE_MAGENTA, 2, "#a8407c", "#f09ac9"),
-            Self::Untrustworthy => Ink::new([0; 3], PALE_GREY, 2, "#111111", "#ffffff"),
+            Self::Doubtful => Ink::new(MAGENTA, PALE_MAGENTA, 2, "#8a6d00", "#ffe24a"),
+            Self::Untrustworthy => Ink::new([193, 18, 31], [247, 219, 221], 2, "#c1121f", "#ff5a5f"),
             Self::Event => Ink::new(MAGENTA, PALE_MAGENTA, 2, "#55606b", "#b7c2cc"),
             Self::Shade => Ink::new([230, 159, 0], [252, 241, 217], 2, "#e69f00", "#e6b53c"),
         }

@@ -46,8 +46,8 @@ pub struct FlightReport {
 /// Slots of time of a chart's series: four times the pixels of a wide chart, so that a zoom has something to show.
 pub const TRACE_SLOTS: usize = 6_000;
 
-/// Flights that a page has diagrams of; of more, the oddest and the worst.
-pub const MOST_DRAWN: usize = 4;
+/// Flights that a page has diagrams of; of more, the oddest and the worst. An hour's diagrams take 1.7 MB, and a page that is mailed at most 5.
+pub const MOST_DRAWN: usize = 2;
 
 /// A sensor's error against every signal of the flight.
 #[derive(Clone, Debug)]

@@ -95,7 +95,8 @@ impl Server {
         let guard = Guard::new(address)
             .map_err(|error| Failure::input(format!("the system gives no random token: {error}")))?;
         let token = guard.token();
-        let page = page.replace(FROM_DISK, FROM_HERE).replacen(
+        // The policy comes first in the page; the same words in its script must stay, or its hash is another.
+        let page = page.replacen(FROM_DISK, FROM_HERE, 1).replacen(
             "<head>",
             &format!("<head>\n<meta name=\"pylon-token\" content=\"{token}\">"),
             1,

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::bars::bars;
 use super::effects::meaning;
 use crate::compare::text::number::{metres, seconds};
-use crate::diagnose::text::{headline, per_cent, probability, say, untested_for_a_reason, with_sigma};
+use crate::diagnose::text::{per_cent, probability, say, untested_for_a_reason, with_sigma};
 use crate::diagnose::{CandidateFacts, Diagnosis, SensorDiagnosis, Verdict};
 
 /// Candidates that are shown at once beside the chosen ones; the rest opens on demand.
@@ -26,7 +26,6 @@ pub(super) fn section(diagnosis: &Diagnosis) -> Markup {
     html! {
         section #diagnosis {
             h2 { "What the model lacks" }
-            p.lead { (headline(diagnosis)) }
             p {
                 "Every physical effect in Pylon's catalogue was fitted to all sensors together, allowing for the reference's wander and \
                  correlated noise. \"Cannot tell\" is an answer too: it says what to fly next."

@@ -81,7 +81,7 @@ export async function pageWithFlights(said: InsideSentence): Promise<Blob> {
   // Of a page that `pylon studio` serves: what it may ask for is nobody else's business.
   root.querySelector('meta[name="pylon-token"]')?.remove();
   const policy = root.querySelector('meta[http-equiv="Content-Security-Policy"]');
-  policy?.setAttribute("content", (policy.getAttribute("content") ?? "").replace("connect-src 'self'", "connect-src 'none'"));
+  policy?.setAttribute("content", (policy.getAttribute("content") ?? "").replace(/connect-src [^;]*/, "connect-src 'none'"));
   // Before the page's own script, which reads it when it begins. No text in it can end its element.
   const place = document.createElement("script");
   place.id = PLACE;
