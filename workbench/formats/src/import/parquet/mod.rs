@@ -19,7 +19,7 @@ use super::mapping::cell::Cell;
 use super::mapping::{self, LoggedTable};
 use super::own_header::{own_header, put_column};
 use super::{ImportError, Importer};
-use flight_data::{Channel, Column, Flight, MAX_TIME_S, Note};
+use flight_data::{Column, Flight, MAX_TIME_S, Note};
 
 pub use error::ParquetError;
 
