@@ -66,7 +66,7 @@ mod tests {
             "flap",
             "time_s",
             "baro_alt_ft",
-            "GPS_alt_m",
+            "Baro_alt_m",
         ] {
             let note = put_column(&mut flight, name, column());
             assert!(note.is_some_and(|note| note.text().ends_with("left out")), "{name:?}");

@@ -75,15 +75,22 @@ fn samples(flight: &Flight, name: &str) -> Vec<(f64, f64)> {
     timed
 }
 
-/// The integral of a velocity and the change of a position over each window that both fill.
+/// The integral of a velocity and the change of a position over each window that both fill. Samples are in order of time; of others, or of
+/// times too great for seconds to be told apart, what comes after the first such is not looked at.
 pub(super) fn windows(velocity: &[(f64, f64)], position: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut found = Vec::new();
     let Some((mut start_s, _)) = velocity.first().copied() else { return found };
     let end_s = velocity.last().map_or(start_s, |last| last.0);
+    let mut looked_at = 0;
     while start_s + WINDOW_S <= end_s {
         let until_s = start_s + WINDOW_S;
         let first = velocity.partition_point(|sample| sample.0 < start_s);
         let last = velocity.partition_point(|sample| sample.0 <= until_s);
+        // Each window has a sample more than those before it: the next one is not farther off than a gap, or the window begins there.
+        if last <= looked_at {
+            break;
+        }
+        looked_at = last;
         let inside = velocity.get(first..last).unwrap_or_default();
         let ends = inside.first().zip(inside.last());
         if let Some(((from_s, _), (to_s, _))) = ends
@@ -233,6 +240,16 @@ mod tests {
         flight.set_channel(Channel::GpsVnMps, north);
         flight.extra.push(("latitude_deg".to_owned(), latitude));
         flight
+    }
+
+    /// A damaged clock may say anything; the windows of five seconds up to there would be looked for for years.
+    #[test]
+    fn times_that_are_none_end_the_windows() {
+        let position = [(0.0, 0.0), (1e17, 1.0)];
+        assert_eq!(windows(&[(1e17, 1.0); 3], &position), []);
+        assert_eq!(windows(&[(0.0, 1.0), (1e15, 1.0), (1.0, 1.0), (1e15, 1.0)], &position), []);
+        let seconds: Vec<(f64, f64)> = (0..60).map(|second| (f64::from(second), 1.0)).collect();
+        assert_eq!(windows(&seconds, &seconds).len(), 11);
     }
 
     #[test]

@@ -15,6 +15,8 @@ use super::blocks::{Heights, altitudes, median, median_interval_s};
 const FALL_S: f64 = 2.0;
 /// What it must come to, metres below the line that the flight went on before.
 const LEAST_FALL_M: f64 = 14.0;
+/// A free fall, and twice what steady flight may be off its line: more is no fall, but a sensor's jump.
+const MOST_FALL_M: f64 = 19.6 + 2.0 * STEADY_M;
 /// The second half of a fall has three times the way of the first; of a descent that was there before, the same.
 const LEAST_RATIO: f64 = 2.5;
 /// Steady for so long before, seconds.
@@ -22,9 +24,12 @@ const STEADY_S: f64 = 5.0;
 /// Steady flight is within this of a straight line, metres: the waves of turbulence and of a barometer's noise. An apogee's parabola is
 /// up to 15 m from one.
 const STEADY_M: f64 = 2.0;
-/// The fall has begun where it is this far below the line, metres, and so much earlier: what a free fall takes to come so far.
+/// The fall has begun where it is this far below the line, metres, and so much earlier: what a fall by four fifths of g takes to come so far.
 const BEGUN_M: f64 = 1.0;
-const BEGUN_S: f64 = 0.45;
+const BEGUN_S: f64 = 0.5;
+/// As [`LEAST_RATIO`], from there on. A descent that is there at once has at most 1.8 (its speed is at most that of [`MOST_FALL_M`] in 1.5 s), a
+/// fall 3: the geometric middle.
+const BEGUN_RATIO: f64 = 2.3;
 /// Heights at either end of the fall are medians over this much around, seconds: single wild ones are none.
 const AROUND_S: f64 = 0.15;
 /// Of a barometer that is slower than this the beginning of a fall can not be seen, seconds between samples.
@@ -104,7 +109,11 @@ fn fall(track: &Track, place: usize) -> Option<Drop> {
     let mut during = during.take_while(|time_s| *time_s <= at_s + FALL_S);
     let begun_s = during.find(|time_s| below_m(*time_s).is_some_and(|metres| metres > BEGUN_M))?;
     let from_s = (begun_s - BEGUN_S).max(at_s);
-    Some(Drop { from_s, fall_m: below_m(from_s + FALL_S).unwrap_or(last_m) })
+    // A descent that begins at once looks like a fall only from before its beginning, and what is faster than a fall is none.
+    let (middle_m, fall_m) = (below_m(from_s + FALL_S / 2.0)?, below_m(from_s + FALL_S)?);
+    let is_fall =
+        (LEAST_FALL_M..=MOST_FALL_M).contains(&fall_m) && fall_m - middle_m >= BEGUN_RATIO * middle_m;
+    is_fall.then_some(Drop { from_s, fall_m })
 }
 
 /// Height at the end and climb rate, m and m/s, of the straight line through the seconds before, if the flight was steady.
@@ -193,7 +202,8 @@ mod tests {
     fn a_drop_out_of_level_flight_and_from_a_rising_balloon_is_found_within_half_a_second() {
         for climb_mps in [0.0, 5.0, -2.0] {
             for share in [1.0, 0.8] {
-                let found = drop(&flown(dropped(climb_mps, share), &[])).unwrap();
+                let found = drop(&flown(dropped(climb_mps, share), &[]));
+                let Some(found) = found else { panic!("{climb_mps} {share}: none") };
                 assert!((found.from_s - 20.0).abs() <= 0.5, "{climb_mps} {share} {found:?}");
                 assert!((found.fall_m - 2.0 * share * G).abs() < 4.0, "{climb_mps} {share} {found:?}");
             }
@@ -203,7 +213,9 @@ mod tests {
     #[test]
     fn a_push_over_a_descent_an_apogee_and_a_wild_sample_are_none() {
         assert_eq!(drop(&flown(dropped(0.0, 0.5), &[])), None);
-        assert_eq!(drop(&flown(|time_s| 1_000.0 - 20.0 * (time_s - 20.0).max(0.0), &[])), None);
+        for sink_mps in [8.0, 10.0, 14.0, 20.0] {
+            assert_eq!(drop(&flown(|time_s| 1_000.0 - sink_mps * (time_s - 20.0).max(0.0), &[])), None);
+        }
         assert_eq!(drop(&flown(|time_s| 3_000.0 - 0.5 * G * (time_s - 20.0) * (time_s - 20.0), &[])), None);
         let wild = |time_s: f64| if (time_s - 22.0).abs() < 0.01 { 900.0 } else { 1_000.0 };
         assert_eq!(drop(&flown(wild, &[])), None);
