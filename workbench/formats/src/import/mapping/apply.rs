@@ -27,7 +27,7 @@ pub fn apply(table: &LoggedTable, mapping: &Mapping, name: &str) -> Result<(Flig
     let mut fillings = Vec::new();
     let mut used = vec![false; table.columns.len()];
     if let Some(column) = &base.column {
-        mark(&mut used, place(table, column).map_err(MappingError::TimeColumn)?);
+        mark(&mut used, time_place(table, column)?);
     }
     let fixes = fix_rows(table, mapping)?;
     let nowhere = nowhere(table, mapping);
@@ -65,7 +65,7 @@ pub fn apply(table: &LoggedTable, mapping: &Mapping, name: &str) -> Result<(Flig
                 Fault::from(MappingError::NoReference { name: name.to_string() })
             }
             CsvProblem::Missing { name, .. } => TableError::NoValue { name: name.to_string() }.into(),
-            other => MappingError::Flight(other).into(),
+            other => MappingError::Flight(Box::new(other)).into(),
         }
     })?;
     if let Some(epoch_s) = epoch_s {
@@ -138,10 +138,17 @@ fn place(table: &LoggedTable, column: &ColumnName) -> Result<usize, ColumnError>
     }
 }
 
+/// The place of the time's column, from 0.
+fn time_place(table: &LoggedTable, column: &ColumnName) -> Result<usize, MappingError> {
+    place(table, column).map_err(|error| MappingError::TimeColumn(Box::new(error)))
+}
+
 /// The place of a signal's column, from 0.
 fn signal_place(table: &LoggedTable, name: &str, signal: &Signal) -> Result<usize, MappingError> {
-    place(table, &signal.column)
-        .map_err(|error| MappingError::Signal { name: name.to_owned(), source: SignalError::Column(error) })
+    place(table, &signal.column).map_err(|error| {
+        let source = Box::new(SignalError::Column(error));
+        MappingError::Signal { name: name.to_owned(), source }
+    })
 }
 
 /// The time of each row, seconds by the log's own clock; NaN where there is none.
@@ -151,7 +158,7 @@ fn seconds(table: &LoggedTable, base: &TimeBase) -> Result<Vec<f64>, Fault> {
         let rate_hz = base.rate_hz.unwrap_or(1.0);
         return Ok((0..rows).map(|row| row as f64 / rate_hz).collect());
     };
-    let column = place(table, column).map_err(MappingError::TimeColumn)?;
+    let column = time_place(table, column)?;
     let Some(cells) = table.columns.get(column) else { return Ok(Vec::new()) };
     let is_number = cells.numbers >= cells.clocks + cells.dates;
     let unit = base.unit.as_deref().and_then(|unit| Quantity::Time.unit(unit));

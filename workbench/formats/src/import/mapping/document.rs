@@ -212,7 +212,8 @@ impl Signal {
         if !is_a_name {
             return Err(MappingError::SignalName(name.to_owned()));
         }
-        self.check_conversion(name).map_err(|source| MappingError::Signal { name: name.to_owned(), source })
+        self.check_conversion(name)
+            .map_err(|source| MappingError::Signal { name: name.to_owned(), source: Box::new(source) })
     }
 
     fn check_conversion(&self, name: &str) -> Result<(), SignalError> {

@@ -101,7 +101,7 @@ pub enum MappingError {
     UnitOfClock(String),
     /// The time's column.
     #[error("[time] {0}")]
-    TimeColumn(#[source] ColumnError),
+    TimeColumn(#[source] Box<ColumnError>),
     /// There is no such separator.
     #[error("[file] separator is '{0}', expected \",\", \";\", \"tab\", \"|\" or \"spaces\"")]
     Separator(String),
@@ -131,7 +131,7 @@ pub enum MappingError {
         /// Its name.
         name: String,
         /// What is wrong with it.
-        source: SignalError,
+        source: Box<SignalError>,
     },
     /// A signal that every flight has is missing.
     #[error("[signals] has no {name}, expected the reference's altitude among them")]
@@ -141,7 +141,7 @@ pub enum MappingError {
     },
     /// The signals make no flight.
     #[error("[signals]: {0}")]
-    Flight(#[source] CsvProblem),
+    Flight(#[source] Box<CsvProblem>),
 }
 
 /// What is wrong with a signal of a mapping.
