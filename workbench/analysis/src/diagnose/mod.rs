@@ -58,6 +58,7 @@ mod rivals;
 mod roughness;
 mod search;
 mod series;
+mod shape_error;
 mod signals;
 mod simplicity;
 mod smoothed_climb;

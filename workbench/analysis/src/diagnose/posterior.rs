@@ -26,12 +26,12 @@ use super::suspects::Suspects;
 use crate::progress::{Cancelled, Progress, step};
 
 /// The power of the likelihood: by the reliability diagram of `cargo xtask real-trials --half development`.
-const POWER: f64 = 0.7;
+pub(super) const POWER: f64 = 0.7;
 /// The share of what the effects explain (squares) that formulas and signals make wrong: as the power of the likelihood falls with it, what
 /// an effect leaves because it is not quite as its formula says is not another effect's.
 const SHAPE: f64 = 0.01;
 /// The chance of an effect to act, beforehand.
-const INCLUSION: f64 = 0.1;
+pub(super) const INCLUSION: f64 = 0.1;
 /// Sets are looked at while their weight is not so many times (natural logarithm) below the best one's: 0.2 %.
 const WINDOW: f64 = 6.0;
 /// Sets whose noise is fitted in a round, and rounds.
