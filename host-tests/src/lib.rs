@@ -10,4 +10,5 @@ pub mod laws;
 pub mod monitor_curves;
 pub mod real_logs;
 pub mod real_trials;
+pub mod reliability;
 pub mod textbook;

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use anyhow::Context as _;
 use clap::Parser;
-use host_tests::blind::{Case, Kind, Plan, Trial, draw, fly, improvement, run, table};
+use host_tests::blind::{Case, Kind, Plan, Trial, draw, fly, improvement, reliability, run, table};
 use host_tests::confusion::confusion;
 use indicatif::{ProgressBar, ProgressStyle};
 use model::Model;
@@ -110,11 +110,12 @@ fn main() -> anyhow::Result<()> {
     }
     let improvements: Vec<_> = trials.iter().filter_map(|trial| trial.improvement).collect();
     println!(
-        "{} trials flown (seeds {} to {}), {unflown} plans that the aircraft can't fly\n\n{}\n{}\n{}",
+        "{} trials flown (seeds {} to {}), {unflown} plans that the aircraft can't fly\n\n{}\n{}\n{}\n{}",
         trials.len(),
         arguments.seed,
         end - 1,
         table(&trials),
+        reliability(&trials),
         improvement::lines(&improvements),
         confusion(&trials)
     );

@@ -8,10 +8,12 @@ pub(crate) mod draw;
 pub(crate) mod flight;
 pub mod improvement;
 mod outside;
+mod reliability;
 mod score;
 mod trial;
 
 pub use draw::{Case, Kind, Plan, draw};
 pub use flight::fly;
+pub use reliability::reliability;
 pub use score::{Score, Share, table};
 pub use trial::{Trial, run};

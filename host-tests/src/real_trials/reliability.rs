@@ -1,11 +1,7 @@
-//! Whether probabilities are right: of the effects that are said with some probability, how many act.
-
-use std::fmt::Write as _;
+//! Whether the probabilities of these trials are right.
 
 use super::trial::{Case, Outcome};
-
-/// Bounds of the probabilities that are counted together.
-const BOUNDS: [f64; 7] = [0.01, 0.1, 0.5, 0.9, 0.95, 0.99, 1.0];
+use crate::reliability::diagram;
 
 /// The effects of flights whose truth is known (made of a track, with one effect or without), by the probability that was said of each.
 #[must_use]
@@ -19,40 +15,5 @@ pub fn reliability(outcomes: &[Outcome]) -> String {
         };
         said.extend(outcome.probabilities().into_iter().map(|(effect, p)| (p, Some(effect) == acts)));
     }
-    if said.is_empty() {
-        return "no probability was said of a flight whose truth is known\n".to_owned();
-    }
-    let mut text = format!("{:<24} {:>8} {:>10} {:>8}\n", "probability said", "effects", "mean", "act");
-    for bounds in BOUNDS.windows(2) {
-        let is_last = bounds[1] == 1.0;
-        let within: Vec<&(f64, bool)> =
-            said.iter().filter(|(p, _)| *p >= bounds[0] && (*p < bounds[1] || is_last)).collect();
-        let count = within.len();
-        let name = format!("{:.0} to {:.0} %", 100.0 * bounds[0], 100.0 * bounds[1]);
-        if count == 0 {
-            let _ = writeln!(text, "{name:<24} {count:>8} {:>10} {:>8}", "-", "-");
-            continue;
-        }
-        let mean = within.iter().map(|(p, _)| p).sum::<f64>() / count as f64;
-        let acts = within.iter().filter(|(_, acts)| *acts).count() as f64 / count as f64;
-        let _ = writeln!(text, "{name:<24} {count:>8} {:>8.1} % {:>6.1} %", 100.0 * mean, 100.0 * acts);
-    }
-    let brier = |of: &dyn Fn(f64) -> f64| {
-        let squares = said.iter().map(|(p, acts)| (of(*p) - f64::from(u8::from(*acts))).powi(2));
-        squares.sum::<f64>() / said.len() as f64
-    };
-    let _ = writeln!(
-        text,
-        "Brier score {:.4}; with 95 % and 5 % rounded to yes and no {:.4}; with no to all {:.4}",
-        brier(&|p| p),
-        brier(&|p| if p >= 0.95 {
-            1.0
-        } else if p <= 0.05 {
-            0.0
-        } else {
-            p
-        }),
-        brier(&|_| 0.0)
-    );
-    text
+    diagram(&said)
 }

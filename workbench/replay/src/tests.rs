@@ -197,14 +197,14 @@ fn a_given_take_off_and_landing_go_before_what_is_found() {
     let interval = replay.extent().interval().unwrap();
     assert_eq!((interval.take_off_s, interval.landing_s), (Some(40.0), Some(80.0)));
     let CalibrationSource::Quiet(stretch) = replay.source() else { panic!("{}", replay.source()) };
-    assert!(stretch.is_on_ground && stretch.window.end_s <= 40.0, "{stretch}");
+    assert!(stretch.place == Place::Ground && stretch.window.end_s <= 40.0, "{stretch}");
     let last_us = replay.inputs().map(|input| input.time_us).max().unwrap();
     assert_eq!(last_us, 80_000_000, "a row at the landing belongs to the flight");
     let said = Usage::of(&replay).lines().join("; ");
     assert!(said.contains("those given") && said.contains("after the landing"), "{said}");
     // One that is in the air when the log begins has no ground before it.
     let replay = Replay::new(&flight, &Model::default(), given(None, "..80")).unwrap();
-    assert!(!matches!(replay.source(), CalibrationSource::Quiet(QuietStretch { is_on_ground: true, .. })));
+    assert!(!matches!(replay.source(), CalibrationSource::Quiet(QuietStretch { place: Place::Ground, .. })));
     // A diagnosis goes by it as well, and a window of the user's may lie before.
     let replay = Replay::to_diagnose(&flight, &Model::default(), given(Some("5..30"), "40..80")).unwrap();
     assert_eq!(replay.inputs().map(|input| input.time_us).max(), Some(80_000_000));

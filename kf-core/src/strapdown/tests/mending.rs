@@ -178,7 +178,7 @@ fn a_gap_that_the_launch_leaves_no_time_to_mend_is_mended_after_it() {
         rig.tick += 199;
         rig.step(&rest());
         rig.channel.climb_rate.add(1.5);
-        fly_on(&mut rig, captive_s, |_| Some(1_000.0));
+        fly(&mut rig, captive_s, |_| Some(1_000.0));
         rig.channel.hold();
         assert_eq!(rig.channel.is_mending(), is_mended_later, "{captive_s} s");
         // It was no launch, and then it is one.

@@ -92,10 +92,11 @@ pub struct SensorDiagnosis {
     pub verdict: Verdict,
     /// Ids of the effects that are missing for sure, the strongest first.
     pub missing: Vec<Name>,
-    /// Sets of ids: of each set, one acts, and the flights can't tell which. The most probable comes first; where the
-    /// climb rate is not measured, those below 5 % are not listed, but for the second.
+    /// Sets of ids: of each set, one acts, and the flights can't tell which. The most probable comes first; those
+    /// below 5 % are not listed, but for the second.
     pub indistinguishable: Vec<Vec<Name>>,
-    /// How probable each of a set is to be the one that acts, in the order of `indistinguishable`; together one.
+    /// How probable each of a set is to be the one that acts, in the order of `indistinguishable`; what they lack
+    /// to one is of those that are not listed.
     pub probabilities: Vec<Vec<f64>>,
     /// Every effect that was tried, the chosen ones first and then by their p-value.
     pub candidates: Vec<CandidateFacts>,
@@ -129,7 +130,7 @@ pub struct CandidateFacts {
     /// Its unit.
     pub unit: Name,
     /// The probability that it acts, beside what else may: of the sets of effects that explain the flights, those that have it. Where
-    /// the climb rate is measured only the members of a set have one, their share of it.
+    /// the climb rate is measured only what is identified and the members of a set have one: in that place.
     #[serde(default)]
     pub probability: Option<f64>,
     /// Chance of as strong a fit if the effect did not act, times the number of effects tried.

@@ -138,6 +138,21 @@ impl Information {
         })
     }
 
+    /// The least-squares coefficients of a combination of the columns (one factor a column) on some of them; `None` where these can't be
+    /// told apart.
+    #[must_use]
+    pub fn regression(&self, combination: &[f64], on: &[usize]) -> Option<Vec<f64>> {
+        let mut of = self.clone();
+        let along = |column: usize| {
+            let terms = combination.iter().enumerate();
+            terms.map(|(other, factor)| factor * self.gram[(column + 1, other + 1)]).sum::<f64>()
+        };
+        for column in on {
+            of.gram[(column + 1, 0)] = along(*column);
+        }
+        of.solve(on).map(|solution| solution.coefficients)
+    }
+
     /// As [`Self::solve`], with what is believed of each column's coefficient beforehand, as a sigma about zero.
     #[must_use]
     pub fn solve_with_prior(&self, columns: &[usize], sigmas: &[f64]) -> Option<Solution> {

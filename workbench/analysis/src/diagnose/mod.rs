@@ -62,6 +62,7 @@ mod rivals;
 mod roughness;
 mod search;
 mod series;
+mod shape_error;
 mod signals;
 mod simplicity;
 #[cfg(test)]

@@ -24,7 +24,6 @@ use super::posterior;
 use super::problem::{Known, Problem};
 use super::rivals;
 use super::roughness::{scale, unsteadiness};
-use super::simplicity::ROUGH_SHAPE;
 use super::wind;
 use super::work::{Judged, judged};
 use crate::progress::{Cancelled, Progress};
@@ -67,6 +66,12 @@ struct Set {
     place: usize,
     members: Vec<(EffectId, f64, Option<usize>)>,
 }
+
+/// The share of what an effect explains (squares) by which its shape is taken to be wrong, over the whole flight: more than `rivals.rs` takes,
+/// which knows where in the flight two effects differ. What a plan is said to tell apart is rather too little than too much.
+const SHAPE: f64 = 0.03;
+/// The same where a regressor is only roughly known.
+const ROUGH_SHAPE: f64 = 0.1;
 
 /// How much a sum of squares counts: the less, the more the effects explain.
 #[derive(Clone, Copy, Debug)]
@@ -167,7 +172,7 @@ impl Planner {
         let tempering = if findings.posterior.is_some() {
             Tempering { base: 1.0 / posterior::POWER, shape: posterior::SHAPE }
         } else {
-            Tempering { base: 1.0, shape: if is_rough { ROUGH_SHAPE } else { rivals::SHAPE } }
+            Tempering { base: 1.0, shape: if is_rough { ROUGH_SHAPE } else { SHAPE } }
         };
         let noise = findings.explanation.fit.noise;
         Some(Self {

@@ -31,7 +31,7 @@ pub const POWER: f64 = 0.7;
 /// an effect leaves because it is not quite as its formula says is not another effect's.
 pub const SHAPE: f64 = 0.01;
 /// The chance of an effect to act, beforehand.
-const INCLUSION: f64 = 0.1;
+pub(super) const INCLUSION: f64 = 0.1;
 /// Sets are looked at while their weight is not so many times (natural logarithm) below the best one's: 0.2 %.
 const WINDOW: f64 = 6.0;
 /// Sets whose noise is fitted in a round, and rounds.

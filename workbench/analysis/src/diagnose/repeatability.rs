@@ -9,7 +9,7 @@ use super::whitener::whiten;
 use nalgebra::DMatrix;
 
 /// Parts into which a flight is cut.
-const PARTS: usize = 10;
+pub(super) const PARTS: usize = 10;
 /// A coefficient may differ by this share from part to part without its formula being wrong.
 const SHAPE: f64 = 0.1;
 /// Beyond this, the spread over the parts is not chance: 99 % of chi-squared of 9 over 9.

@@ -1,18 +1,31 @@
 //! Which candidates could stand in an explanation's place, and how probable each of them is.
 
+use std::collections::BTreeMap;
+
+use kf_core::effect::EffectId;
+
+use super::coefficient_prior::CoefficientPrior;
 use super::information::{Information, Solution};
-use super::problem::Problem;
+use super::noise::Noise;
+use super::posterior::{INCLUSION, POWER};
+use super::problem::{NoiseFit, Problem};
 use super::search::{Explanation, Search};
 use super::series::BySensor;
-use super::simplicity::ROUGH_SHAPE;
+use super::shape_error::exposure;
 use super::suspects::Suspects;
 
-/// A candidate stands in for another where it explains all but this share of what the other explains
-/// (squares). Regressors are made of measured signals, aligned to some hundredths of a second, by formulas that leave
-/// terms out: their shape is known to some 15 to 20 %, and no statistics make it better.
-pub const SHAPE: f64 = 0.03;
-/// Twice the log likelihood by which it must be worse to be excluded: odds of 150 to 1.
-const CLEARLY_WORSE: f64 = 10.0;
+/// The share (squares) by which the shape of what an effect puts into a tenth of a flight is wrong.
+const SHAPE: f64 = 0.01;
+/// The same where a regressor is only roughly known.
+const ROUGH_SHAPE: f64 = 0.03;
+/// A pair of candidates is looked at where it leaves less by this than the chosen effect does, in squares under the chosen noise.
+const CLEARLY_BETTER: f64 = 10.0;
+/// So many pairs at most, the best ones, get a noise of their own.
+const PAIRS: usize = 3;
+/// Beyond so many squares, and [`HOPELESS`] of what the chosen one explains, its own noise does not make a rival of a candidate.
+const FAR: f64 = 100.0;
+/// The share.
+const HOPELESS: f64 = 0.7;
 
 /// The candidates that could act in place of one that was chosen.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,53 +52,35 @@ impl Rivals {
     }
 }
 
-/// A candidate in the place of a chosen one.
-struct Stand {
-    column: usize,
-    /// Natural logarithm of its posterior probability but for a constant that all of one place share.
-    log_weight: f64,
-    /// Whether it can't be excluded; of the chosen effect's own columns, whether it is the chosen one.
-    is_rival: bool,
-}
-
-/// Finds the rivals of every chosen column.
+/// Finds the rivals of every chosen column; by `inflation` the variance of each one's coefficient is larger than its fit's.
 pub fn rivals(
     search: &mut Search<'_>,
     suspects: &Suspects<'_>,
     problem: &Problem<'_>,
     chosen: &Explanation,
+    inflation: &[f64],
 ) -> Vec<Rivals> {
     let information = suspects.information(problem, &chosen.fit.noise);
     let weights = problem.weight_of_white(&chosen.fit.noise);
-    let at = suspects.positions(&chosen.columns);
-    let Some(best) = information.solve(&at) else { return Vec::new() };
-    let is_rough = chosen.columns.iter().any(|column| suspects.is_rough(*column));
-    let explained_by_all = (information.total() - best.rest).max(0.0);
+    let Some(best) = information.solve(&suspects.positions(&chosen.columns)) else { return Vec::new() };
     let mut all = Vec::new();
-    for column in &chosen.columns {
+    for (k, column) in chosen.columns.iter().enumerate() {
         let without: Vec<usize> = chosen.columns.iter().copied().filter(|other| other != column).collect();
         let kept = suspects.positions(&without);
         let explained = information.solve(&kept).map_or(0.0, |solution| solution.rest - best.rest);
         let place = Place {
             suspects,
+            problem,
             chosen,
             information: &information,
             weights: &weights,
+            column: *column,
             without: &without,
             best_rest: best.rest,
             explained,
-            is_rough,
-            explained_by_all,
+            power: POWER.min(1.0 / inflation.get(k).copied().unwrap_or(1.0)),
         };
-        let mut stands: Vec<Stand> = Vec::new();
-        for other in suspects.usable().iter().copied() {
-            let is_beside = without.iter().any(|column| suspects.same_effect(*column, other));
-            if !is_beside && let Some(stand) = place.stand(search, other, other == *column) {
-                stands.push(stand);
-            }
-        }
-        place.add_pairs(&mut stands);
-        all.push(place.rivals(*column, &stands));
+        all.push(place.rivals(search));
     }
     all
 }
@@ -93,118 +88,40 @@ pub fn rivals(
 /// The place of one chosen column.
 struct Place<'a> {
     suspects: &'a Suspects<'a>,
+    problem: &'a Problem<'a>,
     chosen: &'a Explanation,
     information: &'a Information,
     weights: &'a BySensor,
+    column: usize,
     without: &'a [usize],
     best_rest: f64,
     explained: f64,
-    /// Whether a chosen regressor is only roughly known.
-    is_rough: bool,
-    /// Squares that all chosen columns explain together.
-    explained_by_all: f64,
+    /// The power of the likelihood where shapes have no errors.
+    power: f64,
 }
 
 impl Place<'_> {
-    /// A candidate in this place; `None` where nature does not allow what it would have to be.
-    fn stand(&self, search: &mut Search<'_>, other: usize, is_chosen: bool) -> Option<Stand> {
-        let mut set = self.without.to_vec();
-        set.push(other);
-        let solution = self.information.solve(&self.suspects.positions(&set))?;
-        if !is_chosen && !self.suspects.is_possible(&set, &solution) {
-            return None;
+    fn rivals(&self, search: &mut Search<'_>) -> Rivals {
+        // An effect's weight: the column of it that the logarithm is of, and the logarithm against the chosen effect's.
+        let mut found: BTreeMap<EffectId, (f64, usize)> = BTreeMap::new();
+        for effect in self.others() {
+            if let Some((log_weight, column)) = self.of_effect(search, effect) {
+                found.insert(effect, (log_weight, column));
+            }
         }
-        let mut worse = self.suspects.rest_but_noise(self.information, self.weights, &set)? - self.best_rest;
-        let shape = if self.suspects.is_rough(other) { ROUGH_SHAPE } else { SHAPE };
-        let mut is_rival = worse < shape * self.explained || worse < CLEARLY_WORSE;
-        // Its own noise may suit it better; what that can gain is less than what is missing by far if
-        // it explains next to nothing.
-        let is_hopeless = worse > 0.7 * self.explained && worse > 10.0 * CLEARLY_WORSE;
-        if !is_rival && !is_hopeless {
-            set.sort_unstable();
-            let fit = search.fit(&set, &self.chosen.fit.values);
-            let behind = self.chosen.fit.twice_log_posterior - fit.twice_log_posterior;
-            is_rival = behind < CLEARLY_WORSE;
-            worse = worse.min(behind);
-        }
-        Some(Stand { column: other, log_weight: self.log_weight(other, worse, &solution), is_rival })
-    }
-
-    /// Logarithm of the marginal likelihood with a uniform prior over what nature allows (Laplace's method), for a regressor
-    /// whose shape is known but for a share of its square: of what true effects explain, theirs and those beside them, as
-    /// much is left in the mean as that share of it, beside the one that chance leaves.
-    fn log_weight(&self, column: usize, worse: f64, solution: &Solution) -> f64 {
-        let shape = if self.is_rough || self.suspects.is_rough(column) { ROUGH_SHAPE } else { SHAPE };
-        let left = 1.0 + 0.5 * shape * self.explained_by_all;
-        let [least, most] = self.suspects.range(column);
-        let sigma = solution.covariance.last().map_or(f64::INFINITY, |variance| variance.sqrt());
-        let occam = libm::log((sigma / (most - least)).min(1.0));
-        -0.5 * worse.max(0.0) / left + occam
-    }
-
-    /// Two candidates that together fit better than the chosen one does are no worse an explanation for
-    /// being two, unless the chosen one is there too; but the second must pay as every effect does. Nor are they a better one here: the
-    /// search has weighed them, and a set that lists one of the two alone must not push out the chosen one.
-    fn add_pairs(&self, stands: &mut Vec<Stand>) {
-        let chosen = &self.chosen.columns;
-        let usable: Vec<usize> = self
-            .suspects
-            .usable()
-            .iter()
-            .copied()
-            .filter(|other| !chosen.iter().any(|column| self.suspects.same_effect(*column, *other)))
-            .collect();
-        let own = stands.iter().filter(|stand| chosen.contains(&stand.column));
-        let of_chosen = own.map(|stand| stand.log_weight).fold(f64::NEG_INFINITY, f64::max);
-        for (k, a) in usable.iter().enumerate() {
-            for b in &usable[k + 1..] {
-                if self.suspects.same_effect(*a, *b) {
-                    continue;
-                }
-                let set: Vec<usize> = self.without.iter().copied().chain([*a, *b]).collect();
-                if let Some(solution) = self.information.solve(&self.suspects.positions(&set))
-                    && solution.rest < self.best_rest - CLEARLY_WORSE
-                    && self.suspects.is_possible(&set, &solution)
-                {
-                    let worse = solution.rest - self.best_rest + self.suspects.penalty();
-                    let log_weight = of_chosen - 0.5 * worse.max(0.0);
-                    for column in [*a, *b] {
-                        stands.push(Stand { column, log_weight, is_rival: true });
-                    }
+        for (log_weight, pair) in self.pairs(search) {
+            for column in pair {
+                let slot = found.entry(self.effect(column)).or_insert((log_weight, column));
+                if log_weight > slot.0 {
+                    *slot = (log_weight, column);
                 }
             }
         }
-    }
-
-    /// The other effects that can't be excluded, with their odds.
-    fn rivals(&self, column: usize, stands: &[Stand]) -> Rivals {
-        // An effect's time constants are as probable as each other beforehand; a pair's weight is each of the two's.
-        let best = |column: usize| {
-            let own = || stands.iter().filter(|stand| self.suspects.same_effect(stand.column, column));
-            let best = own().max_by(|a, b| a.log_weight.total_cmp(&b.log_weight))?;
-            let columns = self
-                .suspects
-                .usable()
-                .iter()
-                .filter(|other| self.suspects.same_effect(**other, column))
-                .count();
-            let sum: f64 = own().map(|stand| libm::exp(stand.log_weight - best.log_weight)).sum();
-            Some((best.column, best.log_weight + libm::log((sum / columns.max(1) as f64).min(1.0))))
-        };
-        let of_chosen = best(column).map_or(0.0, |(_, log_weight)| log_weight);
-        let mut found: Vec<(f64, usize)> = Vec::new();
-        for stand in stands.iter().filter(|stand| stand.is_rival) {
-            let is_known = found.iter().any(|(_, seen)| self.suspects.same_effect(*seen, stand.column));
-            if self.suspects.same_effect(stand.column, column) || is_known {
-                continue;
-            }
-            if let Some((best, log_weight)) = best(stand.column) {
-                found.push((libm::exp(log_weight - of_chosen), best));
-            }
-        }
+        let mut found: Vec<(f64, usize)> =
+            found.into_values().map(|(log_weight, column)| (libm::exp(log_weight), column)).collect();
         found.sort_by(|a, b| b.0.total_cmp(&a.0));
         let mut rivals = Rivals {
-            column,
+            column: self.column,
             others: Vec::new(),
             odds: Vec::new(),
             explained: self.explained,
@@ -215,5 +132,159 @@ impl Place<'_> {
             rivals.add(other, odds);
         }
         rivals
+    }
+
+    fn effect(&self, column: usize) -> EffectId {
+        self.suspects.candidate(column).effect()
+    }
+
+    /// The effects that are not chosen.
+    fn others(&self) -> Vec<EffectId> {
+        let is_chosen =
+            |effect: &EffectId| self.chosen.columns.iter().any(|column| self.effect(*column) == *effect);
+        let mut effects: Vec<EffectId> =
+            self.suspects.usable().iter().map(|column| self.effect(*column)).collect();
+        effects.sort_unstable();
+        effects.dedup();
+        effects.retain(|effect| !is_chosen(effect));
+        effects
+    }
+
+    /// The weight of another effect in this place against the chosen column, and its best column. How many time constants are tried does
+    /// not count against it, as little as how far its coefficient may reach, because the likelihood that would pay for it is
+    /// weakened. `None` where nature does not allow what it would have to be.
+    fn of_effect(&self, search: &mut Search<'_>, effect: EffectId) -> Option<(f64, usize)> {
+        let mut worse: Vec<(f64, usize)> = Vec::new();
+        for column in self.suspects.usable().iter().copied().filter(|column| self.effect(*column) == effect) {
+            let set = self.with(&[column]);
+            let Some(solution) = self.information.solve(&self.suspects.positions(&set)) else { continue };
+            if self.suspects.is_possible(&set, &solution) {
+                let rest = self.suspects.rest_but_noise(self.information, self.weights, &set)?;
+                worse.push((rest - self.best_rest, column));
+            }
+        }
+        let (least, best) = worse.iter().copied().min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let set = self.with(&[best]);
+        let is_hopeless = least > HOPELESS * self.explained && least > FAR;
+        let (behind, power) = if is_hopeless {
+            (least, self.tempered(&self.chosen.fit.noise, &set, &[self.column]))
+        } else {
+            let fit = search.fit(&set, &self.chosen.fit.values);
+            let behind = self.chosen.fit.twice_log_posterior - fit.twice_log_posterior;
+            (behind.max(0.0), self.tempered(&fit.noise, &set, &[self.column]))
+        };
+        Some((-0.5 * power * behind, best))
+    }
+
+    /// The columns beside this place and these, ascending.
+    fn with(&self, columns: &[usize]) -> Vec<usize> {
+        let mut set: Vec<usize> = self.without.iter().copied().chain(columns.iter().copied()).collect();
+        set.sort_unstable();
+        set
+    }
+
+    /// The power of the likelihood of a set with further columns against that set alone, if it is right.
+    fn tempered(&self, noise: &Noise, set: &[usize], further: &[usize]) -> f64 {
+        let exposure = exposure(self.problem, noise, set, further).unwrap_or_default();
+        let of_shapes: f64 =
+            set.iter().zip(exposure).map(|(column, exposure)| self.shape(*column) * exposure).sum();
+        1.0 / (1.0 / self.power + of_shapes)
+    }
+
+    fn shape(&self, column: usize) -> f64 {
+        if self.suspects.is_rough(column) { ROUGH_SHAPE } else { SHAPE }
+    }
+
+    /// Two candidates that together fit better than the chosen one does are no worse an explanation for being two; but the second must pay as
+    /// every effect does: its inclusion, and what is believed of its coefficient. Where one of them beside the chosen one is worth that
+    /// too, the pair stands against these two. Nor are they a better explanation here: the search has weighed them, and a set that lists one of
+    /// the two alone must not push out the chosen one.
+    fn pairs(&self, search: &mut Search<'_>) -> Vec<(f64, [usize; 2])> {
+        let others = self.others();
+        let usable: Vec<usize> = self
+            .suspects
+            .usable()
+            .iter()
+            .copied()
+            .filter(|column| others.contains(&self.effect(*column)))
+            .collect();
+        let mut better: Vec<(f64, [usize; 2], Solution)> = Vec::new();
+        for (k, a) in usable.iter().enumerate() {
+            for b in &usable[k + 1..] {
+                if self.suspects.same_effect(*a, *b) {
+                    continue;
+                }
+                let set: Vec<usize> = self.without.iter().copied().chain([*a, *b]).collect();
+                if let Some(solution) = self.information.solve(&self.suspects.positions(&set))
+                    && solution.rest < self.best_rest - CLEARLY_BETTER
+                    && self.suspects.is_possible(&set, &solution)
+                {
+                    better.push((solution.rest, [*a, *b], solution));
+                }
+            }
+        }
+        better.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut pairs: Vec<(f64, [usize; 2])> = Vec::new();
+        for (_, pair, solution) in better {
+            let is_known = |other: &[usize; 2]| (0..2).all(|k| self.suspects.same_effect(other[k], pair[k]));
+            if pairs.len() == PAIRS || pairs.iter().any(|(_, other)| is_known(other)) {
+                continue;
+            }
+            pairs.push((self.of_pair(search, pair, &solution), pair));
+        }
+        pairs
+    }
+
+    /// The weight of a pair with that solution (the pair's coefficients last) against the chosen column.
+    fn of_pair(&self, search: &mut Search<'_>, pair: [usize; 2], solution: &Solution) -> f64 {
+        let chosen = &self.chosen.fit;
+        let set = self.with(&pair);
+        let fit = search.fit(&set, &chosen.values);
+        // The chosen one with one of the pair, if it is worth it.
+        let mut beside: Option<(f64, usize, NoiseFit)> = None;
+        for column in pair {
+            let columns = self.with(&[self.column, column]);
+            let Some(solution) = self.information.solve(&self.suspects.positions(&columns)) else { continue };
+            if !self.suspects.is_possible(&columns, &solution) {
+                continue;
+            }
+            let fit = search.fit(&columns, &chosen.values);
+            let ahead = fit.twice_log_posterior - chosen.twice_log_posterior;
+            let at = columns.iter().position(|other| *other == column).unwrap_or_default();
+            let worth = 0.5 * self.tempered(&chosen.noise, &self.chosen.columns, &[column]) * ahead
+                + self.price(column, &solution, at);
+            if worth > beside.as_ref().map_or(0.0, |(most, ..)| *most) {
+                beside = Some((worth, column, fit));
+            }
+        }
+        let (against, right, further, price) = match &beside {
+            Some((_, column, with)) => {
+                let further = pair.iter().copied().filter(|other| other != column).collect();
+                (with, self.with(&[self.column, *column]), further, 0.0)
+            }
+            None => {
+                let n = set.len();
+                let price = self.price(pair[0], solution, n - 2).max(self.price(pair[1], solution, n - 1));
+                (chosen, self.chosen.columns.clone(), pair.to_vec(), price)
+            }
+        };
+        let ahead = fit.twice_log_posterior - against.twice_log_posterior;
+        let power = if ahead > 0.0 {
+            self.tempered(&against.noise, &right, &further)
+        } else {
+            self.tempered(&fit.noise, &set, &[self.column])
+        };
+        (0.5 * power * ahead + price).min(0.0)
+    }
+
+    /// What another effect pays (the logarithm of its prior odds and of Occam's factor): its coefficient stands at that place of a solution.
+    fn price(&self, column: usize, solution: &Solution, at: usize) -> f64 {
+        let n = solution.coefficients.len();
+        let variance = solution.covariance[at * n + at];
+        let effect = self.effect(column);
+        let prior = CoefficientPrior::of(effect, effect.plausible().map(f64::from));
+        prior.log_density(solution.coefficients[at], variance)
+            + 0.5 * libm::log(2.0 * std::f64::consts::PI * variance)
+            + libm::log(INCLUSION / (1.0 - INCLUSION))
     }
 }

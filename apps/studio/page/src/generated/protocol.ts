@@ -256,7 +256,7 @@ sigma: number,
 unit: string, 
 /**
  * The probability that it acts, beside what else may: of the sets of effects that explain the flights, those that have it. Where
- * the climb rate is measured only the members of a set have one, their share of it.
+ * the climb rate is measured only what is identified and the members of a set have one: in that place.
  */
 probability: number | null, 
 /**
@@ -2727,12 +2727,13 @@ verdict: Verdict,
  */
 missing: Array<string>, 
 /**
- * Sets of ids: of each set, one acts, and the flights can't tell which. The most probable comes first; where the
- * climb rate is not measured, those below 5 % are not listed, but for the second.
+ * Sets of ids: of each set, one acts, and the flights can't tell which. The most probable comes first; those
+ * below 5 % are not listed, but for the second.
  */
 indistinguishable: Array<Array<string>>, 
 /**
- * How probable each of a set is to be the one that acts, in the order of `indistinguishable`; together one.
+ * How probable each of a set is to be the one that acts, in the order of `indistinguishable`; what they lack
+ * to one is of those that are not listed.
  */
 probabilities: Array<Array<number>>, 
 /**

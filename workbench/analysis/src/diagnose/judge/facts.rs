@@ -137,12 +137,12 @@ impl Judge<'_> {
         })
     }
 
-    /// The probability that an effect acts: by the sets of effects, or else as one of those that can't be told apart.
+    /// The probability that an effect acts: by the sets of effects, or else as one of those that may stand in a chosen one's place.
     fn probability(&self, findings: &Findings, effect: EffectId) -> Option<f64> {
         if let Some(posterior) = &findings.posterior {
             return Some(posterior.inclusion(effect));
         }
-        let sets = findings.rivals.iter().map(|rivals| self.set(rivals)).filter(|set| set.len() > 1);
+        let sets = findings.rivals.iter().map(|rivals| self.set(rivals));
         let own = sets.flatten().filter(|(other, _)| *other == effect).map(|(_, probability)| probability);
         own.max_by(f64::total_cmp)
     }

@@ -25,6 +25,7 @@ use super::search::{Explanation, Search};
 use super::simplicity::simpler;
 use super::suspects::Suspects;
 use super::unknown;
+use crate::name::Name;
 use crate::progress::{Cancelled, Progress, step};
 
 /// A coefficient whose parts differ by more than this, in mean squares of what they should, comes from a
@@ -47,7 +48,7 @@ const STAND_INS: [(EffectId, EffectId); 4] = [
 /// The least probability at which an effect is a suspect: odds of 19 to 1.
 pub(super) const SUSPECT: f64 = 0.05;
 
-/// The probability from which on an effect is identified, where sets of effects have probabilities.
+/// The probability from which on an effect is identified.
 const IDENTIFIED: f64 = 0.95;
 
 pub(crate) struct Judge<'a> {
@@ -121,15 +122,15 @@ impl Judge<'_> {
             step(progress)?;
             explanation = Explanation { columns, fit };
         }
+        let repeat = repeatability(self.problem, &explanation.fit.noise, &explanation.columns);
+        let inflation = self.inflation(&explanation, &repeat);
         let rivals = if let Some(posterior) = &posterior {
             self.rivals_by(posterior, &explanation)
         } else {
-            let mut rivals = rivals(search, self.suspects, self.problem, &explanation);
+            let mut rivals = rivals(search, self.suspects, self.problem, &explanation, &inflation);
             self.merge_cancelling(&explanation, &mut rivals);
             rivals
         };
-        let repeat = repeatability(self.problem, &explanation.fit.noise, &explanation.columns);
-        let inflation = self.inflation(&explanation, &repeat);
         let information = self.suspects.information(self.problem, &explanation.fit.noise);
         let findings = Findings { explanation, information, rivals, repeat, inflation, posterior };
 
@@ -271,14 +272,22 @@ impl Judge<'_> {
         }
         diagnosis.advice = self.advise(findings, subject, &diagnosis);
         diagnosis.candidates = self.candidate_facts(findings, subject);
+        if findings.posterior.is_none() {
+            // A place that ended as an unknown effect, or as nothing, has no probability.
+            let is_said = |effect: &Name| {
+                diagnosis.missing.contains(effect)
+                    || diagnosis.indistinguishable.iter().any(|set| set.contains(effect))
+            };
+            for candidate in &mut diagnosis.candidates {
+                candidate.probability = candidate.probability.filter(|_| is_said(&candidate.effect));
+            }
+        }
         (diagnosis, misfit_m)
     }
 
     /// The effects of a set that can't be told apart, the most probable first: the chosen one, its rivals, and those that
     /// lack their signal and would look like one of them, and so are as probable as it. Those below [`SUSPECT`] are not
-    /// listed where the climb rate is not measured, but for the second: what more than one could have made is never one's
-    /// alone for that. Where it is measured the effects are more, and collinear beyond what errors of the signals blur: there the
-    /// cut costs one true cause in eleven (seeds 5001 to 5100 of the blind trials).
+    /// listed, but for the second: what more than one could have made is never one's alone for that.
     pub(super) fn set(&self, rivals: &Rivals) -> Vec<(EffectId, f64)> {
         let own = self.candidates[rivals.column].effect();
         let mut set = vec![(own, 1.0)];
@@ -309,13 +318,12 @@ impl Judge<'_> {
         for (_, odds) in &mut set {
             *odds /= total;
         }
-        if let Some(acts) = rivals.acts {
-            if acts >= IDENTIFIED && set.first().is_some_and(|(effect, _)| *effect == own) {
-                return vec![(own, acts)];
-            }
-            let listed = set.iter().take_while(|(_, probability)| *probability >= SUSPECT).count();
-            set.truncate(listed.max(2));
+        let acts = rivals.acts.or_else(|| set.first().map(|(_, probability)| *probability)).unwrap_or(0.0);
+        if acts >= IDENTIFIED && set.first().is_some_and(|(effect, _)| *effect == own) {
+            return vec![(own, acts)];
         }
+        let listed = set.iter().take_while(|(_, probability)| *probability >= SUSPECT).count();
+        set.truncate(listed.max(2));
         set
     }
 

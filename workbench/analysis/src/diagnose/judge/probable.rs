@@ -4,13 +4,14 @@ use super::{Findings, Judge};
 use crate::diagnose::information::Solution;
 use crate::diagnose::posterior::Posterior;
 use crate::diagnose::rivals::Rivals;
+use crate::diagnose::roughness::unsteadiness;
 use crate::diagnose::search::Explanation;
 
 /// The probability that something acts from which on a set is offered.
 const OFFERED: f64 = 0.9;
 
 impl Judge<'_> {
-    /// Whether a chosen coefficient is none that nature makes: it is then not the effect that it looks like.
+    /// Whether a chosen coefficient is none that nature makes, by the sigma that is reported of it: it is then not the effect that it looks like.
     pub(super) fn is_beyond(&self, findings: &Findings, k: usize) -> bool {
         if findings.posterior.is_none() {
             return false;
@@ -18,10 +19,13 @@ impl Judge<'_> {
         let columns = &findings.explanation.columns;
         let solution = findings.information.solve(&self.suspects.positions(columns));
         let n = columns.len();
+        let unsteadiness = unsteadiness(self.candidates[columns[k]].effect(), self.has_climb_rate);
+        let inflation = findings.inflation.get(k).copied().unwrap_or(1.0);
         solution.is_some_and(|solution| {
+            let variance = solution.covariance[k * n + k] * inflation + unsteadiness * unsteadiness;
             let alone = Solution {
                 coefficients: vec![solution.coefficients[k]],
-                covariance: vec![solution.covariance[k * n + k]],
+                covariance: vec![variance],
                 ..solution
             };
             !self.suspects.is_possible(&columns[k..=k], &alone)

@@ -14,7 +14,7 @@ fn of_first(small: Small) -> Rivals {
     let mut search = Search::new(&problem, &suspects);
     let fit = search.fit(&[0], &problem.prior.means());
     let chosen = Explanation { columns: vec![0], fit };
-    let mut found = rivals(&mut search, &suspects, &problem, &chosen);
+    let mut found = rivals(&mut search, &suspects, &problem, &chosen, &[1.0]);
     assert_eq!(found.len(), 1);
     found.remove(0)
 }
@@ -75,14 +75,15 @@ fn an_effect_is_no_rival_of_itself() {
     assert_eq!(of_first(lag(3).candidate(EffectId::BaroLag, alike)).others, [0; 0]);
 }
 
-/// Exactly the same regressor: nothing but what nature allows says which. Twice the range is half the odds (Laplace's method).
+/// Exactly the same regressor: nothing says which. A range says how far an effect can reach, not how large it is, and is no evidence where the
+/// likelihood is tempered.
 #[test]
-fn odds_are_those_of_the_ranges_where_the_shapes_are_the_same() {
+fn odds_are_even_where_the_shapes_are_the_same_whatever_the_ranges() {
     let odds = |range| {
         let found = of_first(lag(4).candidate_in(EffectId::BaroScale, range, |block| sine(0, block)));
         assert_eq!(found.others, [1]);
         found.odds[0]
     };
     assert!((odds([-10.0, 10.0]) - 1.0).abs() < 1e-9);
-    assert!((odds([-20.0, 20.0]) - 0.5).abs() < 1e-9);
+    assert!((odds([-20.0, 20.0]) - 1.0).abs() < 1e-9);
 }

@@ -1,0 +1,219 @@
+//! How much of the evidence for one explanation over another the errors of the regressors' shapes may have made.
+//!
+//! An effect's regressor is made of measured signals by a formula that leaves terms out. A scale, a lag or an offset of a signal, and the
+//! terms left out, make of it another combination of a few shapes: what it really was is `x + e`. That part of `e` that is like `x` its
+//! coefficient takes. The rest stays in the residual, and may look like another effect's regressor.
+//!
+//! Two explanations, the worse and the better, differ by what the better one has beyond the worse, a direction `w` of length one in the whitened
+//! readings; the squares that the better one gains are those of the residual along it. If the worse one is right, chance puts a variance
+//! of one there, and its effects' errors that of `e w`. An error is taken to be a share of what the effects put into a sensor in a tenth of a flight,
+//! `S` in squares, of any shape there, and another one in the next tenth and on the next sensor. Then by Cauchy and Schwarz
+//!
+//! `var(e w) <= S sum over tenths and sensors of E W`,
+//!
+//! with the squares `E` that the effects put there and the share `W` of `w` that lies there. Where both are spread over n tenths that is
+//! `S E / n`. What effects do to another sensor, or at another time than that at which the two explanations differ, does not count.
+
+use kf_core::sensor::SENSORS;
+use nalgebra::{DMatrix, DVector};
+
+use super::information::Information;
+use super::noise::Noise;
+use super::problem::Problem;
+use super::repeatability::PARTS;
+use super::series::Series;
+use super::whitener::whiten;
+
+/// Products of a flight's whitened columns (the residual, its own, the picks) by part and sensor, and of all of it with what is believed
+/// of its own columns.
+struct Parts {
+    by_part: Vec<DMatrix<f64>>,
+    all: DMatrix<f64>,
+}
+
+/// For each column of `kept`, the squares that its effect puts where the direction lies in which `kept` with `added` differs from `kept` alone
+/// (the mean over that direction): so many times its `S` is the variance that the error of its shape leaves in that direction. `None` where
+/// the columns can't be told apart.
+#[must_use]
+pub fn exposure(problem: &Problem<'_>, noise: &Noise, kept: &[usize], added: &[usize]) -> Option<Vec<f64>> {
+    let picks: Vec<usize> = kept.iter().chain(added).copied().collect();
+    let flights: Vec<Parts> =
+        problem.flights.iter().map(|flight| cut(problem, flight, noise, &picks)).collect();
+    let mut information = Information::new(1 + picks.len());
+    for parts in &flights {
+        information.add_flight(&parts.all, problem.own(), 0, 0.0);
+    }
+    let of_kept: Vec<usize> = (0..kept.len()).collect();
+    let all: Vec<usize> = (0..picks.len()).collect();
+    let put = information.solve(&of_kept)?.coefficients;
+    let mut beyond = information.solve(&all)?.coefficients;
+    beyond[..kept.len()].fill(0.0);
+    for (k, share) in information.regression(&beyond, &of_kept)?.into_iter().enumerate() {
+        beyond[k] = -share;
+    }
+    let mut length = 0.0;
+    let mut sums = vec![0.0; kept.len()];
+    for parts in &flights {
+        let direction = beside_own(&parts.all, problem.own(), &beyond);
+        let effects: Vec<DVector<f64>> = put
+            .iter()
+            .enumerate()
+            .map(|(k, coefficient)| {
+                let mut one = vec![0.0; picks.len()];
+                one[k] = *coefficient;
+                beside_own(&parts.all, problem.own(), &one)
+            })
+            .collect();
+        for products in &parts.by_part {
+            let square = |vector: &DVector<f64>| vector.dot(&(products * vector)).max(0.0);
+            let here = square(&direction);
+            length += here;
+            for (sum, effect) in sums.iter_mut().zip(&effects) {
+                *sum += here * square(effect);
+            }
+        }
+    }
+    (length > 0.0).then(|| sums.into_iter().map(|sum| sum / length).collect())
+}
+
+fn cut(problem: &Problem<'_>, flight: &Series, noise: &Noise, picks: &[usize]) -> Parts {
+    let columns = problem.columns(flight, picks);
+    let width = columns.len();
+    let part = |block: usize| (block * PARTS / flight.len().max(1)).min(PARTS - 1);
+    let mut by_part = vec![DMatrix::zeros(width, width); PARTS * SENSORS];
+    whiten(flight, noise, &columns, &|_| true, &mut |block, sensor, row| {
+        let products: &mut DMatrix<f64> = &mut by_part[part(block) * SENSORS + sensor];
+        for (c, b) in row.iter().enumerate() {
+            for (r, a) in row.iter().enumerate() {
+                products[(r, c)] += a * b;
+            }
+        }
+    });
+    let mut all = by_part.iter().fold(DMatrix::zeros(width, width), |sum, part| sum + part);
+    problem.add_prior(&mut all);
+    Parts { by_part, all }
+}
+
+/// A combination of the picks less what of it a flight's own columns (biases first) take, over all of its columns.
+fn beside_own(products: &DMatrix<f64>, own: usize, picks: &[f64]) -> DVector<f64> {
+    let present: Vec<usize> = (1..=own).filter(|b| products[(*b, *b)] > 0.0).collect();
+    let inner = products.select_rows(&present).select_columns(&present);
+    let right = DVector::from_fn(present.len(), |r, _| {
+        picks.iter().enumerate().map(|(k, value)| products[(present[r], 1 + own + k)] * value).sum::<f64>()
+    });
+    let mut vector = DVector::zeros(products.nrows());
+    for (k, value) in picks.iter().enumerate() {
+        vector[1 + own + k] = *value;
+    }
+    if let Some(factor) = inner.cholesky() {
+        for (at, value) in present.iter().zip(factor.solve(&right).iter()) {
+            vector[*at] = -value;
+        }
+    }
+    vector
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::noise::{GaussMarkov, NoisePrior, SensorNoise};
+    use super::*;
+
+    /// Noise that is white but for a millionth, half a metre in each block.
+    const WHITE_M: f64 = 0.5;
+
+    fn noise() -> Noise {
+        let none = GaussMarkov { sigma_m: 1e-6, time_s: 30.0 };
+        let sensor = SensorNoise {
+            wander: none,
+            captive_white_m: WHITE_M,
+            free_white_m: WHITE_M,
+            free_flight_factor: 1.0,
+        };
+        Noise { reference: none, slow: none, fix_sigma_m: 1e-6, sensors: [sensor; SENSORS] }
+    }
+
+    const BLOCKS: u32 = 120;
+    const INERTIAL: usize = 1;
+    const BARO: usize = 2;
+
+    /// Two patterns of ones that are orthogonal to each other and to a bias in every tenth of the flight.
+    fn kept(block: u32) -> f64 {
+        if block % 4 < 2 { 1.0 } else { -1.0 }
+    }
+
+    fn added(block: u32) -> f64 {
+        if block.is_multiple_of(2) { 1.0 } else { -1.0 }
+    }
+
+    /// The exposure of an effect that puts three times the first column on a sensor, towards a second column on the barometer.
+    fn towards(sensor: usize, first: impl Fn(u32) -> f64, second: impl Fn(u32) -> f64) -> f64 {
+        let mut series = Series {
+            block_s: 1.0,
+            full_block: [10.0; SENSORS],
+            columns: vec![Vec::new(); 2],
+            ..Series::default()
+        };
+        for block in 0..BLOCKS {
+            let on =
+                |sensor: usize, value: f64| std::array::from_fn(|i| if i == sensor { value } else { 0.0 });
+            let columns: [[f64; SENSORS]; 2] = [on(sensor, first(block)), on(BARO, second(block))];
+            series.time_s.push(f64::from(block));
+            series.fixes.push(5.0);
+            series.free.push(true);
+            series.readings.push([0, 10, 10]);
+            series.residual_m.push(std::array::from_fn(|i| {
+                if i == 0 { f64::NAN } else { 3.0 * columns[0][i] + 0.2 * columns[1][i] }
+            }));
+            for (all, column) in series.columns.iter_mut().zip(columns) {
+                all.push(column);
+            }
+        }
+        let flights = [series];
+        let model = model::Model::default();
+        let prior = NoisePrior::new(&flights, &model.reference, &model.sensors);
+        let problem = Problem::new(&flights, prior, Vec::new(), &executor::Inline);
+        exposure(&problem, &noise(), &[0], &[1]).unwrap()[0]
+    }
+
+    /// Squares of three metres in each of so many blocks.
+    fn squares(blocks: u32) -> f64 {
+        f64::from(blocks) * 9.0 / (WHITE_M * WHITE_M)
+    }
+
+    fn assert_is(exposure: f64, expected: f64) {
+        assert!((exposure - expected).abs() < 1e-4 * (1.0 + expected), "{exposure}, expected {expected}");
+    }
+
+    /// E spread evenly over ten tenths counts with a tenth of it.
+    #[test]
+    fn an_effect_over_all_of_a_flight_counts_by_its_tenths() {
+        assert_is(towards(BARO, kept, added), squares(BLOCKS) / 10.0);
+    }
+
+    /// All of it lies in the fourth tenth, where half of the direction lies, and the other half lies in the eighth.
+    #[test]
+    fn what_counts_is_where_the_direction_lies() {
+        let within = |value: f64, block: u32, tenths: [u32; 2]| {
+            if tenths.contains(&(block / 12)) { value } else { 0.0 }
+        };
+        let first = |block| within(kept(block), block, [3, 3]);
+        assert_is(towards(BARO, first, |block| within(added(block), block, [3, 7])), squares(12) / 2.0);
+        assert_is(towards(BARO, first, |block| within(added(block), block, [6, 7])), 0.0);
+    }
+
+    #[test]
+    fn what_an_effect_does_to_another_sensor_does_not_count() {
+        assert_is(towards(INERTIAL, kept, added), 0.0);
+    }
+
+    /// Only what the kept column leaves of the added one is a direction: where the added column is that of the kept one in the first half and
+    /// another one in the second, the direction is both, five tenths each.
+    #[test]
+    fn the_direction_is_what_the_kept_columns_leave() {
+        let second = |block| if block < 60 { kept(block) } else { 3.0 * added(block) };
+        // The kept column is spread evenly, so that the place does not matter to it. Alone it takes half of the added one's 0.2 as well: 3.1.
+        assert_is(towards(BARO, kept, second), (3.1_f64 / 3.0).powi(2) * squares(BLOCKS) / 10.0);
+        // The kept column in the first half alone takes all of it there: nothing is left where it acts.
+        assert_is(towards(BARO, |block| if block < 60 { kept(block) } else { 0.0 }, second), 0.0);
+    }
+}
