@@ -1,6 +1,8 @@
 //! Runs of the fault campaign that have shown something which is mended: chips' registers, lines and wires in; latch, flags and telemetry
 //! out. docs/fault-campaign.md names what each has shown.
 
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
 use host_tests::campaign::judge::judge;
 use host_tests::campaign::run::{Case, config};
 

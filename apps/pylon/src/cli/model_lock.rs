@@ -65,7 +65,7 @@ mod tests {
                     let _lock = lock_model(model).unwrap();
                     let text = fs::read_to_string(model).unwrap();
                     std::thread::yield_now();
-                    write_atomically(model, |out| write!(out, "{text}# {change}\n")).unwrap();
+                    write_atomically(model, |out| writeln!(out, "{text}# {change}")).unwrap();
                 });
             }
         });

@@ -1485,7 +1485,7 @@ tells_apart: number | null,
  */
 shows: number, 
 /**
- * What the interval of an effect that was found would shrink to, as a share; of all effects where none was found.
+ * What an effect's interval would shrink to, as a share: the mean over the effects that the flights show.
  */
 narrows_to: number, };
 

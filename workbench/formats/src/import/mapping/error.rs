@@ -88,7 +88,7 @@ pub enum MappingError {
     #[error("[time] has both column and rate_hz, expected one of them")]
     TwoTimeBases,
     /// A rate that no table has.
-    #[error("[time] rate_hz is {0}, expected rows a second, above 0")]
+    #[error("[time] rate_hz is {0}, expected rows per second, above 0")]
     Rate(f64),
     /// There is no such unit of time.
     #[error("[time] unit '{0}', expected one of {names}", names = Quantity::Time.unit_names())]
@@ -149,7 +149,7 @@ pub enum MappingError {
 #[non_exhaustive]
 pub enum SignalError {
     /// It is the time base.
-    #[error("the time base is said under [time]")]
+    #[error("the time base belongs under [time]")]
     IsTime,
     /// A signal's name with another unit.
     #[error(
