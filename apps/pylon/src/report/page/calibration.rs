@@ -77,7 +77,7 @@ fn table(
                 if s.flies_free { s.trust.to_string() } else { "stays behind".to_owned() }
             }),
         ];
-    let mut table = sensors.iter().fold(Table::new().left(""), |table, (name, _)| table.right(*name));
+    let mut table = sensors.iter().fold(Table::new().left("quantity"), |table, (name, _)| table.right(*name));
     for (name, explanation, value) in captive.iter().chain(free.iter().filter(|_| is_launched)) {
         let heading = Cell::explained(*name, *explanation);
         let cells = sensors.iter().map(|(_, sensor)| Cell::from(value(sensor)));
