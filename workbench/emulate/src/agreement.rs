@@ -14,7 +14,7 @@
 //!   many, a bias that wanders forgets the old), and reaches the other sensors by way of the common altitude, so it is
 //!   measured: the same rows are calibrated on again, [`TRIALS`] times, with as much fresh noise added to the barometer.
 
-use kf_core::atmosphere::{pressure_altitude_m, static_pressure_pa};
+use kf_core::atmosphere::static_pressure_pa;
 use kf_core::input::{BaroReading, TickInput};
 use kf_core::latch::{LatchRecord, SensorLatch};
 use kf_core::output::Phase;
@@ -26,7 +26,7 @@ use rand_distr::{Distribution, Normal};
 
 use super::error::FlyError;
 use super::grid::TICK_US;
-use replay::mission;
+use replay::{mission, reading_m};
 
 /// Largest error of the MS5611's result by its resolution, pascals: half a count of D1 (0.010), half a count of D2 by way of OFF
 /// and SENS (0.014), and the rounding of the pressure to `f32` on the way in and out (2/128), for the coefficients of
@@ -114,10 +114,7 @@ fn fly(rows: impl Iterator<Item = TickInput>, model: &Model) -> Result<Option<Id
         let output = mission.tick(&row);
         match (output.phase, mission.latch()) {
             (Phase::Calibrating, _) => {
-                differences.take(row.baro.and_then(|reading| match reading {
-                    BaroReading::PressurePa(pressure_pa) => pressure_altitude_m(pressure_pa),
-                    BaroReading::AltitudeM(altitude_m) => Some(altitude_m),
-                }));
+                differences.take(reading_m(Sensor::Baro, &row));
                 if row.gps.is_some() && output.gps_rejection.is_none() {
                     lowest_m = lowest_m.min(output.altitude_m);
                     highest_m = highest_m.max(output.altitude_m);

@@ -1,12 +1,11 @@
 //! A mission over a flight, tick by tick: what curves are drawn from.
 
 use analysis::compare::MotionTrack;
-use kf_core::atmosphere::pressure_altitude_m;
-use kf_core::input::{BaroReading, TickInput};
+use kf_core::input::TickInput;
 use kf_core::latch::LatchRecord;
 use kf_core::output::{Phase, TickOutput};
 use kf_core::sensor::{SENSORS, Sensor};
-use replay::Replay;
+use replay::{Replay, reading_m};
 
 use crate::engine::{Progress, Refused, refused};
 
@@ -107,17 +106,5 @@ impl Recording {
 fn note(spans: &mut Vec<(usize, &'static str)>, tick: usize, what: &'static str) {
     if spans.last().is_none_or(|(_, last)| *last != what) {
         spans.push((tick, what));
-    }
-}
-
-/// What a sensor read, as an altitude.
-fn reading_m(sensor: Sensor, input: &TickInput) -> Option<f32> {
-    match sensor {
-        Sensor::ImuMaster => input.imu_master_altitude_m,
-        Sensor::ImuSlave => input.imu_slave_altitude_m,
-        Sensor::Baro => match input.baro? {
-            BaroReading::PressurePa(pressure_pa) => pressure_altitude_m(pressure_pa),
-            BaroReading::AltitudeM(altitude_m) => Some(altitude_m),
-        },
     }
 }

@@ -1,9 +1,9 @@
 //! What a flight's charts are drawn from: the paper's figures, and measured against modelled.
 
-use kf_core::atmosphere::pressure_altitude_m;
-use kf_core::input::{BaroReading, TickInput};
+use kf_core::input::TickInput;
 use kf_core::output::{Phase, TickOutput};
 use kf_core::sensor::{SENSORS, Sensor};
+use replay::reading_m;
 
 use super::envelope::{Envelope, FIGURE_SLOTS};
 
@@ -116,17 +116,5 @@ impl Traces {
                 trace.modelled_m.push(output.time_us, measured_m - error_m);
             }
         }
-    }
-}
-
-/// What a sensor read, as an altitude.
-fn reading_m(sensor: Sensor, input: &TickInput) -> Option<f32> {
-    match sensor {
-        Sensor::ImuMaster => input.imu_master_altitude_m,
-        Sensor::ImuSlave => input.imu_slave_altitude_m,
-        Sensor::Baro => match input.baro? {
-            BaroReading::PressurePa(pressure_pa) => pressure_altitude_m(pressure_pa),
-            BaroReading::AltitudeM(altitude_m) => Some(altitude_m),
-        },
     }
 }

@@ -24,6 +24,7 @@ use super::posterior;
 use super::problem::{Known, Problem};
 use super::rivals;
 use super::roughness::{scale, unsteadiness};
+use super::simplicity::{ROUGH_SHAPE, SHAPE};
 use super::wind;
 use super::work::{Judged, judged};
 use crate::progress::{Cancelled, Progress};
@@ -67,13 +68,9 @@ struct Set {
     members: Vec<(EffectId, f64, Option<usize>)>,
 }
 
-/// The share of what an effect explains (squares) by which its shape is taken to be wrong, over the whole flight: more than `rivals.rs` takes,
-/// which knows where in the flight two effects differ. What a plan is said to tell apart is rather too little than too much.
-const SHAPE: f64 = 0.03;
-/// The same where a regressor is only roughly known.
-const ROUGH_SHAPE: f64 = 0.1;
-
-/// How much a sum of squares counts: the less, the more the effects explain.
+/// How much a sum of squares counts: the less, the more the effects explain. Where the climb rate is measured the shares are those of
+/// `simplicity.rs`, over the whole flight, and not of `rivals.rs`, which knows where two effects differ: a plan is rather said to tell too little
+/// apart than too much.
 #[derive(Clone, Copy, Debug)]
 struct Tempering {
     /// What it is divided by where nothing is explained.

@@ -22,7 +22,9 @@ const ROUGH_SHAPE: f64 = 0.03;
 const CLEARLY_BETTER: f64 = 10.0;
 /// So many pairs at most, the best ones, get a noise of their own.
 const PAIRS: usize = 3;
-/// Beyond so many squares, and [`HOPELESS`] of what the chosen one explains, its own noise does not make a rival of a candidate.
+/// A candidate that leaves more squares than this, and than [`HOPELESS`] of what the chosen one explains, is judged under the chosen one's noise:
+/// its odds are then below one in a hundred wherever the power is a tenth or more. That saves most of the time; what a noise of its own
+/// would give it has been seen on the development seeds only.
 const FAR: f64 = 100.0;
 /// The share.
 const HOPELESS: f64 = 0.7;
@@ -157,9 +159,10 @@ impl Place<'_> {
         let mut worse: Vec<(f64, usize)> = Vec::new();
         for column in self.suspects.usable().iter().copied().filter(|column| self.effect(*column) == effect) {
             let set = self.with(&[column]);
-            let Some(solution) = self.information.solve(&self.suspects.positions(&set)) else { continue };
-            if self.suspects.is_possible(&set, &solution) {
-                let rest = self.suspects.rest_but_noise(self.information, self.weights, &set)?;
+            if let Some(solution) = self.information.solve(&self.suspects.positions(&set))
+                && self.suspects.is_possible(&set, &solution)
+                && let Some(rest) = self.suspects.rest_but_noise(self.information, self.weights, &set)
+            {
                 worse.push((rest - self.best_rest, column));
             }
         }
@@ -183,9 +186,10 @@ impl Place<'_> {
         set
     }
 
-    /// The power of the likelihood of a set with further columns against that set alone, if it is right.
+    /// The power of the likelihood of a set with further columns against that set alone, if it is right. None at all where the two can't be told
+    /// apart: what a likelihood says of them then is rounding.
     fn tempered(&self, noise: &Noise, set: &[usize], further: &[usize]) -> f64 {
-        let exposure = exposure(self.problem, noise, set, further).unwrap_or_default();
+        let Some(exposure) = exposure(self.problem, noise, set, further) else { return 0.0 };
         let of_shapes: f64 =
             set.iter().zip(exposure).map(|(column, exposure)| self.shape(*column) * exposure).sum();
         1.0 / (1.0 / self.power + of_shapes)

@@ -8,9 +8,9 @@ use super::suspects::Suspects;
 
 /// The share (squares) of what a set explains that a smaller one may leave. Measured signals, their
 /// delays and the terms that a formula leaves out make its shape wrong by some 14 %.
-const SHAPE: f64 = 0.02;
+pub(super) const SHAPE: f64 = 0.02;
 /// The same where a regressor is only roughly known.
-const ROUGH_SHAPE: f64 = 0.1;
+pub(super) const ROUGH_SHAPE: f64 = 0.1;
 
 /// A smaller set that explains all but a small share of what a set explains on the same sensors, if there
 /// is one: what the additional effects add may be the other formula's error. Effects of the reference are

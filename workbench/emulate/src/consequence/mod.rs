@@ -14,13 +14,13 @@ use chip_models::flown::ChipFault;
 use drivers::Sensors as _;
 use flight_computer::Step;
 use flight_record::SensorSource;
-use kf_core::atmosphere::pressure_altitude_m;
-use kf_core::input::{BaroReading, TickInput};
+use kf_core::input::TickInput;
 use kf_core::latch::LatchRecord;
 use kf_core::output::{Phase, Trust};
 use kf_core::quality::FailedChecks;
 use kf_core::sensor::{SENSORS, Sensor};
 use model::Model;
+use replay::reading_m;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -172,11 +172,7 @@ impl Tick {
         ];
         let delivered = delivers.iter().rev().fold(0, |bits, delivers| bits << 1 | u8::from(*delivers));
         let is_free = output.phase == Phase::FreeFlight;
-        let baro_m = input.baro.and_then(|reading| match reading {
-            BaroReading::PressurePa(pressure_pa) => pressure_altitude_m(pressure_pa),
-            BaroReading::AltitudeM(altitude_m) => Some(altitude_m),
-        });
-        let mut calibrated_m = [input.imu_master_altitude_m, input.imu_slave_altitude_m, baro_m];
+        let mut calibrated_m = Sensor::ALL.map(|sensor| reading_m(sensor, input));
         for (altitude_m, sensor) in calibrated_m.iter_mut().zip(&output.sensors) {
             *altitude_m = altitude_m.filter(|_| is_free).map(|altitude_m| altitude_m - sensor.bias_m);
         }
