@@ -38,3 +38,27 @@ fn a_receiver_that_comes_back_from_a_jump_flags_the_barometer() {
 fn a_unit_that_is_saturated_before_the_release_keeps_no_barometer_from_its_flag() {
     assert_eq!(violations(7008, 1940), [""; 0]);
 }
+
+/// The supply dips in flight, the wire breaks half a second after the start, and two more dips follow: it is called broken before they do.
+#[test]
+fn a_wire_that_breaks_between_dips_of_the_supply_is_no_launch() {
+    assert_eq!(violations(7013, 1227), [""; 0]);
+}
+
+/// A cable is torn while the inertial unit repeats itself: the receiver's climb rate denies the launch.
+#[test]
+fn a_cable_that_is_torn_while_the_unit_repeats_itself_is_no_launch() {
+    assert_eq!(violations(7013, 1781), [""; 0]);
+}
+
+/// A receiver converges in the calibration and calls itself accurate: what is calibrated by its two levels is trusted by nobody.
+#[test]
+fn a_calibration_of_two_levels_of_the_receiver_promises_nothing() {
+    assert_eq!(violations(7013, 866), [""; 0]);
+}
+
+/// An altitude that is 90 m off, and called so, goes on saying so after a dip of the supply.
+#[test]
+fn an_altitude_that_is_far_off_is_not_silenced_by_a_dip_of_the_supply() {
+    assert_eq!(violations(7014, 663), [""; 0]);
+}

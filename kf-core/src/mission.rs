@@ -299,10 +299,21 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
                 }
             }
             if self.is_launched {
-                out.trust = self.free_flight.trust(sensor, time_us, reference_m.is_some());
+                let has_standard = reference_m.is_some() && self.has_standard();
+                out.trust = self.free_flight.trust(sensor, time_us, has_standard);
             }
         }
         output
+    }
+
+    /// Whether the calibration is one that a sensor can be trusted by. Where the reference had left its own climb rate, and a source had settled on
+    /// another level, biases and bounds are of both levels: by how much of the difference they are off is in none of their variances. What is
+    /// beyond such a bound is called so all the same.
+    #[inline]
+    fn has_standard(&self) -> bool {
+        const OF_TWO_LEVELS: u16 = 1 << Check::ReferenceConverged as u16 | 1 << Check::ReadingsConsistent as u16;
+        !self.config.monitor.reference_check
+            || self.latch.as_ref().is_none_or(|latch| latch.failed_checks & OF_TWO_LEVELS != OF_TWO_LEVELS)
     }
 
     /// Whether the filter takes data.
@@ -531,7 +542,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
 
     /// What holds whether or not this tick brought anything.
     fn output(&self, time_us: u64) -> TickOutput {
-        let has_reference = self.tracker.is_fresh(time_us);
+        let has_standard = self.tracker.is_fresh(time_us) && self.has_standard();
         // A latched calibration is the latch, whether or not the filter that made it is still there.
         let calibrated = match &self.latch {
             Some(latch) => Calibrated::of_latch(latch),
@@ -545,7 +556,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             error_m: None,
             moving_average_m: None,
             trust: if self.is_launched {
-                self.free_flight.trust(sensor, time_us, has_reference)
+                self.free_flight.trust(sensor, time_us, has_standard)
             } else {
                 Trust::Calibrating
             },

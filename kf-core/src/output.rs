@@ -27,7 +27,7 @@ pub enum Trust {
     Doubtful,
     /// After that, the moving average has been beyond the bound (eq. 17, right).
     Untrustworthy,
-    /// There is no reference to watch the sensor against, or none that may be believed: not known.
+    /// There is no reference to watch the sensor against, or none that may be believed, or the calibration is of a reference that had moved: not known.
     Unmonitored,
 }
 

@@ -24,6 +24,9 @@ pub struct Arguments {
     /// Fly this run alone, and print what was drawn and what came of it.
     #[arg(long)]
     pub run: Option<u64>,
+    /// And write what was seen of both its flights, tick by tick, as CSV.
+    #[arg(long, value_name = "FILE", requires = "run")]
+    pub trace: Option<PathBuf>,
     /// Fly so many short runs in QEMU instead, every tick bit for bit the host's.
     #[arg(long, value_name = "RUNS")]
     pub qemu: Option<u64>,
@@ -55,6 +58,9 @@ pub fn run(arguments: &Arguments, verbose: bool) -> anyhow::Result<bool> {
     program.args([&arguments.runs.to_string(), "--seed", &arguments.seed.to_string()]);
     if let Some(index) = arguments.run {
         program.args(["--run", &index.to_string()]);
+    }
+    if let Some(file) = &arguments.trace {
+        program.arg("--trace").arg(file);
     }
     for (flag, is_set) in
         [("--mutants", arguments.mutants), ("--write", arguments.write), ("--accept", arguments.accept)]

@@ -136,12 +136,18 @@ impl Character {
         self.differing >= IN_A_ROW
     }
 
-    /// Whether a change would have been seen: captive flight is known, and [`Self::is_living`].
-    pub(super) fn is_known(&self, now_us: u64) -> bool {
-        self.blocks >= LEAST_BLOCKS && self.is_living(now_us)
+    /// Whether captive flight is known well enough to be compared with.
+    pub(super) const fn is_comparable(&self) -> bool {
+        self.blocks >= LEAST_BLOCKS
     }
 
-    /// Whether the unit lives, and has lived since the suspicion began.
+    /// Whether a change would have been seen: captive flight is known, and [`Self::is_living`].
+    pub(super) fn is_known(&self, now_us: u64) -> bool {
+        self.is_comparable() && self.is_living(now_us)
+    }
+
+    /// Whether the unit lives, and has lived since a block before the suspicion began: for as long as the cable's slack takes, so that it has seen the
+    /// hooks open if they have.
     pub(super) fn is_living(&self, now_us: u64) -> bool {
         !self.was_blind && self.lives(now_us)
     }

@@ -17,7 +17,8 @@
 //! # Decisions
 //! `e`: first opening edge. "Departs": the force leaves its captive mean within [`LaunchConfig::window_s`] of `e`,
 //! before or after. "Changes": since the suspicion began, the force's character, or the climb rate has fallen by 5 m/s (`climb.rs`).
-//! "Known": the accelerometer delivers, so that a change would have been seen. "Silent": for longer than
+//! "Known": the accelerometer delivers, and has since before `e`, so that a change would have been seen. "Steady": fixes come, and the climb rate has
+//! moved by less than a release takes (`climb.rs`). "Silent": for longer than
 //! [`LaunchConfig::silent_intervals`] of their own intervals (of fewer than three messages: than [`LaunchConfig::undecided_s`]). "Alive": not silent yet
 //! at `e`. "Limit": [`LaunchConfig::undecided_s`] after `e`.
 //!
@@ -32,6 +33,8 @@
 //! | open | none at `e` | changes | launched, [`Confirmation::Unconfirmed`] |
 //! | open | none, or silent | known, neither departs nor changes | suspected; at the limit `broken`, captive: a wire or a cable torn under the pylon |
 //! | open within 10 s of a cold start | none, or silent | no change | suspected; at the limit `broken`, captive |
+//! | open less than 5 s after the start | none, or silent | known, does not depart within the window | suspected; then `broken`, captive |
+//! | open | none, or silent | not known, the climb rate steady | suspected; at the limit `broken`, captive |
 //! | open | none, or silent | departs without a change, or not known | suspected; at the limit launched, [`Confirmation::Unconfirmed`] |
 //! | broken or unreadable | silent from the departure on | departs | launched, [`Confirmation::ForceAndSilence`] |
 //! | broken | fall silent | changes | launched, [`Confirmation::ForceAndSilence`] |
@@ -51,7 +54,9 @@
 //! that opens there without a change is broken, for else a cable torn at power-on would be a launch. A start after an interruption is
 //! excepted ([`LaunchDetector::after_interruption`]): the vehicle may have been released while it lasted; unless the wire was broken before it
 //! ([`LaunchDetector::with_broken_wire`]). So is one that finds the traces of a mission ([`LaunchDetector::after_traces`]) and moves over ground at 10 m/s: nobody has switched it on, its supply has dipped, and the release may be
-//! a second away. In the first five seconds the force departs from one g, there being no captive mean yet; a second after the start it is "known".
+//! a second away. In the first five seconds the force departs from one g, there being no captive mean yet, and nothing else can show: once the
+//! window has passed the opening is decided. To wait for the limit would be to leave the wire undecided for the next dip of the supply, and who starts
+//! with an open wire that nobody has called broken has been released.
 //!
 //! # One fault is no launch
 //! - Wire broken, bouncing, unreadable: her messages go on. Without any, force and climb rate are known and do not change.
@@ -62,7 +67,8 @@
 //!
 //! What cannot be told apart is a release that changes neither mean, roughness nor climb rate in 3 s, from a torn cable. Such a vehicle
 //! hangs within 2 m of the pylon still (below the 0.06 g that shows in still air), and its launch is then seen, unconfirmed, when it first
-//! falls. Of two faults, one of them the cable, and the accelerometer gone with it, a release is the likelier reading,
+//! falls. Of two faults, one of them the cable, and the accelerometer gone with it, the receiver tells: who has not lost 0.9 m/s of climb rate in
+//! 3 s has not left, and what leaves later is seen by nobody. Where she manoeuvres, or the receiver is gone too, a release is the likelier reading,
 //! for it is to happen in every flight: a launch, and `launch_confirmed` fails.
 //!
 //! A wire that is shorted closed, or can not be read, hides a release that is no fall: it is then captive for ever, and no sensor is said to be
@@ -337,8 +343,6 @@ pub struct LaunchDetector {
 /// The force's character is known after 5 s of captive flight (`character.rs`); the inertial unit and the receiver take some seconds
 /// until they deliver.
 const EARLY_US: u64 = 10_000_000;
-/// An opening so long after a start is no release that lies before it: the inertial unit has delivered for longer than the cable's slack takes.
-const WATCHED_US: u64 = 1_000_000;
 /// Who moves over ground as fast as this, squared, is not being made ready: (10 m/s)^2, faster than anybody taxies with a loose
 /// cable, slower than anything flies.
 const UNDER_WAY_M2PS2: f32 = 100.0;
@@ -469,8 +473,7 @@ impl LaunchDetector {
                 self.sign = None;
                 let since_start_us = edge_us.saturating_sub(first_us);
                 let is_early = !self.was_interrupted && since_start_us < EARLY_US;
-                let was_watched = since_start_us >= WATCHED_US;
-                self.judge_open(now_us, edge_us, is_settled, is_early, was_watched)
+                self.judge_open(now_us, edge_us, is_settled, is_early)
             }
             Reading::Closed => self.judge_without(now_us, false),
             Reading::Nothing => self.judge_without(now_us, true),
@@ -504,14 +507,7 @@ impl LaunchDetector {
     }
 
     #[inline(never)]
-    fn judge_open(
-        &mut self,
-        now_us: u64,
-        edge_us: u64,
-        is_settled: bool,
-        is_early: bool,
-        was_watched: bool,
-    ) -> Verdict {
+    fn judge_open(&mut self, now_us: u64, edge_us: u64, is_settled: bool, is_early: bool) -> Verdict {
         if !is_settled {
             return Verdict::Suspected;
         }
@@ -539,11 +535,16 @@ impl LaunchDetector {
                 (false, false) => Confirmation::Unconfirmed,
             });
         }
-        if !is_over {
+        let would_show = self.character.is_living(now_us);
+        let is_all_seen = would_show
+            && !self.has_departed
+            && !self.character.is_comparable()
+            && Self::has_lasted(edge_us, now_us, self.config.window_s);
+        if !is_over && !is_all_seen {
             return Verdict::Suspected;
         }
-        let would_show = self.character.is_known(now_us) || (was_watched && self.character.is_living(now_us));
-        if !is_early && (self.has_departed || !would_show) {
+        let is_denied = !would_show && self.climb.is_steady(edge_us, now_us);
+        if !is_early && !is_denied && (self.has_departed || !would_show) {
             return Verdict::Launched(Confirmation::Unconfirmed);
         }
         self.wire.call_broken();

@@ -54,8 +54,10 @@ impl VerticalChannel {
             Some(memory.parabola_gains(step_s).map(|gain| gain * residual_m))
         };
         let Some([moved_m, climb_rate, lacking]) = moved else {
-            // In free flight a reference that contradicts the channel never has the last word.
+            // In free flight a reference that contradicts the channel never has the last word. Nor is it one to wait for: an error that no
+            // gap can have cost was there before it, or is the reference's, and is to be seen.
             if !is_captive {
+                self.drifted_m2 = self.tie.altitude_m2();
                 return Err(StrapdownError::Outlier);
             }
             let (since_us, count) = self.outlying.unwrap_or((time_us, 0));

@@ -258,6 +258,25 @@ fn an_interruption_of_unknown_length_costs_the_altitude_until_the_next_fix() {
     assert!(error_m.abs() < 1.0, "{error_m}");
 }
 
+/// One that was 90 m off before the interruption is so after it, which no fix mends: one that contradicts it is enough to say it, as it was said
+/// before.
+#[test]
+fn an_altitude_that_was_far_off_before_an_interruption_goes_on_saying_so() {
+    let mut rig = Rig::captive(60);
+    rig.channel.launch();
+    rig.channel.climb_rate.add(-10.0);
+    rig.channel.altitude.add(90.0);
+    let kept = rig.channel.kept().unwrap();
+    rig.channel = VerticalChannel::resumed(Config::MEMS, &kept, 1.0).unwrap();
+    for fix in 0..100 {
+        (0..20).for_each(|_| rig.step(&rest()));
+        let truth_m = rig.channel.altitude.value() - 90.0;
+        assert_eq!(rig.channel.altitude_m().is_some(), fix > 0, "{fix}");
+        assert_eq!(rig.channel.reference(rig.time_us(), truth_m), Err(StrapdownError::Outlier));
+        let _ = rig.channel.climb_rate_fix(rig.time_us(), -10.0);
+    }
+}
+
 #[test]
 fn a_suspicion_that_was_none_begins_anew_after_a_restart() {
     let mut rig = Rig::captive(60);
