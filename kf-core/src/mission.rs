@@ -306,12 +306,15 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         output
     }
 
-    /// Whether the calibration is one that a sensor can be trusted by. Where the reference had left its own climb rate, and a source had settled on
-    /// another level, biases and bounds are of both levels: by how much of the difference they are off is in none of their variances. What is
-    /// beyond such a bound is called so all the same.
+    /// Whether the calibration is one that a sensor can be trusted by. Where the reference had left its own climb rate, a source had settled on another
+    /// level, and more innovations were outliers than may be, biases and bounds are of both levels: by how much of the difference they are off
+    /// is in none of their variances. What is beyond such a bound is called so all the same. Without the last of the three the levels are
+    /// the settling time's and the calibration's, which is then of one.
     #[inline]
     fn has_standard(&self) -> bool {
-        const OF_TWO_LEVELS: u16 = 1 << Check::ReferenceConverged as u16 | 1 << Check::ReadingsConsistent as u16;
+        const OF_TWO_LEVELS: u16 = 1 << Check::ReferenceConverged as u16
+            | 1 << Check::ReadingsConsistent as u16
+            | 1 << Check::InnovationsPlausible as u16;
         !self.config.monitor.reference_check
             || self.latch.as_ref().is_none_or(|latch| latch.failed_checks & OF_TWO_LEVELS != OF_TWO_LEVELS)
     }

@@ -265,7 +265,9 @@ fn without_force_and_fixes_a_torn_cable_is_a_launch_without_confirmation() {
 #[test]
 fn without_force_the_climb_rate_denies_a_launch() {
     let dead = Now { load: None, ..CAPTIVE };
-    for (fall_mps, by) in [(0.0, None), (-1.0, Some(Confirmation::Unconfirmed)), (1.0, Some(Confirmation::Unconfirmed))] {
+    for (fall_mps, by) in
+        [(0.0, None), (-1.0, Some(Confirmation::Unconfirmed)), (1.0, Some(Confirmation::Unconfirmed))]
+    {
         let mut rig = Rig::captive();
         assert_eq!(rig.run(5.0, dead), None);
         // The hooks open a fifth of a second before the wire does, and half of it is lost by then.

@@ -60,9 +60,9 @@ const LEAST_SPEED_MPS: f32 = 5.0;
 /// A velocity further off than so many sigmas, squared, is refused; after so many in a row it is the filter that is wrong.
 const GATE: f32 = 25.0;
 const REFUSALS: u8 = 5;
-/// Fixes, one a second, after which a match was a good one: its tilts are known to 0.01 rad by then. What contradicts it later is a
-/// disturbance, and not the level that it began with.
-const LASTING: u8 = 20;
+/// Fixes, one a second, after which a match was a good one: from [`START`] its tilts are known to 0.005 rad by then, and the gyro's bias, by which it
+/// would leave them within the next fixes, to 0.001 rad/s. What contradicts it later is a disturbance, and not the level that it began with.
+const LASTING: u8 = 10;
 
 /// What is to be done at the next inertial sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
