@@ -118,10 +118,10 @@ function ladderOf(text: ModelText): { flights: string[]; model: ModelText; times
 const ladders = new Map<string, Ladder>();
 
 export const ladder = resource(
-  () => (ready.value.length === 0 || !isDrawn.value ? null : ladderOf(model.value)),
-  async (of): Promise<Judged> => {
+  // The same flights may be used differently.
+  () => (ready.value.length === 0 || !isDrawn.value ? null : { of: ladderOf(model.value), learned: learners.value.length }),
+  async ({ of, learned }): Promise<Judged> => {
     const key = JSON.stringify(of);
-    const learned = learners.value.length;
     const found = ladders.get(key) ?? (await ask("ladder", of));
     ladders.set(key, found);
     return { ladder: found, learned };
