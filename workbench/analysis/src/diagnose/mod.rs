@@ -93,7 +93,7 @@ pub use outlook::{EffectOutlook, MemberOutlook, Outlook, SetOutlook};
 pub use planner::{Further, Planner, diagnose_further};
 pub use prediction::prediction;
 pub use series::{BySensor, Series};
-pub use study::study;
+pub use study::{study, study_remembering};
 pub use wanted_effect::WantedEffect;
 pub use work::{Work, diagnose};
 

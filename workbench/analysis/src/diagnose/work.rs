@@ -120,26 +120,21 @@ pub struct Work {
 }
 
 impl Work {
-    /// Whether a study of this effect would do this very work again: not where it has time constants or shapes of its own to try, or
-    /// where the model had it already.
-    #[must_use]
-    pub fn serves(&self, wanted: WantedEffect) -> bool {
+    /// Whether a study of this effect, by the catalogue's time constants if it has one, would do this very work again: not where it has
+    /// shapes of its own to try, or where the model had it already.
+    pub(super) fn serves(&self, wanted: WantedEffect) -> bool {
         let candidates = &self.prepared.candidates;
         let mut narrowed = candidates.clone();
         wanted.narrow(&mut narrowed, &[]);
         let is_known = |known: &Known| {
             candidates.get(known.column).is_some_and(|candidate| candidate.effect() == wanted.effect)
         };
-        !wanted.effect.has_time_constant()
-            && narrowed == *candidates
-            && !self.prepared.known.iter().any(is_known)
+        narrowed == *candidates && !self.prepared.known.iter().any(is_known)
     }
 
-    /// The diagnosis, and what an effect's coefficient is learned from; no problem where the flights lack its signals or its regressor
-    /// does not move in them.
-    #[must_use]
-    pub fn study(&self, effect: EffectId, executor: &dyn Executor) -> (Diagnosis, Option<LearningProblem>) {
-        (self.diagnosis.clone(), self.problem(effect, executor))
+    /// What it found.
+    pub(super) const fn diagnosis(&self) -> &Diagnosis {
+        &self.diagnosis
     }
 
     pub(super) fn problem(&self, effect: EffectId, executor: &dyn Executor) -> Option<LearningProblem> {

@@ -15,7 +15,7 @@ use crate::name::Name;
 
 use super::score::{Scorer, Scores, SensorScore, flown, pooled_rms_m};
 use crate::diagnose::{
-    Diagnosis, HeldOutVerdict, NamedReplay, Verdict, WantedEffect, Work, envelope_m, study,
+    Diagnosis, HeldOutVerdict, NamedReplay, Verdict, WantedEffect, Work, envelope_m, study_remembering,
 };
 use crate::progress::{Cancelled, Progress, step};
 use executor::Executor;
@@ -252,11 +252,9 @@ pub fn add_remembering(
     // What `pylon diagnose` found on all of a flight is learned from all of it.
     let learning = replays(&request.learning, &without, Replay::to_diagnose)?;
     let held_out = replays(&request.held_out, &without, Replay::to_diagnose)?;
-    let serves = |work: &&Work| old.is_none() && work.serves(request.wanted);
-    let (diagnosis, problem) = match remembered.work.filter(serves) {
-        Some(work) => work.study(id, executor),
-        None => study(&learning, &held_out, request.wanted, progress, executor)?,
-    };
+    let work = remembered.work.filter(|_| old.is_none());
+    let (diagnosis, problem) =
+        study_remembering(work, &learning, &held_out, request.wanted, progress, executor)?;
     let files = || {
         let names: Vec<&str> = request.learning.iter().map(|named| named.file.as_str()).collect();
         names.join(", ")
