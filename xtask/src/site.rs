@@ -17,6 +17,9 @@ const PAGE: &str = "apps/studio/page";
 const ENGINE: &str = "studio-engine";
 const PROFILE: &str = "studio";
 
+/// Where real flights are, which the page offers (`offered.json`): never in the project itself.
+const REAL_LOGS: &str = "../shared/flights/real";
+
 /// The file that is made.
 pub fn file() -> PathBuf {
     workspace::target_folder().join("studio").join("studio.html")
@@ -30,7 +33,7 @@ pub fn build(echo: bool) -> anyhow::Result<String> {
     packages(echo)?;
     let file = file();
     fs::create_dir_all(file.parent().context("the file has no folder")?)?;
-    let made = child::run(node("site.mjs").args([&module, &file]), echo)?;
+    let made = child::run(node("site.mjs").args([&module, &file, &workspace::root().join(REAL_LOGS)]), echo)?;
     Ok(made.stdout.trim().replace(&file.display().to_string(), &workspace::shown(&file)))
 }
 

@@ -1,19 +1,20 @@
-// Makes the one file: `node site.mjs ENGINE.wasm OUT.html`. What build.mjs bundles goes into the template, with the engine (gzip, base64)
-// and its worker as data, and a Content-Security-Policy that lets nothing else run and nothing be fetched.
+// Makes the one file: `node site.mjs ENGINE.wasm OUT.html [LOGS]`. What build.mjs bundles goes into the template, with the engine (gzip, base64)
+// and its worker as data, and a Content-Security-Policy that lets nothing else run and nothing be fetched. The real flights of offered.json
+// are put in where the folder LOGS has them: the project itself has no copy of any.
 
 import { execFileSync } from "node:child_process";
 import { createHash } from "node:crypto";
-import { mkdtempSync, readFileSync, renameSync, rmSync, writeFileSync } from "node:fs";
+import { existsSync, mkdtempSync, readFileSync, renameSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
-import { join } from "node:path";
+import { basename, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { gzipSync } from "node:zlib";
 import { buildSync } from "esbuild";
 
 const here = fileURLToPath(new URL(".", import.meta.url));
-const [module, out] = process.argv.slice(2);
+const [module, out, logs] = process.argv.slice(2);
 if (module === undefined || out === undefined) {
-  console.error("usage: node site.mjs ENGINE.wasm OUT.html");
+  console.error("usage: node site.mjs ENGINE.wasm OUT.html [LOGS]");
   process.exit(2);
 }
 
@@ -38,6 +39,11 @@ const worker = buildSync({
   write: false,
 }).outputFiles[0].text;
 const engine = gzipSync(readFileSync(module), { level: 9 }).toString("base64");
+
+const found = JSON.parse(readFileSync(join(here, "offered.json"), "utf8"))
+  .map(({ log, ...said }) => ({ ...said, file: basename(log), path: logs === undefined ? "" : join(logs, log) }));
+const offered = found.filter(({ path }) => existsSync(path))
+  .map(({ path, ...said }) => ({ ...said, log: gzipSync(readFileSync(path), { level: 9 }).toString("base64") }));
 
 /** The text of a script or a style, which must not end its element. */
 function inside(text, tag) {
@@ -72,6 +78,7 @@ html = put(
   "</body>",
   // The page is drawn before the engine, most of the file, has been read.
   `<script>${script}</script>\n<script type="text/plain" id="pylon-worker">${inside(worker, "script")}</script>\n` +
+    `<script type="text/plain" id="pylon-offered">${inside(JSON.stringify(offered).replaceAll("<", "\\u003c"), "script")}</script>\n` +
     `<script type="text/plain" id="pylon-engine">${engine}</script>\n</body>`,
 );
 // Whole or not at all.
@@ -80,5 +87,6 @@ renameSync(`${out}.part`, out);
 const kilobytes = (bytes) => `${Math.round(bytes / 1000)} kB`;
 console.log(
   `${out}: ${kilobytes(Buffer.byteLength(html))}, ${kilobytes(gzipSync(html, { level: 9 }).length)} compressed (engine ` +
-    `${kilobytes(engine.length * 0.75)}, page ${kilobytes(gzipSync(script + style + worker, { level: 9 }).length)})`,
+    `${kilobytes(engine.length * 0.75)}, page ${kilobytes(gzipSync(script + style + worker, { level: 9 }).length)}); ` +
+    (offered.length > 0 ? `${offered.length} of ${found.length} real flights inside` : `no real flights inside: none in ${logs ?? "no folder named"}`),
 );

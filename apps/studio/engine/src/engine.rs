@@ -1,15 +1,17 @@
 //! An engine: opened flights, and the requests that are answered of them.
 
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::ops::ControlFlow;
 use std::rc::Rc;
 
-use analysis::diagnose::Planner;
+use analysis::diagnose::Further;
+use analysis::learn::{NamedFlight, Scores, flown};
 use executor::Executor;
 use flight_data::{Flight, Note};
 use model::Model;
-use replay::{CalibrationWindow, GivenAirborne, GivenTimes, Replay};
+use replay::{CalibrationWindow, GivenAirborne, GivenTimes, Replay, ReplayError};
 use serde::Serialize;
 use thiserror::Error;
 
@@ -20,6 +22,10 @@ use crate::{catalogue, correlate, formula, opening, pairs, plan, results, ribbon
 
 /// Recordings that are kept: before and after, of two flights.
 const RECORDINGS: usize = 4;
+/// Diagnoses whose work is kept: with the model as it is, and as it was before its newest revision.
+const DIAGNOSES: usize = 2;
+/// Scores that are kept: five revisions on forty flights.
+const SCORES: usize = 200;
 /// Curves that are kept: what is made for one picture is wanted for the next, when it is panned.
 const CURVES: usize = 8;
 
@@ -90,6 +96,8 @@ type RecordingKey = (u64, String, TimesKey);
 /// What a diagnosis is of: flights learned from, and judged by, with their times; the model.
 pub(crate) type DiagnosisKey = (Vec<(u64, TimesKey)>, Vec<(u64, TimesKey)>, String);
 
+type ScoresKey = (u64, GivenTimes, Model);
+
 /// Opened flights, and who works on them.
 pub struct Engine {
     flights: BTreeMap<String, OpenFlight>,
@@ -98,8 +106,10 @@ pub struct Engine {
     recordings: Vec<(RecordingKey, Rc<Recording>)>,
     /// Likewise.
     curves: Vec<((RecordingKey, String), Rc<Curve>)>,
-    /// What the last diagnosis' flights tell.
-    planners: Vec<(DiagnosisKey, Rc<Planner>)>,
+    /// What the last diagnoses found out beside their answers.
+    further: Vec<(DiagnosisKey, Rc<Further>)>,
+    /// What models are worth on flights.
+    scores: RefCell<Vec<(ScoresKey, Rc<Scores>)>>,
     pub(crate) executor: &'static dyn Executor,
 }
 
@@ -112,7 +122,8 @@ impl Engine {
             opened: 0,
             recordings: Vec::new(),
             curves: Vec::new(),
-            planners: Vec::new(),
+            further: Vec::new(),
+            scores: RefCell::new(Vec::new()),
             executor,
         }
     }
@@ -239,14 +250,28 @@ impl Engine {
         Ok((of(&request.flights)?, of(&request.hold_outs)?, request.model.text.clone()))
     }
 
-    /// What the flights of a diagnosis tell, if it was the last one.
-    pub(crate) fn planner(&mut self, key: &DiagnosisKey) -> Option<Rc<Planner>> {
-        kept(&mut self.planners, key)
+    /// What a diagnosis found out beside its answer, if it was one of the last.
+    pub(crate) fn further(&mut self, key: &DiagnosisKey) -> Option<Rc<Further>> {
+        kept(&mut self.further, key)
     }
 
-    /// Keeps what the flights of a diagnosis tell.
-    pub(crate) fn keep_planner(&mut self, key: DiagnosisKey, planner: Planner) -> Rc<Planner> {
-        keep(&mut self.planners, 1, key, planner)
+    /// Keeps what a diagnosis found out beside its answer.
+    pub(crate) fn keep_further(&mut self, key: DiagnosisKey, further: Further) -> Rc<Further> {
+        keep(&mut self.further, DIAGNOSES, key, further)
+    }
+
+    /// What a model is worth on an open flight, flown once.
+    pub(crate) fn scored(&self, named: &NamedFlight<'_>, model: &Model) -> Result<Scores, ReplayError> {
+        let open = self.flights.values().find(|open| std::ptr::eq(&raw const open.flight, named.flight));
+        let Some(open) = open else { return flown(named, model) };
+        // A model's history does not fly.
+        let key = (open.number, named.given, Model { revisions: Vec::new(), ..model.clone() });
+        if let Some(found) = kept(&mut self.scores.borrow_mut(), &key) {
+            return Ok(Scores::clone(&found));
+        }
+        let scores = flown(named, model)?;
+        keep(&mut self.scores.borrow_mut(), SCORES, key, scores.clone());
+        Ok(scores)
     }
 
     fn key(&self, name: &str, model: &ModelText, times: Times) -> Result<RecordingKey, Refused> {

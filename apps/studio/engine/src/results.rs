@@ -4,10 +4,11 @@ use std::sync::Mutex;
 
 use analysis::batch::{DiagnoseResult, batch};
 use analysis::compare::{Comparison, Options, compare};
-use analysis::diagnose::{NamedReplay, WantedEffect, diagnose_to_plan};
+use analysis::diagnose::{NamedReplay, WantedEffect, diagnose_further};
 use analysis::discover::{discover, id};
-use analysis::learn::{Ladder, NamedFlight, Request, add};
+use analysis::learn::{Ladder, NamedFlight, Remembered, Request, add_remembering, ladder_by};
 use kf_core::effect::Clock;
+use model::Model;
 use replay::{GivenTimes, Replay};
 use serde::Serialize;
 use time::{Date, Month};
@@ -67,8 +68,8 @@ fn results(
     }
     let learned = to_diagnose(engine, &request.flights, &request.model, &request.times)?;
     let held = to_diagnose(engine, &request.hold_outs, &request.model, &request.times)?;
-    let found = diagnose_to_plan(&learned, &held, &mut counting("diagnosing", progress), engine.executor);
-    let (mut together, planner) = found.map_err(refused)?;
+    let found = diagnose_further(&learned, &held, &mut counting("diagnosing", progress), engine.executor);
+    let (mut together, further) = found.map_err(refused)?;
     let one_by_one = (learned.len() > 1).then(|| {
         let done = Mutex::new((0, progress));
         let step = || {
@@ -86,9 +87,9 @@ fn results(
         let open = engine.flight(name)?;
         notes.extend(open.notes.iter().map(|note| format!("{}: {note}", open.file)));
     }
-    // The next flight is planned on it.
-    if let Some(planner) = planner {
-        engine.keep_planner(engine.diagnosis_key(request)?, planner);
+    // The next flight is planned on it, and coefficients are learned from it.
+    if let Some(further) = further {
+        engine.keep_further(engine.diagnosis_key(request)?, further);
     }
     together.warnings.splice(0..0, notes);
     Ok(DiagnoseResult { together: Some(together), failed: None, one_by_one })
@@ -152,7 +153,11 @@ fn named<'a>(
 }
 
 /// An effect learned, and the model with it.
-pub fn added(engine: &Engine, request: AddRequest, progress: &mut Progress<'_>) -> Result<Added, Refused> {
+pub fn added(
+    engine: &mut Engine,
+    request: AddRequest,
+    progress: &mut Progress<'_>,
+) -> Result<Added, Refused> {
     let model = parsed(&request.model)?;
     let effect = model.effect_named(&request.effect).ok_or_else(|| {
         let nearest = model.nearest_effects(&request.effect);
@@ -175,6 +180,14 @@ pub fn added(engine: &Engine, request: AddRequest, progress: &mut Progress<'_>) 
     if request.flights.is_empty() {
         return Err(refused("no flight to learn from"));
     }
+    let key = engine.diagnosis_key(&DiagnoseRequest {
+        flights: request.flights.clone(),
+        hold_outs: request.hold_outs.clone(),
+        model: request.model.clone(),
+        times: request.times.clone(),
+    })?;
+    let further = engine.further(&key);
+    let engine = &*engine;
     let text = &request.model.text;
     let of = Request {
         text,
@@ -184,9 +197,15 @@ pub fn added(engine: &Engine, request: AddRequest, progress: &mut Progress<'_>) 
         learning: named(engine, &request.flights, &request.times)?,
         held_out: named(engine, &request.hold_outs, &request.times)?,
     };
-    let addition = add(&of, &mut counting("learning", progress), engine.executor).map_err(refused)?;
+    let mut scorer = |named: &NamedFlight<'_>, model: &Model| engine.scored(named, model);
+    let remembered = Remembered { work: further.as_ref().map(|further| &further.work), scorer: &mut scorer };
+    let addition = add_remembering(&of, remembered, &mut counting("learning", progress), engine.executor);
+    let addition = addition.map_err(refused)?;
     let model = ModelText { name: request.model.name.clone(), text: addition.text.clone() };
-    Ok(Added { headline: headline::of_addition(&addition), addition, model })
+    // The addition has flown the newest two revisions.
+    let flights: Vec<NamedFlight<'_>> = of.learning.iter().chain(&of.held_out).cloned().collect();
+    let ladder = ladder_of(engine, &model, &flights, progress).ok();
+    Ok(Added { headline: headline::of_addition(&addition), addition, model, ladder })
 }
 
 /// A day, written as 2026-01-31.
@@ -208,13 +227,22 @@ pub fn ladder(
     request: &LadderRequest,
     progress: &mut Progress<'_>,
 ) -> Result<Ladder, Refused> {
-    let model = parsed(&request.model)?;
     let flights = named(engine, &request.flights, &request.times)?;
+    ladder_of(engine, &request.model, &flights, progress)
+}
+
+fn ladder_of(
+    engine: &Engine,
+    of: &ModelText,
+    flights: &[NamedFlight<'_>],
+    progress: &mut Progress<'_>,
+) -> Result<Ladder, Refused> {
+    let model = parsed(of)?;
     let all = (model.revisions.len() as u64 + 1) * flights.len() as u64;
     let mut flying = |done| progress("flying", done, all);
-    let mut ladder =
-        analysis::learn::ladder(&model, &flights, &mut flying).map_err(|error| refused(error.to_string()))?;
-    ladder.model.clone_from(&request.model.name);
+    let mut scorer = |named: &NamedFlight<'_>, model: &Model| engine.scored(named, model);
+    let mut ladder = ladder_by(&mut scorer, &model, flights, &mut flying).map_err(refused)?;
+    ladder.model.clone_from(&of.name);
     Ok(ladder)
 }
 

@@ -6,7 +6,7 @@ import { loadavg, tmpdir } from "node:os";
 import { join } from "node:path";
 import { gzipSync } from "node:zlib";
 
-import { choose, launch, open, pylon, revisionsAre, sentence, studio } from "./browser.mjs";
+import { choose, launch, open, pylon, revisions, revisionsAre, sentence, studio } from "./browser.mjs";
 
 /** As `cargo xtask bench` has its long flight (xtask/src/bench/long_flight.rs): manoeuvre, seconds, what it asks for. */
 const ROUND = [
@@ -138,10 +138,12 @@ try {
   const adding = performance.now();
   work();
   await tab.locator(".effect .add").first().click();
-  const [, [is]] = await revisionsAre(tab, 2);
-  console.log(`Add to the new numbers: ${seconds(performance.now() - adding)}, ${work()} (${was} m to ${is} m)`);
+  const [, [is]] = await tab.waitForFunction(() => document.querySelectorAll(".revision").length === 2).then(() => revisions(tab));
+  console.log(`Add to the new numbers: ${seconds(performance.now() - adding)}, ${work()} (${was} m to ${is} m: ${await sentence(tab)})`);
   await tab.locator(".chart.error .legend-entry", { hasText: "After" }).waitFor({ timeout: 300_000 });
-  console.log(`Add to the new curve: ${seconds(performance.now() - adding)}`);
+  console.log(`Add to the new curve: ${seconds(performance.now() - adding)}, ${work()} more`);
+  await revisionsAre(tab, 2);
+  console.log(`Add to the next diagnosis: ${seconds(performance.now() - adding)}, ${work()} more`);
   await tab.waitForFunction(() => !document.querySelector(".progress"), undefined, { timeout: 600_000 });
   await tab.waitForTimeout(1000);
   await frames(tab, "zoom by the wheel", async (box) => {

@@ -2,9 +2,9 @@
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { existsSync, mkdtempSync, rmSync } from "node:fs";
+import { existsSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
-import { join } from "node:path";
+import { basename, join } from "node:path";
 import { after, before, test } from "node:test";
 
 import { choose, launch, open, openSample, pylon, realLogs, root, revisionsAre, sentence, withoutPylon } from "./browser.mjs";
@@ -48,6 +48,23 @@ for (const file of [
   const path = join(realLogs, file);
   test(`opens ${file}`, { skip: !existsSync(path) && `skipped: ${path} is not there` }, async () => { await opens(path); });
 }
+
+test("offers the real flights that were there when it was built, and opens each as the log on disk", { skip: !existsSync(realLogs) && `skipped: ${realLogs} is not there` }, async () => {
+  const listed = JSON.parse(readFileSync(join(root, "apps/studio/page/offered.json"), "utf8"));
+  for (const { log, from } of listed) {
+    const { context, page, wrongs } = await open(browser);
+    const button = page.locator(`[data-offered="${basename(log)}"]`);
+    await button.waitFor();
+    assert.equal(await page.locator("[data-offered]").count(), listed.length);
+    assert.ok((await button.innerText()).includes(from), "it says whose log it is");
+    assert.ok(await page.evaluate(() => document.querySelector(".first").scrollHeight <= document.querySelector(".first").clientHeight), "nothing to scroll to");
+    await button.click();
+    const offered = await sentence(page);
+    await context.close();
+    assert.deepEqual(wrongs, []);
+    assert.equal(offered, await opens(join(realLogs, log)), log);
+  }
+});
 
 test("judges by a second flight of `pylon simulate flights/quickstart.toml`", { skip: withoutPylon }, async () => {
   const folder = mkdtempSync(join(tmpdir(), "pylon-e2e-"));

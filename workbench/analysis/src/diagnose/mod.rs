@@ -90,12 +90,12 @@ pub use learning_problem::{LearningProblem, Nuisance, Term};
 pub use named_replay::NamedReplay;
 pub use noise::{GaussMarkov, Noise, SensorNoise};
 pub use outlook::{EffectOutlook, MemberOutlook, Outlook, SetOutlook};
-pub use planner::{Planner, diagnose_to_plan};
+pub use planner::{Further, Planner, diagnose_further};
 pub use prediction::prediction;
 pub use series::{BySensor, Series};
-pub use study::study;
+pub use study::{study, study_remembering};
 pub use wanted_effect::WantedEffect;
-pub use work::diagnose;
+pub use work::{Work, diagnose};
 
 // What `crate::discover` works with as well.
 pub(crate) mod parts {

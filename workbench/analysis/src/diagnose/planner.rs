@@ -26,7 +26,7 @@ use super::rivals;
 use super::roughness::{scale, unsteadiness};
 use super::simplicity::{ROUGH_SHAPE, SHAPE};
 use super::wind;
-use super::work::{Judged, judged};
+use super::work::{Judged, Work, judged};
 use crate::progress::{Cancelled, Progress};
 
 /// What flights tell, to be planned on.
@@ -86,23 +86,32 @@ impl Tempering {
     }
 }
 
-/// A diagnosis, and what a further flight can be planned on; nothing to plan on without a flight.
+/// What a diagnosis found out beside its answer.
+#[derive(Debug)]
+pub struct Further {
+    /// What a further flight can be planned on.
+    pub planner: Planner,
+    /// What coefficients can be learned from.
+    pub work: Work,
+}
+
+/// A diagnosis, and what it found out beside it; nothing without a flight.
 ///
 /// # Errors
 /// [`Cancelled`] when `progress` says so.
-pub fn diagnose_to_plan(
+pub fn diagnose_further(
     flights: &[NamedReplay<'_>],
     hold_outs: &[NamedReplay<'_>],
     progress: &mut Progress<'_>,
     executor: &dyn Executor,
-) -> Result<(Diagnosis, Option<Planner>), Cancelled> {
-    let of = |judged: &mut Judged<'_, '_>, _: &mut Progress<'_>| Ok(Planner::of(judged));
-    let (diagnosis, planner) = judged(flights, hold_outs, None, progress, executor, of)?;
-    let planner = planner.flatten().map(|mut planner| {
+) -> Result<(Diagnosis, Option<Further>), Cancelled> {
+    let of = |judged: &Judged<'_, '_>, _: &mut Progress<'_>| Ok(Planner::of(judged));
+    let (diagnosis, made) = judged(flights, hold_outs, None, progress, executor, of)?;
+    let further = made.map(|(mut planner, work)| {
         planner.sets.retain(|set| set.is_said(&diagnosis));
-        planner
+        Further { planner, work }
     });
-    Ok((diagnosis, planner))
+    Ok((diagnosis, further))
 }
 
 impl Set {
@@ -115,8 +124,8 @@ impl Set {
 }
 
 impl Planner {
-    fn of(judged: &Judged<'_, '_>) -> Option<Self> {
-        let (judge, findings) = (judged.judge, judged.findings()?);
+    fn of(judged: &Judged<'_, '_>) -> Self {
+        let (judge, findings) = (judged.judge, judged.findings());
         let (candidates, suspects) = (&judged.prepared.candidates, judge.suspects);
         let found = findings.explanation.columns.clone();
         let has: [bool; SENSORS] =
@@ -172,7 +181,7 @@ impl Planner {
             Tempering { base: 1.0, shape: if is_rough { ROUGH_SHAPE } else { SHAPE } }
         };
         let noise = findings.explanation.fit.noise;
-        Some(Self {
+        Self {
             candidates: candidates.clone(),
             prior: judge.problem.prior.clone(),
             known: judge.problem.known.clone(),
@@ -185,7 +194,7 @@ impl Planner {
             effects,
             sets,
             tempering,
-        })
+        }
     }
 
     /// What the planned flight would tell, with the flights. It must have no column that they lack.

@@ -26,11 +26,14 @@ pub struct Explanation {
     pub fit: NoiseFit,
 }
 
+/// The noise fitted beside each set of columns that was looked at.
+pub type Seen = BTreeMap<Vec<usize>, NoiseFit>;
+
 /// The search and what it has looked at.
 pub struct Search<'a> {
     problem: &'a Problem<'a>,
     suspects: &'a Suspects<'a>,
-    seen: BTreeMap<Vec<usize>, NoiseFit>,
+    seen: Seen,
 }
 
 impl<'a> Search<'a> {
@@ -38,6 +41,18 @@ impl<'a> Search<'a> {
     #[must_use]
     pub const fn new(problem: &'a Problem<'a>, suspects: &'a Suspects<'a>) -> Self {
         Self { problem, suspects, seen: BTreeMap::new() }
+    }
+
+    /// A search that goes on where another one of the same problem ended.
+    #[must_use]
+    pub const fn resumed(problem: &'a Problem<'a>, suspects: &'a Suspects<'a>, seen: Seen) -> Self {
+        Self { problem, suspects, seen }
+    }
+
+    /// What it has looked at.
+    #[must_use]
+    pub fn into_seen(self) -> Seen {
+        self.seen
     }
 
     /// The noise fitted beside a set of columns.

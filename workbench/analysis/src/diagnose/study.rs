@@ -7,7 +7,7 @@ use super::diagnosis::Diagnosis;
 use super::learning_problem::LearningProblem;
 use super::named_replay::NamedReplay;
 use super::wanted_effect::WantedEffect;
-use super::work::work;
+use super::work::{Work, judged};
 use crate::progress::{Cancelled, Progress};
 
 /// A diagnosis of flights with a model that lacks the effect, and what the effect's coefficient is to be
@@ -23,14 +23,37 @@ pub fn study(
     progress: &mut Progress<'_>,
     executor: &dyn Executor,
 ) -> Result<(Diagnosis, Option<LearningProblem>), Cancelled> {
+    study_remembering(None, flights, hold_outs, wanted, progress, executor)
+}
+
+/// As [`study`], without doing again what a diagnosis of the same flights and model has done.
+///
+/// # Errors
+/// [`Cancelled`] when `progress` says so.
+pub fn study_remembering(
+    work: Option<&Work>,
+    flights: &[NamedReplay<'_>],
+    hold_outs: &[NamedReplay<'_>],
+    wanted: WantedEffect,
+    progress: &mut Progress<'_>,
+    executor: &dyn Executor,
+) -> Result<(Diagnosis, Option<LearningProblem>), Cancelled> {
     let time_constants_s: Vec<f32> = wanted.time_constant_s.into_iter().collect();
-    let coarse = work(flights, hold_outs, Some((wanted, &time_constants_s)), progress, executor)?;
+    let mut of = |wanted: WantedEffect, time_constants_s: &[f32]| {
+        let tried = Some((wanted, time_constants_s));
+        let (diagnosis, work) = judged(flights, hold_outs, tried, progress, executor, |_, _| Ok(()))?;
+        Ok((diagnosis, work.and_then(|((), work)| work.problem(wanted.effect, executor))))
+    };
+    let coarse = match work.filter(|work| time_constants_s.is_empty() && work.serves(wanted)) {
+        Some(work) => (work.diagnosis().clone(), work.problem(wanted.effect, executor)),
+        None => of(wanted, &time_constants_s)?,
+    };
     let fitted = coarse.1.as_ref().and_then(|problem| problem.terms.first()).map(|term| term.regressor);
     match fitted.filter(|_| time_constants_s.is_empty() && wanted.effect.has_time_constant()) {
         Some(Regressor { time_constant_s, since, .. }) => {
             let fine = FINER.map(|factor| factor * time_constant_s);
             let there = WantedEffect { since: Some(since), ..wanted };
-            work(flights, hold_outs, Some((there, &fine)), progress, executor)
+            of(there, &fine)
         }
         None => Ok(coarse),
     }

@@ -1,6 +1,7 @@
 //! From flights to a diagnosis: prepare, search, judge.
 
 use executor::Executor;
+use kf_core::effect::EffectId;
 use kf_core::sensor::Sensor;
 
 use super::candidates::Candidate;
@@ -11,8 +12,8 @@ use super::learning_problem::LearningProblem;
 use super::named_replay::NamedReplay;
 use super::noise::NoisePrior;
 use super::prepare::Prepared;
-use super::problem::Problem;
-use super::search::{Explanation, Search};
+use super::problem::{Known, Problem};
+use super::search::{Explanation, Search, Seen};
 use super::wanted_effect::WantedEffect;
 use crate::progress::{Cancelled, Progress};
 use replay::{Usage, barometer};
@@ -28,87 +29,127 @@ pub fn diagnose(
     progress: &mut Progress<'_>,
     executor: &dyn Executor,
 ) -> Result<Diagnosis, Cancelled> {
-    Ok(work(flights, hold_outs, None, progress, executor)?.0)
-}
-
-/// A diagnosis, and what one effect's coefficient is learned from, tried with these time constants if it has one
-/// (none: the catalogue's grid).
-pub(super) fn work(
-    flights: &[NamedReplay<'_>],
-    hold_outs: &[NamedReplay<'_>],
-    wanted: Option<(WantedEffect, &[f32])>,
-    progress: &mut Progress<'_>,
-    executor: &dyn Executor,
-) -> Result<(Diagnosis, Option<LearningProblem>), Cancelled> {
-    let of = |judged: &mut Judged<'_, '_>, _: &mut Progress<'_>| {
-        let findings = judged.findings.take().zip(wanted);
-        Ok(findings
-            .and_then(|(findings, (wanted, _))| judged.judge.problem(judged.search, findings, wanted.effect)))
-    };
-    let (diagnosis, problem) = judged(flights, hold_outs, wanted, progress, executor, of)?;
-    Ok((diagnosis, problem.flatten()))
+    Ok(judged(flights, hold_outs, None, progress, executor, |_, _| Ok(()))?.0)
 }
 
 /// A diagnosis, and what it rests on.
 pub(crate) struct Judged<'a, 'b> {
     pub(crate) judge: &'b Judge<'a>,
     pub(crate) prepared: &'b Prepared,
-    search: &'b mut Search<'a>,
-    /// There until they are taken.
-    findings: Option<Findings>,
+    findings: &'b Findings,
 }
 
 impl Judged<'_, '_> {
     /// What the verdicts rest on.
-    pub(super) const fn findings(&self) -> Option<&Findings> {
-        self.findings.as_ref()
+    pub(super) const fn findings(&self) -> &Findings {
+        self.findings
     }
 
     /// The effects that explain the residuals, with the noise beside them.
-    pub(crate) fn explanation(&self) -> Option<&Explanation> {
-        self.findings.as_ref().map(|findings| &findings.explanation)
+    pub(crate) const fn explanation(&self) -> &Explanation {
+        &self.findings.explanation
     }
 }
 
-/// A diagnosis, and what `then` makes of what it rests on (nothing without a flight).
+/// A diagnosis, its work, and what `then` makes of what it rests on (nothing without a flight). `wanted`: the effect whose coefficient
+/// is to be learned, tried with these time constants if it has one (none: the catalogue's grid).
 pub(crate) fn judged<T>(
     flights: &[NamedReplay<'_>],
     hold_outs: &[NamedReplay<'_>],
     wanted: Option<(WantedEffect, &[f32])>,
     progress: &mut Progress<'_>,
     executor: &dyn Executor,
-    then: impl FnOnce(&mut Judged<'_, '_>, &mut Progress<'_>) -> Result<T, Cancelled>,
-) -> Result<(Diagnosis, Option<T>), Cancelled> {
+    then: impl FnOnce(&Judged<'_, '_>, &mut Progress<'_>) -> Result<T, Cancelled>,
+) -> Result<(Diagnosis, Option<(T, Work)>), Cancelled> {
     let Some(first) = flights.first() else { return Ok((Diagnosis::default(), None)) };
     let model = first.replay.model();
     let prepared = Prepared::new(flights, hold_outs, model, wanted, executor);
-    let Prepared { candidates, epochs, .. } = &prepared;
     let mut prior = NoisePrior::new(&prepared.series, &model.reference, &model.sensors);
     if !prepared.has_climb_rate {
         prior = prior.with_slow_wander();
     }
-    let problem = |series| Problem::new(series, prior.clone(), prepared.known.clone(), executor);
-    let (problem, held) = (problem(&prepared.series), problem(&prepared.held));
-    let suspects = prepared.suspects(&problem);
-    let mut search = Search::new(&problem, &suspects);
-    let explanation = if prepared.has_climb_rate { search.run(progress)? } else { search.start(progress)? };
-    let judge = Judge {
-        problem: &problem,
-        held: (!prepared.held.is_empty()).then_some(&held),
-        candidates,
-        suspects: &suspects,
-        epochs,
-        has_climb_rate: prepared.has_climb_rate,
-    };
-    let (mut diagnosis, findings) = judge.verdicts(&mut search, explanation, progress)?;
-    diagnosis.version = Diagnosis::VERSION;
-    diagnosis.flights = flights.iter().zip(epochs).map(|(named, epochs)| facts(named, epochs)).collect();
-    diagnosis.hold_outs = hold_outs.iter().map(|named| named.file.clone()).collect();
-    diagnosis.untested = untested(candidates, flights, epochs);
-    let findings = Some(findings);
-    let mut judged = Judged { judge: &judge, prepared: &prepared, search: &mut search, findings };
-    let made = then(&mut judged, progress)?;
-    Ok((diagnosis, Some(made)))
+    let bench = Bench { prepared: &prepared, prior: &prior, executor };
+    let (diagnosis, made, findings, seen) = bench.work(|judge| {
+        let mut search = Search::new(judge.problem, judge.suspects);
+        let explanation =
+            if prepared.has_climb_rate { search.run(progress)? } else { search.start(progress)? };
+        let (mut diagnosis, findings) = judge.verdicts(&mut search, explanation, progress)?;
+        diagnosis.version = Diagnosis::VERSION;
+        let named = flights.iter().zip(&prepared.epochs);
+        diagnosis.flights = named.map(|(named, epochs)| facts(named, epochs)).collect();
+        diagnosis.hold_outs = hold_outs.iter().map(|named| named.file.clone()).collect();
+        diagnosis.untested = untested(&prepared.candidates, flights, &prepared.epochs);
+        let made = then(&Judged { judge, prepared: &prepared, findings: &findings }, progress)?;
+        Ok((diagnosis, made, findings, search.into_seen()))
+    })?;
+    let work = Work { diagnosis: diagnosis.clone(), prepared, prior, findings, seen };
+    Ok((diagnosis, Some((made, work))))
+}
+
+/// What a diagnosis works with.
+struct Bench<'a> {
+    prepared: &'a Prepared,
+    prior: &'a NoisePrior,
+    executor: &'a dyn Executor,
+}
+
+impl Bench<'_> {
+    fn work<T>(&self, judging: impl FnOnce(&Judge<'_>) -> T) -> T {
+        let Self { prepared, prior, executor } = *self;
+        let problem = |series| Problem::new(series, prior.clone(), prepared.known.clone(), executor);
+        let (problem, held) = (problem(&prepared.series), problem(&prepared.held));
+        judging(&Judge {
+            problem: &problem,
+            held: (!prepared.held.is_empty()).then_some(&held),
+            candidates: &prepared.candidates,
+            suspects: &prepared.suspects(&problem),
+            epochs: &prepared.epochs,
+            has_climb_rate: prepared.has_climb_rate,
+        })
+    }
+}
+
+/// The work of a diagnosis, kept: what is learned from the same flights under the same model is learned from it without doing
+/// it again, to the same digits.
+pub struct Work {
+    diagnosis: Diagnosis,
+    prepared: Prepared,
+    prior: NoisePrior,
+    findings: Findings,
+    seen: Seen,
+}
+
+impl Work {
+    /// Whether a study of this effect, by the catalogue's time constants if it has one, would do this very work again: not where it has
+    /// shapes of its own to try, or where the model had it already.
+    pub(super) fn serves(&self, wanted: WantedEffect) -> bool {
+        let candidates = &self.prepared.candidates;
+        let mut narrowed = candidates.clone();
+        wanted.narrow(&mut narrowed, &[]);
+        let is_known = |known: &Known| {
+            candidates.get(known.column).is_some_and(|candidate| candidate.effect() == wanted.effect)
+        };
+        narrowed == *candidates && !self.prepared.known.iter().any(is_known)
+    }
+
+    /// What it found.
+    pub(super) const fn diagnosis(&self) -> &Diagnosis {
+        &self.diagnosis
+    }
+
+    pub(super) fn problem(&self, effect: EffectId, executor: &dyn Executor) -> Option<LearningProblem> {
+        let bench = Bench { prepared: &self.prepared, prior: &self.prior, executor };
+        bench.work(|judge| {
+            let mut search = Search::resumed(judge.problem, judge.suspects, self.seen.clone());
+            judge.problem(&mut search, self.findings.clone(), effect)
+        })
+    }
+}
+
+impl std::fmt::Debug for Work {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.debug_struct("Work").field("diagnosis", &self.diagnosis).finish_non_exhaustive()
+    }
 }
 
 fn facts(named: &NamedReplay<'_>, epochs: &Epochs) -> DiagnosedFlight {

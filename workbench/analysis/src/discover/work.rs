@@ -29,9 +29,9 @@ pub fn discover(
     progress: &mut Progress<'_>,
     executor: &dyn Executor,
 ) -> Result<Discovery, Cancelled> {
-    let then = |judged: &mut Judged<'_, '_>, progress: &mut Progress<'_>| laws(judged, progress, executor);
+    let then = |judged: &Judged<'_, '_>, progress: &mut Progress<'_>| laws(judged, progress, executor);
     let (diagnosis, found) = judged(flights, hold_outs, None, progress, executor, then)?;
-    let mut discovery = found.unwrap_or_default();
+    let mut discovery = found.map(|(discovery, _)| discovery).unwrap_or_default();
     discovery.version = Discovery::VERSION;
     discovery.verdict = diagnosis.verdict;
     let files = |named: &[NamedReplay<'_>]| named.iter().map(|named| named.file.clone()).collect();
@@ -45,7 +45,7 @@ fn laws(
     executor: &dyn Executor,
 ) -> Result<Discovery, Cancelled> {
     let (prepared, problem) = (judged.prepared, judged.judge.problem);
-    let Some(explanation) = judged.explanation() else { return Ok(Discovery::default()) };
+    let explanation = judged.explanation();
     let learned: Vec<_> =
         prepared.epochs.iter().map(|epochs| (&epochs.series, epochs.signals.as_slice())).collect();
     let held: Vec<_> =

@@ -13,8 +13,10 @@ use super::document::{DocumentError, RevisionErrors, with_effect, with_revision}
 use super::filter::{LearnError, learn};
 use crate::name::Name;
 
-use super::score::{Scores, SensorScore, pooled_rms_m, score};
-use crate::diagnose::{Diagnosis, HeldOutVerdict, NamedReplay, Verdict, WantedEffect, envelope_m, study};
+use super::score::{Scorer, Scores, SensorScore, flown, pooled_rms_m};
+use crate::diagnose::{
+    Diagnosis, HeldOutVerdict, NamedReplay, Verdict, WantedEffect, Work, envelope_m, study_remembering,
+};
 use crate::progress::{Cancelled, Progress, step};
 use executor::Executor;
 use flight_data::Flight;
@@ -194,12 +196,40 @@ pub enum AddError {
     },
 }
 
+/// What the caller has from before. It must be of the very flights and the model of a [`Request`]: nothing comes out differently,
+/// but sooner.
+pub struct Remembered<'a> {
+    /// The work of a diagnosis.
+    pub work: Option<&'a Work>,
+    /// Who says what a model is worth on a flight.
+    pub scorer: &'a mut Scorer<'a>,
+}
+
+impl std::fmt::Debug for Remembered<'_> {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.debug_struct("Remembered").field("work", &self.work).finish_non_exhaustive()
+    }
+}
+
 /// Learns an effect's coefficient and makes the model's new text; writes nothing.
 ///
 /// # Errors
 /// See [`AddError`].
 pub fn add(
     request: &Request<'_>,
+    progress: &mut Progress<'_>,
+    executor: &dyn Executor,
+) -> Result<Addition, AddError> {
+    add_remembering(request, Remembered { work: None, scorer: &mut flown }, progress, executor)
+}
+
+/// As [`add`], without doing again what was done before.
+///
+/// # Errors
+/// See [`AddError`].
+pub fn add_remembering(
+    request: &Request<'_>,
+    remembered: Remembered<'_>,
     progress: &mut Progress<'_>,
     executor: &dyn Executor,
 ) -> Result<Addition, AddError> {
@@ -222,7 +252,9 @@ pub fn add(
     // What `pylon diagnose` found on all of a flight is learned from all of it.
     let learning = replays(&request.learning, &without, Replay::to_diagnose)?;
     let held_out = replays(&request.held_out, &without, Replay::to_diagnose)?;
-    let (diagnosis, problem) = study(&learning, &held_out, request.wanted, progress, executor)?;
+    let work = remembered.work.filter(|_| old.is_none());
+    let (diagnosis, problem) =
+        study_remembering(work, &learning, &held_out, request.wanted, progress, executor)?;
     let files = || {
         let names: Vec<&str> = request.learning.iter().map(|named| named.file.as_str()).collect();
         names.join(", ")
@@ -247,8 +279,11 @@ pub fn add(
     let text = with_effect(request.text, &effect, request.date)?;
     let after = Model::parse(&text)?;
 
-    let learning = changes(&request.learning, [&before, &after], progress)?;
-    let held_out = changes(&request.held_out, [&before, &after], progress)?;
+    let mut changes = |flights: &[NamedFlight<'_>], flown: &[NamedReplay<'_>]| {
+        changes(flights, flown, [&before, &after], remembered.scorer, progress)
+    };
+    let learning = changes(&request.learning, &flown_learning)?;
+    let held_out = changes(&request.held_out, &flown_held_out)?;
     let rms = |flights: &[FlightChange]| -> [Option<f64>; 2] {
         [
             pooled_rms_m(&scores(flights, |change| change.before), id.subject()),
@@ -343,23 +378,25 @@ fn not_flown<'a>(replays: impl Iterator<Item = &'a NamedReplay<'a>>) -> Vec<Stri
         .collect()
 }
 
+/// What the two models are worth on the flights that are calibrated.
 fn changes(
     flights: &[NamedFlight<'_>],
-    models: [&Model; 2],
+    replays: &[NamedReplay<'_>],
+    [before, after]: [&Model; 2],
+    scorer: &mut Scorer<'_>,
     progress: &mut Progress<'_>,
 ) -> Result<Vec<FlightChange>, AddError> {
-    let [before, after] = models.map(|model| replays(flights, model, Replay::calibrated_or_not));
     let mut changes = Vec::new();
-    for (before, after) in before?.iter().zip(&after?).filter(|(before, _)| before.replay.is_calibrated()) {
-        let failed = |error| AddError::Replay { file: before.file.clone(), error };
-        let was = score(&before.replay).map_err(failed)?;
+    for (named, _) in flights.iter().zip(replays).filter(|(_, replay)| replay.replay.is_calibrated()) {
+        let failed = |error| AddError::Replay { file: named.file.clone(), error };
+        let was = scorer(named, before).map_err(failed)?;
         step(progress)?;
-        let is = score(&after.replay).map_err(failed)?;
+        let is = scorer(named, after).map_err(failed)?;
         step(progress)?;
         let sensors = was.iter().filter_map(|(name, before)| {
             Some((name.clone(), SensorChange { before: *before, after: *is.get(name)? }))
         });
-        changes.push(FlightChange { file: before.file.clone(), sensors: sensors.collect() });
+        changes.push(FlightChange { file: named.file.clone(), sensors: sensors.collect() });
     }
     Ok(changes)
 }

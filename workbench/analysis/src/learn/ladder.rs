@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::addition::NamedFlight;
-use super::score::{Scores, score};
+use super::score::{Scorer, Scores, flown};
 use crate::name::Name;
-use replay::{Replay, ReplayError};
+use replay::ReplayError;
 
 /// The keys of `pylon ladder --json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -73,16 +73,29 @@ pub fn ladder(
     flights: &[NamedFlight<'_>],
     progress: &mut dyn FnMut(u64),
 ) -> Result<Ladder, LadderError> {
+    ladder_by(&mut flown, model, flights, progress)
+}
+
+/// As [`ladder`], by somebody's scores.
+///
+/// # Errors
+/// [`LadderError`], for the first flight that can not be flown.
+pub fn ladder_by(
+    scorer: &mut Scorer<'_>,
+    model: &Model,
+    flights: &[NamedFlight<'_>],
+    progress: &mut dyn FnMut(u64),
+) -> Result<Ladder, LadderError> {
     let mut revisions = Vec::new();
     let mut done = 0;
     for number in std::iter::once(0).chain(model.revision_numbers().into_iter().filter(|number| *number > 0))
     {
         let left = model.at_revision(number);
         let mut at_revision = Vec::new();
-        for NamedFlight { file, flight, given } in flights {
-            let sensors = Replay::new(flight, &left, *given).and_then(|replay| score(&replay));
-            let sensors = sensors.map_err(|reason| LadderError { file: file.clone(), reason })?;
-            at_revision.push(RevisionFlight { file: file.clone(), sensors });
+        for named in flights {
+            let file = || named.file.clone();
+            let sensors = scorer(named, &left).map_err(|reason| LadderError { file: file(), reason })?;
+            at_revision.push(RevisionFlight { file: file(), sensors });
             done += 1;
             progress(done);
         }

@@ -13,8 +13,10 @@ mod filter;
 mod ladder;
 mod score;
 
-pub use addition::{AddError, Addition, FlightChange, JudgedOn, NamedFlight, Request, add};
+pub use addition::{
+    AddError, Addition, FlightChange, JudgedOn, NamedFlight, Remembered, Request, add, add_remembering,
+};
 pub use document::DocumentError;
 pub use filter::{LearnError, Learned, learn};
-pub use ladder::{Ladder, LadderError, LadderRevision, RevisionFlight, ladder};
-pub use score::{Scores, SensorScore, pooled_rms_m, score};
+pub use ladder::{Ladder, LadderError, LadderRevision, RevisionFlight, ladder, ladder_by};
+pub use score::{Scorer, Scores, SensorScore, flown, pooled_rms_m, score};

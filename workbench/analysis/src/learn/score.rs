@@ -8,7 +8,9 @@ use kf_core::sensor::{SENSORS, Sensor};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::addition::NamedFlight;
 use crate::name::Name;
+use model::Model;
 use replay::{Replay, ReplayError};
 
 /// One sensor's errors on one flight (eq. 16), and its flags.
@@ -40,6 +42,17 @@ struct Tally {
     free: [f64; 2],
     doubtful_us: Option<u64>,
     untrustworthy_us: Option<u64>,
+}
+
+/// Who says what a model is worth on a flight: [`flown`], or who remembers what that said.
+pub type Scorer<'a> = dyn FnMut(&NamedFlight<'_>, &Model) -> Result<Scores, ReplayError> + 'a;
+
+/// Flies a model over a flight and scores every sensor.
+///
+/// # Errors
+/// A flight that can't be flown, or a model that no mission can be made of.
+pub fn flown(named: &NamedFlight<'_>, model: &Model) -> Result<Scores, ReplayError> {
+    score(&Replay::new(named.flight, model, named.given)?)
 }
 
 /// Flies a replay's model over its flight and scores every sensor.

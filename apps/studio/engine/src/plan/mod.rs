@@ -6,7 +6,7 @@ mod scenario;
 
 use std::rc::Rc;
 
-use analysis::diagnose::{Outlook, Planner, diagnose_to_plan};
+use analysis::diagnose::{Further, Outlook, Planner, diagnose_further};
 use flight_data::{Channel, Flight};
 use replay::{GivenTimes, Replay};
 use simulate::scenario::Noise;
@@ -30,7 +30,7 @@ pub fn planned(
 ) -> Result<Planned, Refused> {
     let PlanRequest { flights, hold_outs, model, times, plan } = request;
     let diagnosed = DiagnoseRequest { flights, hold_outs, model, times };
-    let planner = planner(engine, &diagnosed, progress)?;
+    let further = further(engine, &diagnosed, progress)?;
     let learned: Vec<&Flight> = diagnosed
         .flights
         .iter()
@@ -39,7 +39,7 @@ pub fn planned(
     let planning = Planning {
         engine,
         request: &diagnosed,
-        planner: &planner,
+        planner: &further.planner,
         around: Circumstances::of(&learned),
         learned,
     };
@@ -75,13 +75,13 @@ pub fn planned(
 }
 
 /// What the flights tell: of the diagnosis that was made of them, or of one that is made now.
-fn planner(
+fn further(
     engine: &mut Engine,
     request: &DiagnoseRequest,
     progress: &mut Progress<'_>,
-) -> Result<Rc<Planner>, Refused> {
+) -> Result<Rc<Further>, Refused> {
     let key = engine.diagnosis_key(request)?;
-    if let Some(found) = engine.planner(&key) {
+    if let Some(found) = engine.further(&key) {
         return Ok(found);
     }
     if request.flights.is_empty() {
@@ -89,10 +89,10 @@ fn planner(
     }
     let learned = to_diagnose(engine, &request.flights, &request.model, &request.times)?;
     let held = to_diagnose(engine, &request.hold_outs, &request.model, &request.times)?;
-    let found = diagnose_to_plan(&learned, &held, &mut counting("diagnosing", progress), engine.executor);
-    let planner =
+    let found = diagnose_further(&learned, &held, &mut counting("diagnosing", progress), engine.executor);
+    let further =
         found.map_err(refused)?.1.ok_or_else(|| refused("these flights tell nothing to plan on"))?;
-    Ok(engine.keep_planner(key, planner))
+    Ok(engine.keep_further(key, further))
 }
 
 /// What plans are made with.

@@ -3,7 +3,7 @@
 use analysis::batch::Batch;
 use analysis::compare::Comparison;
 use analysis::diagnose::Diagnosis;
-use analysis::learn::Addition;
+use analysis::learn::{Addition, Ladder};
 use serde::{Deserialize, Serialize};
 
 use super::{Headline, ModelText, Times, TimesByFlight};
@@ -90,6 +90,9 @@ pub struct Added {
     pub model: ModelText,
     /// In one sentence: what was learned, and how the error falls.
     pub headline: Headline,
+    /// Every revision of that model on the flights, those to learn from first: what [`LadderRequest`] is answered by. Null where a flight
+    /// has nothing to calibrate on.
+    pub ladder: Option<Ladder>,
 }
 
 /// Flies every revision of a model over flights: `pylon ladder`. Answered by what `pylon ladder --json` prints.

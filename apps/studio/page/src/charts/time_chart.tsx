@@ -85,6 +85,8 @@ const RIGHT = 10;
 const FONT = '11.5px system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif';
 
 const nothing = (): null => null;
+/** The height of a name with its distance, pixels. */
+const NAME_PX = 17;
 const UNBOUND: uPlot.Cursor.Bind = {
   mousedown: nothing, mouseup: nothing, click: nothing, dblclick: nothing, mousemove: nothing, mouseleave: nothing, mouseenter: nothing,
 };
@@ -351,8 +353,11 @@ function limit(plot: uPlot, ctx: CanvasRenderingContext2D, level: Level, ratio: 
   if (!level.name) return;
   const end = Math.min(right, plot.bbox.left + plot.bbox.width) - 5 * ratio;
   ctx.textAlign = "right";
-  ctx.textBaseline = level.y > 0 ? "bottom" : "top";
-  write(ctx, level.name, end, y + (level.y > 0 ? -2 : 2) * ratio, level.role, ratio);
+  // Levels lie either side of zero: the name stands beyond the one that has room for it.
+  const room = level.y > 0 ? y - plot.bbox.top : plot.bbox.top + plot.bbox.height - y;
+  const named = room > NAME_PX * ratio ? level.y : -level.y;
+  ctx.textBaseline = named > 0 ? "bottom" : "top";
+  write(ctx, level.name, end, plot.valToPos(named, "y", true) + (named > 0 ? -2 : 2) * ratio, level.role, ratio);
 }
 
 function event(plot: uPlot, ctx: CanvasRenderingContext2D, mark: Mark, ratio: number): void {

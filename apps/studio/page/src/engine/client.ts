@@ -120,8 +120,8 @@ export class Studio {
       isUrgent: !LONG.has(name),
     };
     if (LONG.has(name)) {
-      // What a diagnosis found out is still there, in its worker, for a plan.
-      const slot = name === "plan" && this.#diagnosing ? this.#diagnosing : this.#slot(this.#long);
+      // What a diagnosis found out is still there, in its worker, for a plan and to learn from.
+      const slot = (name === "plan" || name === "add") && this.#diagnosing ? this.#diagnosing : this.#slot(this.#long);
       if (name === "diagnose") this.#diagnosing = slot;
       return slot.run(job);
     }

@@ -79,7 +79,12 @@ model: ModelText,
 /**
  * In one sentence: what was learned, and how the error falls.
  */
-headline: Headline, };
+headline: Headline, 
+/**
+ * Every revision of that model on the flights, those to learn from first: what [`LadderRequest`] is answered by. Null where a flight
+ * has nothing to calibrate on.
+ */
+ladder: Ladder | null, };
 
 /**
  * An effect added: the keys of `pylon add --json`.

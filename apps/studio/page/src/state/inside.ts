@@ -7,6 +7,7 @@ import type { Use } from "./flights";
 import { layoutNow, layouts } from "./layout";
 import type { Layout, NamedLayout } from "./layout";
 import { models } from "./model";
+import { OFFERED, unpacked } from "./offered";
 
 /** The element that has it. */
 const PLACE = "pylon-inside";
@@ -45,8 +46,7 @@ export function inside(): Inside | null {
 
 /** The log of a flight, as it was. */
 export async function logOf(flight: InsideFlight): Promise<Blob> {
-  const packed = Uint8Array.from(atob(flight.log ?? ""), (letter) => letter.charCodeAt(0));
-  return new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).blob();
+  return unpacked(flight.log ?? "");
 }
 
 async function packed(blob: Blob): Promise<string> {
@@ -75,6 +75,7 @@ export async function pageWithFlights(said: InsideSentence): Promise<Blob> {
   if (!(root instanceof HTMLElement)) throw new Error("this page can't be copied");
   root.removeAttribute("class");
   root.querySelector(`#${PLACE}`)?.remove();
+  root.querySelector(`#${OFFERED}`)?.remove();
   root.querySelector("#studio")?.replaceChildren();
   // What the script has put beside its place.
   for (const child of root.querySelectorAll("body > :not(#studio, script)")) child.remove();

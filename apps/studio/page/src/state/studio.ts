@@ -110,9 +110,22 @@ export interface Judged {
   readonly learned: number;
 }
 
+function ladderOf(text: ModelText): { flights: string[]; model: ModelText; times: Record<string, Times> } {
+  return { flights: files([...learners.value, ...holdOuts.value]), model: text, times: timesOfAll() };
+}
+
+/** Ladders of this session by their question: an addition comes with one. */
+const ladders = new Map<string, Ladder>();
+
 export const ladder = resource(
-  () => (ready.value.length === 0 || !isDrawn.value ? null : { flights: files([...learners.value, ...holdOuts.value]), model: model.value, times: timesOfAll() }),
-  async (of): Promise<Judged> => ({ ladder: await ask("ladder", of), learned: learners.value.length }),
+  // The same flights may be used differently.
+  () => (ready.value.length === 0 || !isDrawn.value ? null : { of: ladderOf(model.value), learned: learners.value.length }),
+  async ({ of, learned }): Promise<Judged> => {
+    const key = JSON.stringify(of);
+    const found = ladders.get(key) ?? (await ask("ladder", of));
+    ladders.set(key, found);
+    return { ladder: found, learned };
+  },
 );
 
 interface Said {
@@ -163,6 +176,7 @@ export async function learn(id: string, text: ModelText): Promise<void> {
     notice.value = "No flight is to be learned from: choose “learn” for one on the left.";
     return;
   }
+  const of = ladderOf(text);
   try {
     const answer = await withProgress(`Learning ${guides.value.get(id)?.title ?? id}`, (options) => ask("add", {
       effect: id,
@@ -175,6 +189,7 @@ export async function learn(id: string, text: ModelText): Promise<void> {
       since: null,
       date: today(),
     }, options));
+    if (answer.ladder) ladders.set(JSON.stringify({ ...of, model: answer.model }), answer.ladder);
     if (answer.addition.concerns.length > 0) doubted.value = answer;
     else accept(answer);
   } catch (error) {

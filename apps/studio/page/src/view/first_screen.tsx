@@ -1,6 +1,6 @@
 // Without a flight: a log of one's own first, then those that come with Pylon.
 
-import { signal } from "@preact/signals";
+import { batch, signal } from "@preact/signals";
 import type { JSX } from "preact";
 import { useEffect } from "preact/hooks";
 
@@ -8,16 +8,20 @@ import { ask } from "../ask";
 import type { Sample } from "../protocol";
 import { chooseFiles } from "../state/files";
 import { notice, openSample } from "../state/flights";
+import { offered, openOffered } from "../state/offered";
+import type { Offered } from "../state/offered";
 import { messageOf } from "../state/resource";
 import { beginTour } from "./tour";
 import { capital, plain } from "./words";
 
 const samples = signal<ReadonlyArray<Sample> | null>(null);
+/** They stand behind the page's script, as the engine does: both are there when it answers. */
+const real = signal<ReadonlyArray<Offered>>([]);
 
 export function FirstScreen(): JSX.Element {
   useEffect(() => {
     if (samples.value !== null) return;
-    ask("samples", {}).then((answer) => { samples.value = answer; }, (error: unknown) => { notice.value = messageOf(error); });
+    ask("samples", {}).then((answer) => batch(() => { samples.value = answer; real.value = offered(); }), (error: unknown) => { notice.value = messageOf(error); });
   }, []);
   return (
     <main class="first" aria-label="Open a flight">
@@ -30,7 +34,22 @@ export function FirstScreen(): JSX.Element {
         <p class="faint">Everything is computed in this page. No byte leaves this machine.</p>
       </section>
       <section class="samples" aria-label="Flights that come with Pylon">
-        <h2>Or look at a simulated one</h2>
+        {real.value.length > 0 ? (
+          <>
+            <h2>Or look at a real one</h2>
+            <ul>
+              {real.value.map((flight) => (
+                <li key={flight.file}>
+                  <button type="button" class="sample" data-offered={flight.file} onClick={() => void openOffered(flight)}>
+                    <b>{flight.title}</b>
+                    <span>{flight.about} Log: {flight.from}.</span>
+                  </button>
+                </li>
+              ))}
+            </ul>
+          </>
+        ) : null}
+        <h2>Or {real.value.length > 0 ? "at" : "look at"} a simulated one</h2>
         <ul>
           {(samples.value ?? []).map(({ name, about }) => (
             <li key={name}>

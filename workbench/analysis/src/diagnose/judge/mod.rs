@@ -65,6 +65,7 @@ pub(crate) struct Judge<'a> {
 }
 
 /// What the verdicts of all sensors rest on.
+#[derive(Clone, Debug)]
 pub(super) struct Findings {
     pub(super) explanation: Explanation,
     pub(super) information: Information,
