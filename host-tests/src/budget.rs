@@ -22,21 +22,57 @@ const FORMULA_EFFECT: (&str, f64) = ("formula effect of 9 operations", 9.0);
 const FORMULA_ARITHMETIC: (&str, f64) = ("formula arithmetic of 24 operations", 24.0);
 const FORMULA_MEMORY: (&str, f64) = ("formula memory of 17 operations", 17.0);
 
-/// The models that the budgets are for: both presets, and one with four effects as states.
+/// Effects by formula over what the board measures, each with its sigma: a delay on the reference, a double integral from launch on, a
+/// threshold, and one that has a density, an exponential, a rate and a mean in it. Together 43 operations and 43 of the 48 numbers that four
+/// may remember.
+const FORMULAS: [(&str, &str, &str, &str, f64); 4] = [
+    ("gps.late_climb", "gps", "delay(climb_rate_mps, 0.4[s])", "s", 0.3),
+    ("imu.cross_axis", "imu_slave", "integral2(lowpass(accel_x_mps2, 0.5[s]) * gyro_y_radps)", "s/rad", 0.02),
+    (
+        "baro.loaded_port",
+        "baro",
+        "airspeed_mps^2 / (2*g) * lowpass(max(load_factor - 1, 0), 2[s]) * step(launch)",
+        "1",
+        0.1,
+    ),
+    (
+        "baro.heated_line",
+        "baro",
+        "isa_density(altitude_m) / isa_density(at_launch(altitude_m)) * exp((baro_temp_c - captive(baro_temp_c)) / 30[K]) \
+         * rate(lowpass(airspeed_mps^2, 3[s]))",
+        "s^3/m",
+        0.01,
+    ),
+];
+
+/// The models that the budgets are for: both presets, one with four effects as states, and one with four effects by formula as states.
 ///
-/// The four are dear ones: two on the reference, which its own row of H is not spared then, one that is integrated from launch on,
-/// one with a low pass.
+/// The four of the catalogue are dear ones: two on the reference, which its own row of H is not spared then, one that is integrated from
+/// launch on, one with a low pass. For those by formula see [`FORMULAS`].
 ///
 /// # Errors
 /// The model is none.
-pub fn models() -> Result<[(&'static str, Model); 3]> {
+pub fn models() -> Result<[(&'static str, Model); 4]> {
     let effects = [("gps.lever_arm", 2.0), ("gps.latency", 0.3), ("imu.tilt", 0.02), ("baro.lag", 0.3)].map(
         |(id, sigma)| {
             format!("[[effect]]\nid = \"{id}\"\ncoefficient = 0.0\nsigma = {sigma}\nestimate = true\n")
         },
     );
     let four_effects = Model::parse(&effects.concat()).context("the model with four effects")?;
-    Ok([("default", Model::default()), ("paper", Model::paper()), ("four effects", four_effects)])
+    let formulas = FORMULAS.map(|(id, on, regressor, unit, sigma)| {
+        format!(
+            "[[effect_definition]]\nid = \"{id}\"\non = \"{on}\"\nregressor = \"{regressor}\"\nunit = \"{unit}\"\n\
+             plausible = [-1, 1]\n\
+             [[effect]]\nid = \"{id}\"\ncoefficient = 0.0\nsigma = {sigma}\nestimate = true\n"
+        )
+    });
+    let four_formulas = Model::parse(&formulas.concat()).context("the model with four formulas")?;
+    Ok([
+        ("default", Model::default()),
+        ("paper", Model::paper()),
+        ("four effects", four_effects),
+        ("four formulas", four_formulas),
+    ])
 }
 
 /// The budgets; see the file for what each is.

@@ -137,6 +137,9 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             return Err(ConfigError::Shape);
         }
         check(config)?;
+        if !Formulas::fit(config) {
+            return Err(ConfigError::Shape);
+        }
         let effects = config.estimated_effects.iter().chain(&config.constant_effects);
         Ok(Self {
             phase: Phase::Settling,
@@ -145,7 +148,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             launch_was: false,
             tracker: ReferenceTracker::new(&config.reference),
             signals: SignalTracker::for_effects(effects.map(|effect| effect.id()), config.latitude_deg),
-            formulas: Formulas::of(config).ok_or(ConfigError::Shape)?,
+            formulas: Formulas::of(config),
             fix_regressors_m: [0.0; E],
             gated_fix: None,
             stuck: core::array::from_fn(|_| StuckDetector::default()),

@@ -217,6 +217,14 @@ fn operation(op: Op) -> String {
     match op {
         Op::Constant(value) => format!("Constant({})", float(value)),
         Op::RealPower(exponent) => format!("RealPower({})", float(exponent)),
+        Op::AddConstant(value) => format!("AddConstant({})", float(value)),
+        Op::SubtractConstant(value) => format!("SubtractConstant({})", float(value)),
+        Op::MultiplyConstant(value) => format!("MultiplyConstant({})", float(value)),
+        Op::DivideConstant(value) => format!("DivideConstant({})", float(value)),
+        Op::MinConstant(value) => format!("MinConstant({})", float(value)),
+        Op::MaxConstant(value) => format!("MaxConstant({})", float(value)),
+        Op::LowPassBy { at, seconds } => format!("LowPassBy {{ at: {at}, seconds: {} }}", float(seconds)),
+        Op::DelayBy { at, seconds } => format!("DelayBy {{ at: {at}, seconds: {} }}", float(seconds)),
         op => format!("{op:?}"),
     }
 }

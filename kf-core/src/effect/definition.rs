@@ -10,13 +10,12 @@ use crate::input::{GpsFix, TickInput};
 
 use super::SignalTracker;
 
-/// What runs formulas. Reached by a reference from each definition, so that an image without any does not have it.
+/// What runs formulas. Reached by a reference from each definition, so that an image without any does not have it, and made where the
+/// definition is, so that it is compiled as that crate is: for speed in the flight computer's image, whose `kf-core` is for size.
 pub(crate) struct Machine {
     pub take: fn(&mut Frame, u64, &TickInput, Option<&GpsFix>, &SignalTracker),
     pub step: fn(&Program, &mut [f32], &Frame, f32) -> Result<f32, Silent>,
 }
-
-static MACHINE: Machine = Machine { take: Frame::take, step: formula::step };
 
 /// What an effect by formula is made of.
 #[derive(Clone, Copy, Debug)]
@@ -83,7 +82,7 @@ impl Definition {
             // A formula has a state, which the tracker of signals does not keep.
             value: |_, _| None,
         };
-        Self { parts, row, machine: &MACHINE }
+        Self { parts, row, machine: &Machine { take: Frame::take, step: formula::step } }
     }
 
     /// What it was made of.

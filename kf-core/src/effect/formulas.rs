@@ -65,8 +65,13 @@ impl core::fmt::Debug for Machine {
 }
 
 impl Formulas {
-    /// Of a model's effects; `None` where they remember more than [`formula_words`].
-    pub(crate) fn of<const E: usize>(config: &MissionConfig<E>) -> Option<Self> {
+    /// Whether a model's effects remember no more than [`formula_words`].
+    pub(crate) fn fit<const E: usize>(config: &MissionConfig<E>) -> bool {
+        words(config) <= formula_words(E)
+    }
+
+    /// Of a model's effects, which must [`Self::fit`]. That is asked apart: as an option of this it would be on the stack twice.
+    pub(crate) fn of<const E: usize>(config: &MissionConfig<E>) -> Self {
         let mut formulas =
             Self { machine: None, used: 0, memory: [Memory::default(); MEMORIES], integrals_lost: false };
         for term in config.estimated_effects.iter().chain(&config.constant_effects) {
@@ -76,7 +81,7 @@ impl Formulas {
                 formulas.used |= definition.parts().program.signals();
             }
         }
-        (words(config) <= formula_words(E)).then_some(formulas)
+        formulas
     }
 
     /// See [`SignalTracker::begin_calibration`].

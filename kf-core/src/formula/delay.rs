@@ -1,6 +1,6 @@
 //! A signal as it was some time ago, from few numbers.
 
-use super::words::{BEGUN, elapsed, wait};
+use super::words::{BEGUN, elapsed, is_positive, wait};
 
 /// Intervals of the delay between samples that are kept.
 const INTERVALS: usize = 16;
@@ -21,7 +21,7 @@ pub(super) fn delay(memory: &mut [f32; WORDS], argument: f32, delay_s: f32, seco
         return f32::NAN;
     };
     let interval_s = delay_s * (1.0 / INTERVALS as f32);
-    if argument.is_nan() || !(interval_s > 0.0 && interval_s.is_finite()) {
+    if argument.is_nan() || !is_positive(interval_s) {
         wait(waited, seconds);
         return f32::NAN;
     }

@@ -67,6 +67,12 @@ impl Frame {
         }
     }
 
+    /// The latest value at a place of a program, which has been checked to be one; NaN where it has not been seen.
+    #[inline(always)]
+    pub(super) fn number(&self, place: u8) -> f32 {
+        self.values.get(usize::from(place) & PLACES.wrapping_sub(1)).copied().unwrap_or(f32::NAN)
+    }
+
     /// The latest value at a place.
     #[must_use]
     pub fn value(&self, place: u8) -> Option<f32> {
@@ -80,7 +86,7 @@ impl Frame {
 
     /// Takes what is new at a tick of the signals in the set `used`; `fix` is the tick's if it was accepted. The tracker has taken the
     /// tick already. [`Self::end`] after the programs have run.
-    #[inline(never)]
+    #[inline]
     pub fn take(&mut self, used: u64, input: &TickInput, fix: Option<&GpsFix>, tracker: &SignalTracker) {
         self.seconds = self.last_us.map_or(0.0, |last_us| elapsed_s(last_us, input.time_us));
         self.last_us = Some(input.time_us);

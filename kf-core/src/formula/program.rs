@@ -47,6 +47,40 @@ pub enum Op {
     Not,
     /// 1 where `a > 0`, else 0.
     Step,
+    /// `a + c`: a constant that an operation takes at once is in the operation, as [`Program::new`] joins them; likewise below.
+    AddConstant(f32),
+    /// `a - c`.
+    SubtractConstant(f32),
+    /// `a c`.
+    MultiplyConstant(f32),
+    /// `a / c`; silent where `c` is 0.
+    DivideConstant(f32),
+    /// The smaller of `a` and `c`.
+    MinConstant(f32),
+    /// The larger of `a` and `c`.
+    MaxConstant(f32),
+    /// `a + s`, of a signal by its place in a [`super::Frame`].
+    AddSignal(u8),
+    /// `a - s`.
+    SubtractSignal(u8),
+    /// `a s`.
+    MultiplySignal(u8),
+    /// `a / s`; silent where `s` is 0.
+    DivideSignal(u8),
+    /// [`Op::LowPass`] with a constant time constant.
+    LowPassBy {
+        /// Two words.
+        at: u8,
+        /// Its time constant, s.
+        seconds: f32,
+    },
+    /// [`Op::Delay`] by a constant.
+    DelayBy {
+        /// `delay::WORDS` words.
+        at: u8,
+        /// By how much, s.
+        seconds: f32,
+    },
     /// Square root; silent below 0.
     Root,
     /// `exp a`.
@@ -144,11 +178,46 @@ impl Op {
         match self {
             Self::Rate { at, .. } | Self::Integral { at } => Some((at, 4)),
             Self::DoubleIntegral { at } => Some((at, 6)),
-            Self::LowPass { at } | Self::AtCalibration { at, .. } | Self::AtLaunch { at } => Some((at, 2)),
-            Self::Delay { at } => Some((at, super::delay::WORDS)),
+            Self::LowPass { at }
+            | Self::LowPassBy { at, .. }
+            | Self::AtCalibration { at, .. }
+            | Self::AtLaunch { at } => Some((at, 2)),
+            Self::Delay { at } | Self::DelayBy { at, .. } => Some((at, super::delay::WORDS)),
             Self::Captive { at, .. } => Some((at, 3)),
             _ => None,
         }
+    }
+
+    /// The signal that it reads, by its place in a [`super::Frame`].
+    const fn signal(self) -> Option<u8> {
+        match self {
+            Self::Signal(place)
+            | Self::AddSignal(place)
+            | Self::SubtractSignal(place)
+            | Self::MultiplySignal(place)
+            | Self::DivideSignal(place) => Some(place),
+            _ => None,
+        }
+    }
+
+    /// This operation and the one before it, which puts its last argument on the stack, as one; `None` where there is none for both. The
+    /// same numbers at less than the price of two.
+    const fn joined(self, before: Self) -> Option<Self> {
+        Some(match (before, self) {
+            (Self::Constant(number), Self::Add) => Self::AddConstant(number),
+            (Self::Constant(number), Self::Subtract) => Self::SubtractConstant(number),
+            (Self::Constant(number), Self::Multiply) => Self::MultiplyConstant(number),
+            (Self::Constant(number), Self::Divide) => Self::DivideConstant(number),
+            (Self::Constant(number), Self::Min) => Self::MinConstant(number),
+            (Self::Constant(number), Self::Max) => Self::MaxConstant(number),
+            (Self::Constant(seconds), Self::LowPass { at }) => Self::LowPassBy { at, seconds },
+            (Self::Constant(seconds), Self::Delay { at }) => Self::DelayBy { at, seconds },
+            (Self::Signal(place), Self::Add) => Self::AddSignal(place),
+            (Self::Signal(place), Self::Subtract) => Self::SubtractSignal(place),
+            (Self::Signal(place), Self::Multiply) => Self::MultiplySignal(place),
+            (Self::Signal(place), Self::Divide) => Self::DivideSignal(place),
+            _ => return None,
+        })
     }
 
     const fn mask(self) -> Option<u8> {
@@ -182,7 +251,7 @@ impl Program {
         }
         let mut program = Self {
             ops: [Op::TimeConstant; MAX_OPS],
-            length: ops.len() as u8,
+            length: 0,
             state_words: 0,
             masks: [0; MAX_MASKS],
             signals: 0,
@@ -213,13 +282,20 @@ impl Program {
             {
                 return None;
             }
-            if let Op::Signal(place) = op {
+            if let Some(place) = op.signal() {
                 if place as usize >= SIGNALS {
                     return None;
                 }
                 program.signals |= 1 << place;
             }
-            program.ops[k] = op;
+            let length = program.length as usize;
+            match if length > 0 { op.joined(program.ops[length - 1]) } else { None } {
+                Some(joined) => program.ops[length - 1] = joined,
+                None => {
+                    program.ops[length] = op;
+                    program.length += 1;
+                }
+            }
             k += 1;
         }
         program.state_words = words as u8;
@@ -241,7 +317,7 @@ impl Program {
         }
     }
 
-    /// Its operations, in the order in which they are done.
+    /// Its operations, in the order in which they are done, joined where two are done as one.
     #[must_use]
     pub fn ops(&self) -> &[Op] {
         self.ops.get(..usize::from(self.length)).unwrap_or(&self.ops)

@@ -113,8 +113,9 @@ signals! {
 /// Places of a frame: the signals, then the columns that the estimator does not know.
 pub const SIGNALS: usize = Signal::ALL.len() + MAX_COLUMNS;
 
-/// How many of these a [`super::Frame`] has room for: none where no model has a formula.
-pub(super) const PLACES: usize = if cfg!(feature = "formulas") { SIGNALS } else { 0 };
+/// How many of these a [`super::Frame`] has room for: none where no model has a formula. A power of two, so that a mask keeps an index
+/// inside, which is cheaper than a comparison.
+pub(super) const PLACES: usize = if cfg!(feature = "formulas") { SIGNALS.next_power_of_two() } else { 0 };
 
 impl Signal {
     /// Its place in a frame.

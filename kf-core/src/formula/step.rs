@@ -62,6 +62,12 @@ impl Evaluation {
         step(&self.program, &mut self.state, frame, self.time_constant_s)
     }
 
+    /// What it runs.
+    #[must_use]
+    pub const fn program(&self) -> &Program {
+        &self.program
+    }
+
     /// What it remembers; finite numbers.
     #[must_use]
     pub const fn state(&self) -> &[f32; MAX_STATE_WORDS] {
@@ -74,6 +80,7 @@ impl Evaluation {
 ///
 /// # Errors
 /// [`Silent`]: the first thing that left the formula without a value.
+#[inline]
 pub fn step(
     program: &Program,
     state: &mut [f32],
@@ -81,7 +88,8 @@ pub fn step(
     time_constant_s: f32,
 ) -> Result<f32, Silent> {
     let mut why = None;
-    let mut stack = [0.0_f32; MAX_DEPTH];
+    // Zeros would be written by a function that takes as long as three operations.
+    let mut stack = [f32::NAN; MAX_DEPTH];
     let mut depth = 0_usize;
     let mut top = 0.0_f32;
     let (seconds, launched, begins) = (frame.seconds, frame.launched, frame.calibration_begins);
@@ -102,6 +110,19 @@ pub fn step(
                 under
             }};
         }
+        // A second argument that is not on the stack: whether it is a number is asked for as that of one that was.
+        macro_rules! constant {
+            ($value:expr) => {{
+                under = $value;
+                under
+            }};
+        }
+        macro_rules! signal {
+            ($place:expr) => {{
+                under = frame.number($place);
+                under
+            }};
+        }
         macro_rules! remembered {
             ($at:expr, |$memory:ident| $value:expr) => {
                 match words(state, $at) {
@@ -112,15 +133,25 @@ pub fn step(
         }
         let value = match *op {
             Op::Constant(value) => push!(value),
-            Op::Signal(place) => push!(frame.values.get(usize::from(place)).copied().unwrap_or(f32::NAN)),
+            Op::Signal(place) => push!(frame.number(place)),
             Op::TimeConstant => push!(time_constant_s),
             Op::Add => pop!() + top,
             Op::Subtract => pop!() - top,
             Op::Multiply => pop!() * top,
             Op::Divide => {
                 let above = pop!();
-                if top == 0.0 { f32::NAN } else { above / top }
+                quotient(above, top)
             }
+            Op::AddConstant(number) => top + constant!(number),
+            Op::SubtractConstant(number) => top - constant!(number),
+            Op::MultiplyConstant(number) => top * constant!(number),
+            Op::DivideConstant(number) => quotient(top, constant!(number)),
+            Op::MinConstant(number) => smaller(top, constant!(number)),
+            Op::MaxConstant(number) => larger(top, constant!(number)),
+            Op::AddSignal(place) => top + signal!(place),
+            Op::SubtractSignal(place) => top - signal!(place),
+            Op::MultiplySignal(place) => top * signal!(place),
+            Op::DivideSignal(place) => quotient(top, signal!(place)),
             Op::Power(exponent) => power(top, exponent),
             Op::Negate => -top,
             Op::Absolute => top.abs(),
@@ -128,11 +159,11 @@ pub fn step(
             Op::Step => of_number(top, truth(top > 0.0)),
             Op::Min => {
                 let other = pop!();
-                of_numbers(other, top, if other < top { other } else { top })
+                smaller(other, top)
             }
             Op::Max => {
                 let other = pop!();
-                of_numbers(other, top, if other > top { other } else { top })
+                larger(other, top)
             }
             Op::Less => {
                 let other = pop!();
@@ -154,6 +185,12 @@ pub fn step(
                 let argument = pop!();
                 remembered!(at, |memory| delay::delay(memory, argument, top, seconds))
             }
+            Op::LowPassBy { at, seconds: time_s } => {
+                remembered!(at, |memory| low_pass(memory, top, constant!(time_s), seconds))
+            }
+            Op::DelayBy { at, seconds: delay_s } => {
+                remembered!(at, |memory| delay::delay(memory, top, constant!(delay_s), seconds))
+            }
             Op::Rate { at, mask } => {
                 remembered!(at, |memory| rate(memory, top, seconds, is_new(program, frame, mask)))
             }
@@ -162,19 +199,35 @@ pub fn step(
                 remembered!(at, |memory| double_integral(memory, top, seconds, launched))
             }
             Op::Captive { at, mask } => {
-                remembered!(at, |memory| captive(memory, top, is_new(program, frame, mask), launched, begins))
+                remembered!(at, |memory| captive(
+                    memory,
+                    top,
+                    || is_new(program, frame, mask),
+                    launched,
+                    begins
+                ))
             }
             Op::AtCalibration { at, mask } => {
-                remembered!(at, |memory| at_calibration(memory, top, is_new(program, frame, mask), begins))
+                remembered!(at, |memory| at_calibration(memory, top, || is_new(program, frame, mask), begins))
             }
             Op::AtLaunch { at } => remembered!(at, |memory| at_launch(memory, top, launched)),
-            op => of_number(top, function(op, top)),
+            // Named one by one, so that no operation is looked for beyond the last.
+            op @ (Op::Root
+            | Op::Exponential
+            | Op::Logarithm
+            | Op::Sine
+            | Op::Cosine
+            | Op::RealPower(_)
+            | Op::IsaAltitude
+            | Op::IsaPressure
+            | Op::IsaTemperature
+            | Op::IsaDensity) => of_number(top, function(op, top)),
         };
         if value.is_finite() {
             top = value;
         } else {
             let were_numbers = !(top.is_nan() || under.is_nan());
-            why = why.or(Some(reason(*op, top, were_numbers, value)));
+            why = why.or(Some(reason(*op, top, under, were_numbers, value)));
             top = f32::NAN;
         }
     }
@@ -190,6 +243,21 @@ fn of_number(argument: f32, value: f32) -> f32 {
 #[inline(always)]
 fn of_numbers(a: f32, b: f32, value: f32) -> f32 {
     of_number(a, of_number(b, value))
+}
+
+#[inline(always)]
+fn quotient(above: f32, below: f32) -> f32 {
+    if below == 0.0 { f32::NAN } else { above / below }
+}
+
+#[inline(always)]
+fn smaller(a: f32, b: f32) -> f32 {
+    of_numbers(a, b, if a < b { a } else { b })
+}
+
+#[inline(always)]
+fn larger(a: f32, b: f32) -> f32 {
+    of_numbers(a, b, if a > b { a } else { b })
 }
 
 #[inline(always)]
@@ -268,14 +336,15 @@ fn power(a: f32, exponent: i8) -> f32 {
     if exponent < 0 { 1.0 / result } else { result }
 }
 
-/// Why an operation made no number; `top` is its last argument.
+/// Why an operation made no number; `top` is the argument that was on the top of the stack, `second` the one that was not.
 #[cold]
-fn reason(op: Op, top: f32, was_number: bool, value: f32) -> Silent {
+fn reason(op: Op, top: f32, second: f32, was_number: bool, value: f32) -> Silent {
     if !was_number {
         return Silent::NotYet;
     }
     match op {
         Op::Divide if top == 0.0 => Silent::DivisionByZero,
+        Op::DivideConstant(_) | Op::DivideSignal(_) if second == 0.0 => Silent::DivisionByZero,
         Op::Power(exponent) if exponent < 0 && top == 0.0 => Silent::DivisionByZero,
         Op::RealPower(exponent) if exponent < 0.0 && top == 0.0 => Silent::DivisionByZero,
         Op::Root | Op::Logarithm | Op::RealPower(_) if value.is_nan() => Silent::NoRoot,
@@ -285,7 +354,7 @@ fn reason(op: Op, top: f32, was_number: bool, value: f32) -> Silent {
         | Op::Captive { .. }
         | Op::AtCalibration { .. }
         | Op::AtLaunch { .. } => Silent::NotYet,
-        Op::Rate { .. } | Op::Delay { .. } if value.is_nan() => Silent::NotYet,
+        Op::Rate { .. } | Op::Delay { .. } | Op::DelayBy { .. } if value.is_nan() => Silent::NotYet,
         _ => Silent::Overflow,
     }
 }

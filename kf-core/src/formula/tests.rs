@@ -165,3 +165,60 @@ proptest! {
         prop_assert!((f64::from(got) - exact).abs() <= 1.2e-7 * exact + 1.1e-19, "{x}: {got} {exact}");
     }
 }
+
+#[test]
+fn joined_operations_are_the_two_they_are_made_of() {
+    let (throttle, roll) = (Signal::Throttle.place(), Signal::Roll.place());
+    let constants = [Op::Add, Op::Subtract, Op::Multiply, Op::Divide, Op::Min, Op::Max];
+    let signals = [Op::Add, Op::Subtract, Op::Multiply, Op::Divide];
+    let numbers = [0.0, -0.0, 0.1, -3.7, 2.0e19, 3.0e38];
+    let leaves = numbers
+        .iter()
+        .flat_map(|number| constants.map(|op| (Op::Constant(*number), op)))
+        .chain(signals.map(|op| (Op::Signal(roll), op)));
+    for (leaf, op) in leaves {
+        let joined = Program::new(&[Op::Signal(throttle), leaf, op], &[]).unwrap();
+        // Two changes of the sign change no bit, and keep the two apart.
+        let apart = Program::new(&[Op::Signal(throttle), leaf, Op::Negate, Op::Negate, op], &[]).unwrap();
+        assert_eq!((joined.ops().len(), apart.ops().len()), (2, 5), "{joined:?}");
+        assert_eq!(joined.signals(), apart.signals());
+        for first in numbers.map(Some).into_iter().chain([None]) {
+            for second in numbers.map(Some).into_iter().chain([None]) {
+                let mut frame = Frame::default();
+                first.into_iter().for_each(|value| frame.set(throttle, value));
+                second.into_iter().for_each(|value| frame.set(roll, value));
+                let [joined, apart] = [joined, apart]
+                    .map(|program| Evaluation::new(&program, 1.0).step(&frame).map(f32::to_bits));
+                assert_eq!(joined, apart, "{leaf:?} {op:?} of {first:?}, {second:?}");
+            }
+        }
+        let again = Program::new(joined.ops(), &[]).unwrap();
+        assert_eq!(again, joined, "an operation that is joined already is one");
+    }
+}
+
+#[test]
+fn a_memory_with_a_constant_is_the_two_operations_that_it_is_made_of() {
+    let memories = [Op::LowPass { at: 0 }, Op::Delay { at: 0 }];
+    // What is no number, a step, a number so large that its difference is none, and time constants that are none.
+    let values: Vec<_> = (0..200_u8)
+        .map(|k| match k {
+            50..60 => Some(0.0),
+            60 => Some(3e38),
+            61 => Some(-3e38),
+            _ => Some(f32::from(k % 9) - 4.0),
+        })
+        .collect();
+    let over = [Op::Constant(1.0), Op::Signal(Signal::Throttle.place()), Op::Divide];
+    for (op, seconds) in memories.into_iter().flat_map(|op| [0.7, 3.0, 0.0, -1.0].map(|s| (op, s))) {
+        let of = |between: &[Op]| {
+            let ops = [&over, &[Op::Constant(seconds)][..], between, &[op]].concat();
+            Evaluation::new(&Program::new(&ops, &[]).unwrap(), 1.0)
+        };
+        let (mut joined, mut apart) = (of(&[]), of(&[Op::Negate, Op::Negate]));
+        assert_eq!(joined.program().ops().len() + 3, apart.program().ops().len());
+        let [together, parted] = [&mut joined, &mut apart].map(|evaluation| run(evaluation, 99, &values));
+        assert_eq!(together, parted, "{op:?} {seconds}");
+        assert_eq!(joined.state().map(f32::to_bits), apart.state().map(f32::to_bits));
+    }
+}

@@ -78,7 +78,7 @@ pub fn judge(
             reject(&one, Why::NoFormula, None);
             continue;
         }
-        if bench.gain_alone(&one) <= 0.0 {
+        if bench.gain_alone(&one) <= 0.0 || !bench.lessens_errors(&one) {
             reject(&one, Why::Shape, None);
             continue;
         }
