@@ -68,3 +68,9 @@ fn an_altitude_that_is_far_off_is_not_silenced_by_a_dip_of_the_supply() {
 fn a_disturbance_of_a_level_that_is_known_does_not_begin_the_alignment_anew() {
     assert_eq!(violations(7013, 836), [""; 0]);
 }
+
+/// The supply dips while the hooks open, and again before the release is decided: the climb rate, steady again since, denies nothing.
+#[test]
+fn a_release_while_the_supply_dips_is_not_denied_by_a_climb_rate_that_is_steady_again() {
+    assert_eq!(violations(7016, 545), [""; 0]);
+}

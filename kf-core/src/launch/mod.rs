@@ -34,7 +34,7 @@
 //! | open | none, or silent | known, neither departs nor changes | suspected; at the limit `broken`, captive: a wire or a cable torn under the pylon |
 //! | open within 10 s of a cold start | none, or silent | no change | suspected; at the limit `broken`, captive |
 //! | open less than 5 s after the start | none, or silent | known, does not depart within the window | suspected; then `broken`, captive |
-//! | open | none, or silent | not known, the climb rate steady | suspected; at the limit `broken`, captive |
+//! | open a second and more after the start | none, or silent | not known, the climb rate steady | suspected; at the limit `broken`, captive |
 //! | open | none, or silent | departs without a change, or not known | suspected; at the limit launched, [`Confirmation::Unconfirmed`] |
 //! | broken or unreadable | silent from the departure on | departs | launched, [`Confirmation::ForceAndSilence`] |
 //! | broken | fall silent | changes | launched, [`Confirmation::ForceAndSilence`] |
@@ -343,6 +343,9 @@ pub struct LaunchDetector {
 /// The force's character is known after 5 s of captive flight (`character.rs`); the inertial unit and the receiver take some seconds
 /// until they deliver.
 const EARLY_US: u64 = 10_000_000;
+/// An opening so long after a start is no release that lies before it: two fixes of 2 Hz, and the cable's slack. What opens sooner may have left
+/// the pylon while nobody watched, and its climb rate is steady again.
+const WATCHED_US: u64 = 1_000_000;
 /// Who moves over ground as fast as this, squared, is not being made ready: (10 m/s)^2, faster than anybody taxies with a loose
 /// cable, slower than anything flies.
 const UNDER_WAY_M2PS2: f32 = 100.0;
@@ -473,7 +476,8 @@ impl LaunchDetector {
                 self.sign = None;
                 let since_start_us = edge_us.saturating_sub(first_us);
                 let is_early = !self.was_interrupted && since_start_us < EARLY_US;
-                self.judge_open(now_us, edge_us, is_settled, is_early)
+                let was_watched = since_start_us >= WATCHED_US;
+                self.judge_open(now_us, edge_us, is_settled, is_early, was_watched)
             }
             Reading::Closed => self.judge_without(now_us, false),
             Reading::Nothing => self.judge_without(now_us, true),
@@ -507,7 +511,14 @@ impl LaunchDetector {
     }
 
     #[inline(never)]
-    fn judge_open(&mut self, now_us: u64, edge_us: u64, is_settled: bool, is_early: bool) -> Verdict {
+    fn judge_open(
+        &mut self,
+        now_us: u64,
+        edge_us: u64,
+        is_settled: bool,
+        is_early: bool,
+        was_watched: bool,
+    ) -> Verdict {
         if !is_settled {
             return Verdict::Suspected;
         }
@@ -543,7 +554,7 @@ impl LaunchDetector {
         if !is_over && !is_all_seen {
             return Verdict::Suspected;
         }
-        let is_denied = !would_show && self.climb.is_steady(edge_us, now_us);
+        let is_denied = !would_show && was_watched && self.climb.is_steady(edge_us, now_us);
         if !is_early && !is_denied && (self.has_departed || !would_show) {
             return Verdict::Launched(Confirmation::Unconfirmed);
         }
