@@ -48,7 +48,7 @@ const FORMULAS: [(&str, &str, &str, &str, f64); 4] = [
 /// The models that the budgets are for: both presets, one with four effects as states, and one with four effects by formula as states.
 ///
 /// The four of the catalogue are dear ones: two on the reference, which its own row of H is not spared then, one that is integrated from
-/// launch on, one with a low pass. For those by formula see [`FORMULAS`].
+/// launch on, one with a low pass. For those by formula see `FORMULAS`.
 ///
 /// # Errors
 /// The model is none.

@@ -45,12 +45,6 @@ fn a_wire_that_breaks_between_dips_of_the_supply_is_no_launch() {
     assert_eq!(violations(7013, 1227), [""; 0]);
 }
 
-/// A cable is torn while the inertial unit repeats itself: the receiver's climb rate denies the launch.
-#[test]
-fn a_cable_that_is_torn_while_the_unit_repeats_itself_is_no_launch() {
-    assert_eq!(violations(7013, 1781), [""; 0]);
-}
-
 /// A receiver converges in the calibration and calls itself accurate: what is calibrated by its two levels is trusted by nobody.
 #[test]
 fn a_calibration_of_two_levels_of_the_receiver_promises_nothing() {
@@ -69,8 +63,8 @@ fn a_disturbance_of_a_level_that_is_known_does_not_begin_the_alignment_anew() {
     assert_eq!(violations(7013, 836), [""; 0]);
 }
 
-/// The supply dips while the hooks open, and again before the release is decided: the climb rate, steady again since, denies nothing.
+/// The supply dips while the hooks open, and again before the release is decided.
 #[test]
-fn a_release_while_the_supply_dips_is_not_denied_by_a_climb_rate_that_is_steady_again() {
+fn a_release_while_the_supply_dips_is_seen() {
     assert_eq!(violations(7016, 545), [""; 0]);
 }

@@ -1,14 +1,8 @@
 //! The climb rate by the fixes: a witness of a fall that is not the accelerometer.
-//!
-//! It denies one, too. Who leaves a pylon leaves it downwards: 0.06 g, which is what shows in still air (`character.rs`), take 1.8 m/s off the climb
-//! rate within 3 s, and whoever has lost less is within 3 m of the pylon.
 
 /// A loss of climb rate that no mother ship flies in the time of a suspicion, m/s: in 3 s it is a push-over to 0.83 g, which she
 /// does not begin, with a vehicle under her, in the moment in which its cable tears. Near free fall takes 0.7 s for it.
 const FALL_MPS: f32 = 5.0;
-/// A climb rate that has moved by less than this since before the suspicion is that of who has not left, m/s: of the 1.8 m/s a gust may give back as
-/// much as the receiver's own errors and the smallest manoeuvre together, half of them.
-const STEADY_MPS: f32 = 0.9;
 /// A fix older than this says nothing, microseconds: of 1 Hz, one may be late.
 const FRESH_US: u64 = 1_500_000;
 /// No aircraft of this class climbs or sinks faster, m/s.
@@ -20,9 +14,6 @@ pub(super) struct Climb {
     last_mps: f32,
     captive_us: Option<u64>,
     captive_mps: f32,
-    /// Least and greatest since the fix before the last captive one: the hooks open before the wire does.
-    least_mps: f32,
-    greatest_mps: f32,
 }
 
 impl Climb {
@@ -32,16 +23,12 @@ impl Climb {
         if climb_mps.is_nan() || climb_mps.abs() > FASTEST_MPS {
             return;
         }
-        let before_mps = if self.last_us.is_some() { self.last_mps } else { climb_mps };
         self.last_us = Some(now_us);
         self.last_mps = climb_mps;
         if is_captive {
-            (self.least_mps, self.greatest_mps) = (before_mps, before_mps);
             self.captive_us = Some(now_us);
             self.captive_mps = climb_mps;
         }
-        self.least_mps = self.least_mps.min(climb_mps);
-        self.greatest_mps = self.greatest_mps.max(climb_mps);
     }
 
     /// Whether it has fallen since the suspicion that began then.
@@ -53,11 +40,6 @@ impl Climb {
     pub(super) fn is_known(&self, since_us: u64, now_us: u64) -> bool {
         self.was_known(since_us)
             && self.last_us.is_some_and(|last_us| now_us.saturating_sub(last_us) <= FRESH_US)
-    }
-
-    /// Whether a fall would have been seen, and nothing like one was.
-    pub(super) fn is_steady(&self, since_us: u64, now_us: u64) -> bool {
-        self.is_known(since_us, now_us) && self.greatest_mps - self.least_mps < STEADY_MPS
     }
 
     fn was_known(&self, since_us: u64) -> bool {

@@ -17,8 +17,7 @@
 //! # Decisions
 //! `e`: first opening edge. "Departs": the force leaves its captive mean within [`LaunchConfig::window_s`] of `e`,
 //! before or after. "Changes": since the suspicion began, the force's character, or the climb rate has fallen by 5 m/s (`climb.rs`).
-//! "Known": the accelerometer delivers, and has since before `e`, so that a change would have been seen. "Steady": fixes come, and the climb rate has
-//! moved by less than a release takes (`climb.rs`). "Silent": for longer than
+//! "Known": the accelerometer delivers, and has since before `e`, so that a change would have been seen. "Silent": for longer than
 //! [`LaunchConfig::silent_intervals`] of their own intervals (of fewer than three messages: than [`LaunchConfig::undecided_s`]). "Alive": not silent yet
 //! at `e`. "Limit": [`LaunchConfig::undecided_s`] after `e`.
 //!
@@ -34,7 +33,6 @@
 //! | open | none, or silent | known, neither departs nor changes | suspected; at the limit `broken`, captive: a wire or a cable torn under the pylon |
 //! | open within 10 s of a cold start | none, or silent | no change | suspected; at the limit `broken`, captive |
 //! | open less than 5 s after the start | none, or silent | known, does not depart within the window | suspected; then `broken`, captive |
-//! | open a second and more after the start | none, or silent | not known, the climb rate steady | suspected; at the limit `broken`, captive |
 //! | open | none, or silent | departs without a change, or not known | suspected; at the limit launched, [`Confirmation::Unconfirmed`] |
 //! | broken or unreadable | silent from the departure on | departs | launched, [`Confirmation::ForceAndSilence`] |
 //! | broken | fall silent | changes | launched, [`Confirmation::ForceAndSilence`] |
@@ -67,8 +65,7 @@
 //!
 //! What cannot be told apart is a release that changes neither mean, roughness nor climb rate in 3 s, from a torn cable. Such a vehicle
 //! hangs within 2 m of the pylon still (below the 0.06 g that shows in still air), and its launch is then seen, unconfirmed, when it first
-//! falls. Of two faults, one of them the cable, and the accelerometer gone with it, the receiver tells: who has not lost 0.9 m/s of climb rate in
-//! 3 s has not left, and what leaves later is seen by nobody. Where she manoeuvres, or the receiver is gone too, a release is the likelier reading,
+//! falls. Of two faults, one of them the cable, and the accelerometer gone with it, a release is the likelier reading,
 //! for it is to happen in every flight: a launch, and `launch_confirmed` fails.
 //!
 //! A wire that is shorted closed, or can not be read, hides a release that is no fall: it is then captive for ever, and no sensor is said to be
@@ -343,9 +340,6 @@ pub struct LaunchDetector {
 /// The force's character is known after 5 s of captive flight (`character.rs`); the inertial unit and the receiver take some seconds
 /// until they deliver.
 const EARLY_US: u64 = 10_000_000;
-/// An opening so long after a start is no release that lies before it: two fixes of 2 Hz, and the cable's slack. What opens sooner may have left
-/// the pylon while nobody watched, and its climb rate is steady again.
-const WATCHED_US: u64 = 1_000_000;
 /// Who moves over ground as fast as this, squared, is not being made ready: (10 m/s)^2, faster than anybody taxies with a loose
 /// cable, slower than anything flies.
 const UNDER_WAY_M2PS2: f32 = 100.0;
@@ -476,8 +470,7 @@ impl LaunchDetector {
                 self.sign = None;
                 let since_start_us = edge_us.saturating_sub(first_us);
                 let is_early = !self.was_interrupted && since_start_us < EARLY_US;
-                let was_watched = since_start_us >= WATCHED_US;
-                self.judge_open(now_us, edge_us, is_settled, is_early, was_watched)
+                self.judge_open(now_us, edge_us, is_settled, is_early)
             }
             Reading::Closed => self.judge_without(now_us, false),
             Reading::Nothing => self.judge_without(now_us, true),
@@ -511,14 +504,7 @@ impl LaunchDetector {
     }
 
     #[inline(never)]
-    fn judge_open(
-        &mut self,
-        now_us: u64,
-        edge_us: u64,
-        is_settled: bool,
-        is_early: bool,
-        was_watched: bool,
-    ) -> Verdict {
+    fn judge_open(&mut self, now_us: u64, edge_us: u64, is_settled: bool, is_early: bool) -> Verdict {
         if !is_settled {
             return Verdict::Suspected;
         }
@@ -554,8 +540,7 @@ impl LaunchDetector {
         if !is_over && !is_all_seen {
             return Verdict::Suspected;
         }
-        let is_denied = !would_show && was_watched && self.climb.is_steady(edge_us, now_us);
-        if !is_early && !is_denied && (self.has_departed || !would_show) {
+        if !is_early && (self.has_departed || !would_show) {
             return Verdict::Launched(Confirmation::Unconfirmed);
         }
         self.wire.call_broken();
