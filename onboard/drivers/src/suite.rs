@@ -92,7 +92,7 @@ pub struct Suite<Receiver, Baro, Imu, Master, Slave, Vehicle, Launch> {
     pub launch: Launch,
     launched: bool,
     wire: Option<bool>,
-    had_fix: bool,
+    was_dear: bool,
     faults: Faults,
 }
 
@@ -127,7 +127,7 @@ where
             launch,
             launched: false,
             wire: None,
-            had_fix: false,
+            was_dear: false,
             faults: Faults { count: 0, last: None },
         }
     }
@@ -146,9 +146,9 @@ where
 {
     /// A failed poll counts as a fault and as no sample; while the umbilical can not be read it is what it last was.
     ///
-    /// A tick with a fix is the dearest, so what the mother ship has sent waits for the next one: her altitude is then taken a tick (5 ms)
-    /// later, and so is what the launch's decision knows of her silence. Not where the last tick had a fix too: a receiver
-    /// that has one at every tick leaves no better tick to wait for.
+    /// Ticks with a fix or a pressure are the dearest, so what the mother ship has sent waits for the next tick: her altitude is then taken a
+    /// tick (5 ms) later, and so is what the launch's decision knows of her silence. Not where the last tick was as dear: a source that
+    /// delivers at every tick leaves no better tick to wait for.
     fn poll_each(&mut self, now_us: u64, polled: &mut impl FnMut(Device)) -> TickInput {
         self.wire = self.faults.note(self.launch.poll(now_us).map(Some));
         self.launched = self.wire.unwrap_or(self.launched);
@@ -162,9 +162,11 @@ where
         if !Guard::ListenUntilDecided.stands() {
             self.imu_master.set_attached(!self.launched);
         }
-        let is_first = gps.is_some() && !self.had_fix;
-        self.had_fix = gps.is_some();
-        let waits = is_first && self.faults.note(self.imu_master.put_off().map(Some)).unwrap_or(false);
+        let is_dear = gps.is_some() || baro.reading.is_some();
+        let waits = is_dear
+            && !self.was_dear
+            && self.faults.note(self.imu_master.put_off().map(Some)).unwrap_or(false);
+        self.was_dear = is_dear;
         let imu_master_altitude_m = if waits { None } else { self.faults.note(self.imu_master.poll(now_us)) };
         polled(Device::Master);
         let imu_slave_altitude_m = self.faults.note(self.imu_slave.poll(now_us));

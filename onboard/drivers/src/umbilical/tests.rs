@@ -3,7 +3,7 @@
 use core::convert::Infallible;
 
 use embedded_io::ErrorType;
-use kf_core::input::{GpsFix, ImuSample};
+use kf_core::input::{BaroReading, GpsFix, ImuSample};
 
 use super::*;
 use crate::replay::{Replay, ReplayUmbilical};
@@ -188,8 +188,16 @@ impl Read for Line {
     }
 }
 
-/// Altitudes that a suite has of the mother ship, tick by tick; each tick says whether a fix and whether a message comes.
-fn heard(ticks: &[(bool, bool)]) -> (Vec<Option<f32>>, LinkCounts) {
+/// What comes in a tick: a fix, a pressure, a message of the mother ship.
+#[derive(Clone, Copy, Default)]
+struct Comes {
+    fix: bool,
+    pressure: bool,
+    message: bool,
+}
+
+/// Altitudes that a suite has of the mother ship, tick by tick.
+fn heard(ticks: &[Comes]) -> (Vec<Option<f32>>, LinkCounts) {
     let mut suite = Suite::new(
         Replay::<GpsFix>::new(),
         Replay::<BarometerSample>::new(),
@@ -199,9 +207,13 @@ fn heard(ticks: &[(bool, bool)]) -> (Vec<Option<f32>>, LinkCounts) {
         Replay::<VehicleState>::new(),
         ReplayUmbilical::new(),
     );
-    let heard = ticks.iter().enumerate().map(|(tick, &(has_fix, has_message))| {
-        suite.receiver.load(has_fix.then(GpsFix::default));
-        if has_message {
+    let heard = ticks.iter().enumerate().map(|(tick, &Comes { fix, pressure, message })| {
+        suite.receiver.load(fix.then(GpsFix::default));
+        suite.barometer.load(pressure.then_some(BarometerSample {
+            reading: Some(BaroReading::PressurePa(90_000.0)),
+            temperature_c: None,
+        }));
+        if message {
             suite.imu_master.port_mut().0.extend(frame((1, 1), tick as f32, 0));
         }
         suite.poll(5_000 * tick as u64).imu_master_altitude_m
@@ -214,19 +226,29 @@ fn heard(ticks: &[(bool, bool)]) -> (Vec<Option<f32>>, LinkCounts) {
     (heard, suite.imu_master.link_counts())
 }
 
-/// A tick with a fix is dear enough without a message; the next one has it, and nothing is lost.
+/// A tick with a fix or a pressure is dear enough without a message; the next one has it, and nothing is lost.
 #[test]
-fn a_message_in_a_tick_with_a_fix_waits_for_the_next_tick() {
-    let (fix, message, both, none) = ((true, false), (false, true), (true, true), (false, false));
-    assert_eq!(heard(&[both, none, message]).0, [None, Some(0.0), Some(2.0)]);
-    assert_eq!(heard(&[none, fix, message]).0, [None, None, Some(2.0)]);
-    let (altitudes, counts) = heard(&[message, both, message, none]);
-    assert_eq!(altitudes, [Some(0.0), None, Some(2.0), None]);
-    assert_eq!((counts.frames, counts.superseded, counts.bytes), (3, 1, 3 * LONGEST as u32));
+fn a_message_in_a_dear_tick_waits_for_the_next_tick() {
+    let none = Comes::default();
+    let message = Comes { message: true, ..none };
+    for dear in [Comes { fix: true, ..none }, Comes { pressure: true, ..none }] {
+        let both = Comes { message: true, ..dear };
+        assert_eq!(heard(&[both, none, message]).0, [None, Some(0.0), Some(2.0)]);
+        assert_eq!(heard(&[none, dear, message]).0, [None, None, Some(2.0)]);
+        let (altitudes, counts) = heard(&[message, both, message, none]);
+        assert_eq!(altitudes, [Some(0.0), None, Some(2.0), None]);
+        assert_eq!((counts.frames, counts.superseded, counts.bytes), (3, 1, 3 * LONGEST as u32));
+    }
 }
 
-/// Where every tick has a fix there is no better one to wait for.
+/// Where every tick is dear there is no better one to wait for.
 #[test]
 fn no_message_waits_twice() {
-    assert_eq!(heard(&[(true, true); 4]).0, [None, Some(1.0), Some(2.0), Some(3.0)]);
+    let (fix, pressure) = (
+        Comes { fix: true, message: true, pressure: false },
+        Comes { pressure: true, message: true, fix: false },
+    );
+    for ticks in [[fix; 4], [pressure; 4], [pressure, fix, pressure, fix]] {
+        assert_eq!(heard(&ticks).0, [None, Some(1.0), Some(2.0), Some(3.0)]);
+    }
 }
