@@ -3,7 +3,7 @@
 use core::hint::black_box;
 
 use kf_core::effect::{EffectId, Regressor, SignalTracker};
-use kf_core::formula::{Evaluation, Frame, Op, Program, Signal};
+use kf_core::formula::{Evaluation, Frame, Op, Program, Signal, TOP};
 use kf_core::input::{Signals, TickInput};
 
 use crate::counter::{Call, Count, Counter};
@@ -67,19 +67,19 @@ const MEMORY: [Op; 17] = [
     Op::Constant(2.0),
     Op::LowPass { at: 0 },
     CLIMB,
-    Op::Rate { at: 2, mask: 0 },
+    Op::Rate { at: 2, mask: 0, of: TOP },
     Op::Add,
     THROTTLE,
-    Op::Integral { at: 6 },
+    Op::Integral { at: 6, of: TOP },
     Op::Add,
     AIRSPEED,
-    Op::Captive { at: 10, mask: 0 },
+    Op::Captive { at: 10, mask: 0, of: TOP },
     Op::Subtract,
     THROTTLE,
     Op::Constant(1.0),
     Op::Delay { at: 13 },
     Op::Multiply,
-    Op::AtLaunch { at: 35 },
+    Op::AtLaunch { at: 34, of: TOP },
 ];
 
 /// Series and roots: libm's and `kf_core::trigonometry`'s.

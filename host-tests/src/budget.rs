@@ -22,10 +22,18 @@ const FORMULA_EFFECT: (&str, f64) = ("formula effect of 9 operations", 9.0);
 const FORMULA_ARITHMETIC: (&str, f64) = ("formula arithmetic of 24 operations", 24.0);
 const FORMULA_MEMORY: (&str, f64) = ("formula memory of 17 operations", 17.0);
 
-/// Effects by formula over what the board measures, each with its sigma: a delay on the reference, a double integral from launch on, a
-/// threshold, and one that has a density, an exponential, a rate and a mean in it. Together 43 operations and 43 of the 48 numbers that four
-/// may remember.
+/// Effects by formula over what the board measures, as a user writes them, each with its unit and its sigma: a static port that reads
+/// otherwise in turns, a rotor's wash at low speed, a heater in the bay, a slow pressure line.
 const FORMULAS: [(&str, &str, &str, &str, f64); 4] = [
+    ("baro.port_in_turns", "baro", "airspeed_mps^2 / (2*g) * (load_factor - 1) * step(launch)", "1", 0.1),
+    ("baro.rotor_wash", "baro", "max(20[m/s] - airspeed_mps, 0) * step(launch)", "s", 0.1),
+    ("baro.bay_heater", "baro", "baro_temp_c - captive(baro_temp_c)", "m/K", 0.3),
+    ("baro.slow_line", "baro", "lowpass(climb_rate_mps, 2[s])", "s", 0.3),
+];
+
+/// As [`FORMULAS`], of the dearest functions: a delay on the reference, a double integral from launch on, a threshold, and one with a density,
+/// an exponential, a rate and a mean. Together 43 operations and 42 of the 48 numbers that four may remember.
+const DEAR_FORMULAS: [(&str, &str, &str, &str, f64); 4] = [
     ("gps.late_climb", "gps", "delay(climb_rate_mps, 0.4[s])", "s", 0.3),
     ("imu.cross_axis", "imu_slave", "integral2(lowpass(accel_x_mps2, 0.5[s]) * gyro_y_radps)", "s/rad", 0.02),
     (
@@ -45,33 +53,38 @@ const FORMULAS: [(&str, &str, &str, &str, f64); 4] = [
     ),
 ];
 
-/// The models that the budgets are for: both presets, one with four effects as states, and one with four effects by formula as states.
+/// The models that the budgets are for: both presets, one with four effects as states, and two with four effects by formula as states.
 ///
 /// The four of the catalogue are dear ones: two on the reference, which its own row of H is not spared then, one that is integrated from
-/// launch on, one with a low pass. For those by formula see `FORMULAS`.
+/// launch on, one with a low pass. For those by formula see `FORMULAS` and `DEAR_FORMULAS`.
 ///
 /// # Errors
 /// The model is none.
-pub fn models() -> Result<[(&'static str, Model); 4]> {
+pub fn models() -> Result<[(&'static str, Model); 5]> {
     let effects = [("gps.lever_arm", 2.0), ("gps.latency", 0.3), ("imu.tilt", 0.02), ("baro.lag", 0.3)].map(
         |(id, sigma)| {
             format!("[[effect]]\nid = \"{id}\"\ncoefficient = 0.0\nsigma = {sigma}\nestimate = true\n")
         },
     );
     let four_effects = Model::parse(&effects.concat()).context("the model with four effects")?;
-    let formulas = FORMULAS.map(|(id, on, regressor, unit, sigma)| {
-        format!(
-            "[[effect_definition]]\nid = \"{id}\"\non = \"{on}\"\nregressor = \"{regressor}\"\nunit = \"{unit}\"\n\
-             plausible = [-1, 1]\n\
-             [[effect]]\nid = \"{id}\"\ncoefficient = 0.0\nsigma = {sigma}\nestimate = true\n"
-        )
-    });
-    let four_formulas = Model::parse(&formulas.concat()).context("the model with four formulas")?;
+    let by_formula = |formulas: &[(&str, &str, &str, &str, f64); 4]| {
+        let texts = formulas.map(|(id, on, regressor, unit, sigma)| {
+            format!(
+                "[[effect_definition]]\nid = \"{id}\"\non = \"{on}\"\nregressor = \"{regressor}\"\nunit = \"{unit}\"\n\
+                 plausible = [-1, 1]\n\
+                 [[effect]]\nid = \"{id}\"\ncoefficient = 0.0\nsigma = {sigma}\nestimate = true\n"
+            )
+        });
+        Model::parse(&texts.concat())
+    };
+    let four_formulas = by_formula(&FORMULAS).context("the model with four formulas")?;
+    let four_dear_formulas = by_formula(&DEAR_FORMULAS).context("the model with four dear formulas")?;
     Ok([
         ("default", Model::default()),
         ("paper", Model::paper()),
         ("four effects", four_effects),
         ("four formulas", four_formulas),
+        ("four dear formulas", four_dear_formulas),
     ])
 }
 

@@ -223,8 +223,12 @@ fn operation(op: Op) -> String {
         Op::DivideConstant(value) => format!("DivideConstant({})", float(value)),
         Op::MinConstant(value) => format!("MinConstant({})", float(value)),
         Op::MaxConstant(value) => format!("MaxConstant({})", float(value)),
-        Op::LowPassBy { at, seconds } => format!("LowPassBy {{ at: {at}, seconds: {} }}", float(seconds)),
-        Op::DelayBy { at, seconds } => format!("DelayBy {{ at: {at}, seconds: {} }}", float(seconds)),
+        Op::LowPassBy { at, of, seconds } => {
+            format!("LowPassBy {{ at: {at}, of: {of}, seconds: {} }}", float(seconds))
+        }
+        Op::DelayBy { at, of, interval_s } => {
+            format!("DelayBy {{ at: {at}, of: {of}, interval_s: {} }}", float(interval_s))
+        }
         op => format!("{op:?}"),
     }
 }

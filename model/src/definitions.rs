@@ -421,7 +421,7 @@ mod tests {
         };
         let text: String = ["a.a", "a.b", "a.c"].map(delayed).concat();
         assert!(
-            refused(&text).contains("remember 132 numbers; with 0 estimated effects a restart keeps 82"),
+            refused(&text).contains("remember 126 numbers; with 0 estimated effects a restart keeps 82"),
             "{}",
             refused(&text)
         );

@@ -5,16 +5,23 @@ use core::fmt;
 use core::hash::{Hash, Hasher};
 
 use super::catalogue::{EffectSubject, Row};
-use crate::formula::{self, Frame, Program, Silent};
+use crate::formula::{self, Frame, Program, Stack};
 use crate::input::{GpsFix, TickInput};
 
-use super::SignalTracker;
+use super::formulas::run;
+use super::{EffectTerm, SignalTracker};
 
 /// What runs formulas. Reached by a reference from each definition, so that an image without any does not have it, and made where the
 /// definition is, so that it is compiled as that crate is: for speed in the flight computer's image, whose `kf-core` is for size.
 pub(crate) struct Machine {
     pub take: fn(&mut Frame, u64, &TickInput, Option<&GpsFix>, &SignalTracker),
-    pub step: fn(&Program, &mut [f32], &Frame, f32) -> Result<f32, Silent>,
+    pub run: for<'a> fn(
+        &[EffectTerm],
+        &mut [Option<f32>],
+        &'a mut [f32],
+        &mut Stack,
+        &Frame,
+    ) -> (&'a mut [f32], u32),
 }
 
 /// What an effect by formula is made of.
@@ -82,7 +89,7 @@ impl Definition {
             // A formula has a state, which the tracker of signals does not keep.
             value: |_, _| None,
         };
-        Self { parts, row, machine: &Machine { take: Frame::take, step: formula::step } }
+        Self { parts, row, machine: &Machine { take: Frame::take, run: run } }
     }
 
     /// What it was made of.

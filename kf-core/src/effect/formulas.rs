@@ -3,7 +3,7 @@
 use super::definition::{Machine, definition_of};
 use super::{EffectId, EffectTerm, SignalTracker};
 use crate::config::{MAX_CONSTANT_EFFECTS, MAX_ESTIMATED_EFFECTS, MissionConfig};
-use crate::formula::{Frame, Silent};
+use crate::formula::{Frame, Silent, Stack, step};
 use crate::input::{GpsFix, TickInput};
 use crate::sensor::SENSORS;
 
@@ -43,6 +43,7 @@ const MEMORIES: usize = cfg!(feature = "formulas") as usize;
 struct Memory {
     frame: Frame,
     state: [f32; MAX_FORMULA_WORDS],
+    stack: Stack,
     estimated_m: [Option<f32>; MAX_ESTIMATED_EFFECTS],
     constant_m: [Option<f32>; MAX_CONSTANT_EFFECTS],
 }
@@ -52,6 +53,7 @@ impl Default for Memory {
         Self {
             frame: Frame::default(),
             state: [0.0; MAX_FORMULA_WORDS],
+            stack: Stack::default(),
             estimated_m: [None; MAX_ESTIMATED_EFFECTS],
             constant_m: [None; MAX_CONSTANT_EFFECTS],
         }
@@ -112,21 +114,19 @@ impl Formulas {
     ) -> u32 {
         let (Some(machine), [memory, ..]) = (self.machine, self.memory.as_mut_slice()) else { return 0 };
         (machine.take)(&mut memory.frame, self.used, input, fix, tracker);
-        let mut silent = 0_u32;
-        let mut left = memory.state.as_mut_slice();
-        let terms = config.estimated_effects.iter().zip(&mut memory.estimated_m);
-        for (term, value_m) in terms.chain(config.constant_effects.iter().zip(&mut memory.constant_m)) {
-            let EffectId::Defined(defined) = term.id() else { continue };
-            let program = &definition_of(defined).parts().program;
-            let Some((state, rest)) = left.split_at_mut_checked(program.state_words()) else { break };
-            left = rest;
-            let value = (machine.step)(program, state, &memory.frame, term.regressor.time_constant_s);
-            silent += u32::from(value.is_err_and(|why| why != Silent::NotYet));
-            let is_lost = self.integrals_lost && program.is_integrated();
-            *value_m = value.ok().filter(|_| !is_lost);
+        let Memory { frame, state, stack, estimated_m, constant_m } = memory;
+        let (rest, silent) = (machine.run)(&config.estimated_effects, estimated_m, state, stack, frame);
+        let silent_constants = if config.constant_effects.is_empty() {
+            0
+        } else {
+            (machine.run)(&config.constant_effects, constant_m, rest, stack, frame).1
+        };
+        frame.end();
+        if self.integrals_lost {
+            forget_integrals(&config.estimated_effects, estimated_m);
+            forget_integrals(&config.constant_effects, constant_m);
         }
-        memory.frame.end();
-        silent
+        silent + silent_constants
     }
 
     /// Value of the estimated effect of that number, metres per unit of coefficient.
@@ -165,4 +165,44 @@ impl Formulas {
 fn words<const E: usize>(config: &MissionConfig<E>) -> usize {
     let terms = config.estimated_effects.iter().chain(&config.constant_effects);
     terms.map(EffectTerm::id).map(|id| id.formula().map_or(0, |formula| formula.program.state_words())).sum()
+}
+
+/// Runs the formulas among `terms` for one tick, each with its part of `state`, in their order. Returns the state that is left, and how many
+/// formulas had no value though their signals are there.
+#[inline]
+pub(super) fn run<'a>(
+    terms: &[EffectTerm],
+    values_m: &mut [Option<f32>],
+    mut state: &'a mut [f32],
+    stack: &mut Stack,
+    frame: &Frame,
+) -> (&'a mut [f32], u32) {
+    let mut silent = 0;
+    for (term, value_m) in terms.iter().zip(values_m) {
+        let EffectId::Defined(defined) = term.id() else { continue };
+        let program = &definition_of(defined).parts().program;
+        let Some((own, rest)) = core::mem::take(&mut state).split_at_mut_checked(program.state_words())
+        else {
+            break;
+        };
+        state = rest;
+        *value_m = match step(program, own, stack, frame, term.regressor.time_constant_s) {
+            Ok(value_m) => Some(value_m),
+            Err(why) => {
+                silent += u32::from(why != Silent::NotYet);
+                None
+            }
+        };
+    }
+    (state, silent)
+}
+
+/// No formula with an integral has a value: the integrals could not be continued over a restart.
+#[cold]
+fn forget_integrals(terms: &[EffectTerm], values_m: &mut [Option<f32>]) {
+    for (term, value_m) in terms.iter().zip(values_m) {
+        if term.id().formula().is_some_and(|parts| parts.program.is_integrated()) {
+            *value_m = None;
+        }
+    }
 }

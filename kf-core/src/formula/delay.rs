@@ -4,35 +4,48 @@ use super::words::{BEGUN, elapsed, is_positive, wait};
 
 /// Intervals of the delay between samples that are kept.
 const INTERVALS: usize = 16;
-const KEPT: usize = INTERVALS + 1;
+/// One of them, of the delay.
+pub(super) const INTERVAL: f32 = 1.0 / INTERVALS as f32;
+/// Samples that are kept.
+pub(super) const KEPT: usize = INTERVALS + 1;
 /// Words of a delay's memory.
-pub const WORDS: usize = KEPT + 5;
+pub const WORDS: usize = KEPT + 4;
 
-/// The argument `delay_s` ago: samples on a grid of a sixteenth of the delay, each on the straight line between two ticks, and straight
-/// lines between those. NaN until there is enough of the past.
-///
-/// Memory: the samples in a ring, the last argument, [`BEGUN`] or how long it waited, the time since the newest sample, where that is,
-/// how many there are.
-pub(super) fn delay(memory: &mut [f32; WORDS], argument: f32, delay_s: f32, seconds: f32) -> f32 {
-    let Some((ring, [last, waited, phase_s, newest, count])) = memory
-        .split_first_chunk_mut::<KEPT>()
-        .and_then(|(ring, rest)| Some((ring, <&mut [f32; 5]>::try_from(rest).ok()?)))
-    else {
+/// A delay's memory: the samples in a ring, then the last argument, [`BEGUN`] or how long it waited, the time since the newest sample, and
+/// the index of the oldest. Until the ring is full, the last word is [`KEPT`] plus the index of the next sample, which is out of the ring.
+#[inline(always)]
+pub(super) fn parts(memory: &mut [f32; WORDS]) -> Option<(&mut [f32; KEPT], &mut [f32; 4])> {
+    let (ring, rest) = memory.split_first_chunk_mut::<KEPT>()?;
+    Some((ring, rest.try_into().ok()?))
+}
+
+/// The value that part of an interval after the oldest sample; `None` where there are not enough of them.
+#[inline(always)]
+pub(super) fn between(ring: &[f32; KEPT], oldest: f32, part: f32) -> Option<f32> {
+    let at = oldest as usize;
+    let oldest = ring.get(at)?;
+    let next = ring.get(if at + 1 >= KEPT { 0 } else { at + 1 })?;
+    Some(oldest + (next - oldest) * part)
+}
+
+/// The argument sixteen intervals ago: samples an interval apart, each on the straight line between two ticks, and straight lines between
+/// those. NaN until there is enough of the past.
+#[inline(never)]
+pub(super) fn delay(memory: &mut [f32; WORDS], argument: f32, interval_s: f32, seconds: f32) -> f32 {
+    let Some((ring, [last, waited, phase_s, oldest])) = parts(memory) else {
         return f32::NAN;
     };
-    let interval_s = delay_s * (1.0 / INTERVALS as f32);
     if argument.is_nan() || !is_positive(interval_s) {
         wait(waited, seconds);
         return f32::NAN;
     }
     if *waited == 0.0 {
-        [*last, *waited, *phase_s, *newest, *count] = [argument, BEGUN, 0.0, 0.0, 1.0];
+        [*last, *waited, *phase_s, *oldest] = [argument, BEGUN, 0.0, (KEPT + 1) as f32];
         ring[0] = argument;
         return f32::NAN;
     }
     let step_s = elapsed(*waited, seconds);
-    let from_s = *phase_s;
-    let mut due_s = interval_s - from_s;
+    let (mut due_s, mut since_s) = (interval_s - *phase_s, *phase_s + step_s);
     // After a gap of more than the whole delay, only its end counts.
     let whole_s = interval_s * KEPT as f32;
     if step_s - due_s > whole_s {
@@ -40,30 +53,20 @@ pub(super) fn delay(memory: &mut [f32; WORDS], argument: f32, delay_s: f32, seco
         due_s += skipped as f32 * interval_s;
     }
     for _ in 0..=KEPT {
-        if due_s > step_s {
+        if since_s < interval_s {
             break;
         }
-        let at = *newest as usize + 1;
-        let at = if at >= KEPT { 0 } else { at };
+        let place = *oldest as usize;
+        let at = if place < KEPT { place } else { place - KEPT };
         let sample = *last + (argument - *last) * (due_s / step_s);
         if let (Some(slot), true) = (ring.get_mut(at), sample.is_finite()) {
             *slot = sample;
         }
-        *newest = at as f32;
-        *count = if *count < KEPT as f32 { *count + 1.0 } else { KEPT as f32 };
+        *oldest = if at + 1 >= KEPT { 0.0 } else { (place + 1) as f32 };
+        since_s = step_s - due_s;
         due_s += interval_s;
     }
-    let since_s = step_s - (due_s - interval_s);
     *phase_s = if since_s > 0.0 && since_s < interval_s { since_s } else { 0.0 };
     (*last, *waited) = (argument, BEGUN);
-    if *count < KEPT as f32 {
-        return f32::NAN;
-    }
-    let oldest = *newest as usize + 1;
-    let oldest = if oldest >= KEPT { 0 } else { oldest };
-    let next = if oldest + 1 >= KEPT { 0 } else { oldest + 1 };
-    match (ring.get(oldest), ring.get(next)) {
-        (Some(oldest), Some(next)) => oldest + (next - oldest) * (*phase_s / interval_s),
-        _ => f32::NAN,
-    }
+    between(ring, *oldest, *phase_s / interval_s).unwrap_or(f32::NAN)
 }

@@ -92,17 +92,26 @@ impl Frame {
         self.last_us = Some(input.time_us);
         self.launched = tracker.is_launched();
         self.new = ALWAYS_NEW;
-        let mut left = used;
-        while left != 0 {
-            let place = left.trailing_zeros() as u8;
-            left &= left - 1;
-            let value = match Signal::ALL.get(usize::from(place)) {
-                Some(signal) => self.sample(*signal, input, fix, tracker),
-                None => input.columns.get(usize::from(place) - Signal::ALL.len()),
-            };
-            if let Some(value) = value {
-                self.set(place, value);
+        let imu = input.imu.as_ref().filter(|imu| used & INERTIAL != 0 && plausible::imu(imu));
+        // By halves: 32 bits are one register of the target.
+        for (half, base) in [(used as u32, 0_u8), ((used >> 32) as u32, 32)] {
+            let (mut left, mut new) = (half, 0_u32);
+            while left != 0 {
+                let bit = left & left.wrapping_neg();
+                let place = usize::from(base) + left.trailing_zeros() as usize;
+                left ^= bit;
+                let value = match Signal::ALL.get(place) {
+                    Some(signal) => self.sample(*signal, input, imu, fix, tracker),
+                    None => input.columns.get(place - Signal::ALL.len()),
+                };
+                if let (Some(value), Some(slot)) = (value, self.values.get_mut(place))
+                    && value.is_finite()
+                {
+                    *slot = value;
+                    new |= bit;
+                }
             }
+            self.new |= u64::from(new) << base;
         }
     }
 
@@ -116,18 +125,20 @@ impl Frame {
         self.calibration_begins = false;
     }
 
-    /// A signal's value if it is new.
+    /// A signal's value if it is new; `imu` is the tick's sample if it is plausible. Not inlined: the compiler would compute every signal
+    /// before the loop over those that are used.
+    #[inline(never)]
     fn sample(
         &mut self,
         signal: Signal,
         input: &TickInput,
+        imu: Option<&ImuSample>,
         fix: Option<&GpsFix>,
         tracker: &SignalTracker,
     ) -> Option<f32> {
         let signals = &input.signals;
-        let imu = || input.imu.as_ref().filter(|imu| plausible::imu(imu));
-        let accel = |axis: usize| imu().and_then(|imu: &ImuSample| imu.accel_mps2.get(axis).copied());
-        let gyro = |axis: usize| imu().and_then(|imu: &ImuSample| imu.gyro_radps.get(axis).copied());
+        let accel = |axis: usize| imu.and_then(|imu| imu.accel_mps2.get(axis).copied());
+        let gyro = |axis: usize| imu.and_then(|imu| imu.gyro_radps.get(axis).copied());
         let attitude = |axis: usize| signals.attitude_rad.and_then(|angles| angles.get(axis).copied());
         let speed = |value: Option<f32>| value.filter(|speed| plausible::velocity(*speed));
         let flow = |value: Option<f32>| value.filter(|angle| plausible::flow_angle(*angle));
@@ -158,11 +169,11 @@ impl Frame {
                 }
                 altitude_m
             }
-            Signal::LoadFactor => imu().and_then(|_| tracker.load_factor()),
+            Signal::LoadFactor => imu.and_then(|_| tracker.load_factor()),
             Signal::UpwardAcceleration => tracker.upward_and_forward_mps2().map(|[upward, _]| upward),
             Signal::ForwardAcceleration => tracker.upward_and_forward_mps2().map(|[_, forward]| forward),
             Signal::AccelerationVariance => {
-                let now = imu()?.accel_mps2;
+                let now = imu?.accel_mps2;
                 let last = self.last_accel_mps2.replace(now)?;
                 let square: f32 =
                     now.iter().zip(last).map(|(now, before)| (now - before) * (now - before)).sum();
@@ -209,6 +220,16 @@ impl Frame {
         }
     }
 }
+
+/// Signals that are made of the tick's inertial sample.
+const INERTIAL: u64 = Signal::LoadFactor.bit()
+    | Signal::AccelerationVariance.bit()
+    | Signal::AccelX.bit()
+    | Signal::AccelY.bit()
+    | Signal::AccelZ.bit()
+    | Signal::GyroX.bit()
+    | Signal::GyroY.bit()
+    | Signal::GyroZ.bit();
 
 /// Signals with a new value at every tick.
 const ALWAYS_NEW: u64 = Signal::Time.bit() | Signal::TimeOn.bit() | Signal::Launch.bit();

@@ -11,6 +11,7 @@
 //! then goes on from where it was, the time between on a straight line.
 
 mod delay;
+mod fast_path;
 mod frame;
 mod program;
 mod signal;
@@ -18,10 +19,10 @@ mod step;
 mod words;
 
 pub use frame::Frame;
-pub use program::{MAX_DEPTH, MAX_MASKS, MAX_OPS, MAX_STATE_WORDS, Op, Program};
+pub use program::{MAX_DEPTH, MAX_MASKS, MAX_OPS, MAX_STATE_WORDS, Op, Program, TOP};
 pub(crate) use signal::uses;
 pub use signal::{MAX_COLUMNS, SIGNALS, Signal};
-pub use step::{Evaluation, Silent, step};
+pub use step::{Evaluation, Silent, Stack, step};
 
 #[cfg(test)]
 mod tests;

@@ -7,9 +7,11 @@ pub const MAX_OPS: usize = 48;
 /// Deepest stack.
 pub const MAX_DEPTH: usize = 16;
 /// Most sets of signals that functions with memory wait for.
-pub const MAX_MASKS: usize = 6;
+pub const MAX_MASKS: usize = 8;
 /// Most numbers that one program remembers.
 pub const MAX_STATE_WORDS: usize = 64;
+/// The `of` of an operation whose argument is on the stack rather than a signal: every operation as the compiler of formulas writes it.
+pub const TOP: u8 = u8::MAX;
 
 /// One operation. Arguments are taken from the stack, the last one from its top, and the result takes their place; `at` is where the
 /// operation's memory begins, `mask` which of the program's sets of signals it samples its argument at.
@@ -67,10 +69,12 @@ pub enum Op {
     MultiplySignal(u8),
     /// `a / s`; silent where `s` is 0.
     DivideSignal(u8),
-    /// [`Op::LowPass`] with a constant time constant.
+    /// [`Op::LowPass`] with a constant time constant, above 0.
     LowPassBy {
         /// Two words.
         at: u8,
+        /// The signal that is its argument, or [`TOP`].
+        of: u8,
         /// Its time constant, s.
         seconds: f32,
     },
@@ -78,8 +82,10 @@ pub enum Op {
     DelayBy {
         /// `delay::WORDS` words.
         at: u8,
-        /// By how much, s.
-        seconds: f32,
+        /// The signal that is its argument, or [`TOP`].
+        of: u8,
+        /// A part of it, s: the interval between the samples that are kept.
+        interval_s: f32,
     },
     /// Square root; silent below 0.
     Root,
@@ -109,16 +115,22 @@ pub enum Op {
         at: u8,
         /// When to look.
         mask: u8,
+        /// The signal that is its argument, or [`TOP`].
+        of: u8,
     },
     /// Integral over time from launch on, by trapezia; 0 before.
     Integral {
         /// Four words.
         at: u8,
+        /// The signal that is its argument, or [`TOP`].
+        of: u8,
     },
     /// Integral of the integral from launch on; 0 before.
     DoubleIntegral {
         /// Six words.
         at: u8,
+        /// The signal that is its argument, or [`TOP`].
+        of: u8,
     },
     /// First-order low pass of `a` with the time constant `b` (s), backward Euler, begun at the first value.
     LowPass {
@@ -136,6 +148,8 @@ pub enum Op {
         at: u8,
         /// What is a sample.
         mask: u8,
+        /// The signal that is its argument, or [`TOP`].
+        of: u8,
     },
     /// `a` at the first sample of the calibration; before it, at the first of all.
     AtCalibration {
@@ -143,11 +157,15 @@ pub enum Op {
         at: u8,
         /// What is a sample.
         mask: u8,
+        /// The signal that is its argument, or [`TOP`].
+        of: u8,
     },
     /// `a` itself before launch, after it as it was at launch.
     AtLaunch {
         /// Two words.
         at: u8,
+        /// The signal that is its argument, or [`TOP`].
+        of: u8,
     },
 }
 
@@ -157,6 +175,7 @@ impl Op {
     pub const fn arguments(self) -> usize {
         match self {
             Self::Constant(_) | Self::Signal(_) | Self::TimeConstant => 0,
+            op if op.argument_signal().is_some() => 0,
             Self::Add
             | Self::Subtract
             | Self::Multiply
@@ -176,12 +195,12 @@ impl Op {
     #[must_use]
     pub const fn memory(self) -> Option<(u8, usize)> {
         match self {
-            Self::Rate { at, .. } | Self::Integral { at } => Some((at, 4)),
-            Self::DoubleIntegral { at } => Some((at, 6)),
+            Self::Rate { at, .. } | Self::Integral { at, .. } => Some((at, 4)),
+            Self::DoubleIntegral { at, .. } => Some((at, 6)),
             Self::LowPass { at }
             | Self::LowPassBy { at, .. }
             | Self::AtCalibration { at, .. }
-            | Self::AtLaunch { at } => Some((at, 2)),
+            | Self::AtLaunch { at, .. } => Some((at, 2)),
             Self::Delay { at } | Self::DelayBy { at, .. } => Some((at, super::delay::WORDS)),
             Self::Captive { at, .. } => Some((at, 3)),
             _ => None,
@@ -196,6 +215,25 @@ impl Op {
             | Self::SubtractSignal(place)
             | Self::MultiplySignal(place)
             | Self::DivideSignal(place) => Some(place),
+            op => op.argument_signal(),
+        }
+    }
+
+    /// The signal that an operation with a memory takes at once.
+    const fn argument_signal(self) -> Option<u8> {
+        match self {
+            Self::LowPassBy { of, .. }
+            | Self::DelayBy { of, .. }
+            | Self::Rate { of, .. }
+            | Self::Integral { of, .. }
+            | Self::DoubleIntegral { of, .. }
+            | Self::Captive { of, .. }
+            | Self::AtCalibration { of, .. }
+            | Self::AtLaunch { of, .. }
+                if of != TOP =>
+            {
+                Some(of)
+            }
             _ => None,
         }
     }
@@ -210,8 +248,26 @@ impl Op {
             (Self::Constant(number), Self::Divide) => Self::DivideConstant(number),
             (Self::Constant(number), Self::Min) => Self::MinConstant(number),
             (Self::Constant(number), Self::Max) => Self::MaxConstant(number),
-            (Self::Constant(seconds), Self::LowPass { at }) => Self::LowPassBy { at, seconds },
-            (Self::Constant(seconds), Self::Delay { at }) => Self::DelayBy { at, seconds },
+            (Self::Constant(seconds), Self::LowPass { at }) if seconds > 0.0 => {
+                Self::LowPassBy { at, of: TOP, seconds }
+            }
+            (Self::Constant(seconds), Self::Delay { at }) => {
+                Self::DelayBy { at, of: TOP, interval_s: seconds * super::delay::INTERVAL }
+            }
+            (Self::Signal(of), Self::LowPassBy { at, of: TOP, seconds }) => {
+                Self::LowPassBy { at, of, seconds }
+            }
+            (Self::Signal(of), Self::DelayBy { at, of: TOP, interval_s }) => {
+                Self::DelayBy { at, of, interval_s }
+            }
+            (Self::Signal(of), Self::Rate { at, mask, of: TOP }) => Self::Rate { at, mask, of },
+            (Self::Signal(of), Self::Integral { at, of: TOP }) => Self::Integral { at, of },
+            (Self::Signal(of), Self::DoubleIntegral { at, of: TOP }) => Self::DoubleIntegral { at, of },
+            (Self::Signal(of), Self::Captive { at, mask, of: TOP }) => Self::Captive { at, mask, of },
+            (Self::Signal(of), Self::AtCalibration { at, mask, of: TOP }) => {
+                Self::AtCalibration { at, mask, of }
+            }
+            (Self::Signal(of), Self::AtLaunch { at, of: TOP }) => Self::AtLaunch { at, of },
             (Self::Signal(place), Self::Add) => Self::AddSignal(place),
             (Self::Signal(place), Self::Subtract) => Self::SubtractSignal(place),
             (Self::Signal(place), Self::Multiply) => Self::MultiplySignal(place),
@@ -288,14 +344,16 @@ impl Program {
                 }
                 program.signals |= 1 << place;
             }
-            let length = program.length as usize;
-            match if length > 0 { op.joined(program.ops[length - 1]) } else { None } {
-                Some(joined) => program.ops[length - 1] = joined,
-                None => {
-                    program.ops[length] = op;
-                    program.length += 1;
-                }
+            let mut op = op;
+            // A low pass joins twice: the constant before it, then the signal before that.
+            while program.length > 0
+                && let Some(joined) = op.joined(program.ops[program.length as usize - 1])
+            {
+                op = joined;
+                program.length -= 1;
             }
+            program.ops[program.length as usize] = op;
+            program.length += 1;
             k += 1;
         }
         program.state_words = words as u8;

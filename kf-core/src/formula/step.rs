@@ -1,8 +1,8 @@
 //! One tick of a program.
 
-use super::program::{MAX_DEPTH, MAX_STATE_WORDS, Op, Program};
+use super::program::{MAX_DEPTH, MAX_MASKS, MAX_STATE_WORDS, Op, Program, TOP};
 use super::words::{at_calibration, at_launch, captive, double_integral, integral, low_pass, rate, words};
-use super::{Frame, delay};
+use super::{Frame, delay, fast_path};
 use crate::atmosphere::{
     AIR_GAS_CONSTANT, LAPSE_RATE_K_PER_M, SEA_LEVEL_TEMPERATURE_K, TROPOPAUSE_ALTITUDE_M,
     pressure_altitude_m, static_pressure_pa,
@@ -39,19 +39,30 @@ impl Silent {
     }
 }
 
+/// Scratch memory for the stack of one tick. Nothing in it survives the tick; the caller owns it because clearing it at every tick would cost
+/// as much as an operation.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Stack([f32; MAX_DEPTH]);
+
 /// A program and what it remembers.
 #[derive(Clone, Copy, Debug)]
 pub struct Evaluation {
     program: Program,
     time_constant_s: f32,
     state: [f32; MAX_STATE_WORDS],
+    stack: Stack,
 }
 
 impl Evaluation {
     /// Before its first tick.
     #[must_use]
     pub const fn new(program: &Program, time_constant_s: f32) -> Self {
-        Self { program: *program, time_constant_s, state: [0.0; MAX_STATE_WORDS] }
+        Self {
+            program: *program,
+            time_constant_s,
+            state: [0.0; MAX_STATE_WORDS],
+            stack: Stack([0.0; MAX_DEPTH]),
+        }
     }
 
     /// The formula's value at a tick.
@@ -59,7 +70,7 @@ impl Evaluation {
     /// # Errors
     /// [`Silent`]: it has none.
     pub fn step(&mut self, frame: &Frame) -> Result<f32, Silent> {
-        step(&self.program, &mut self.state, frame, self.time_constant_s)
+        step(&self.program, &mut self.state, &mut self.stack, frame, self.time_constant_s)
     }
 
     /// What it runs.
@@ -84,12 +95,11 @@ impl Evaluation {
 pub fn step(
     program: &Program,
     state: &mut [f32],
+    Stack(stack): &mut Stack,
     frame: &Frame,
     time_constant_s: f32,
 ) -> Result<f32, Silent> {
     let mut why = None;
-    // Zeros would be written by a function that takes as long as three operations.
-    let mut stack = [f32::NAN; MAX_DEPTH];
     let mut depth = 0_usize;
     let mut top = 0.0_f32;
     let (seconds, launched, begins) = (frame.seconds, frame.launched, frame.calibration_begins);
@@ -123,6 +133,14 @@ pub fn step(
                 under
             }};
         }
+        // An operation with memory takes its argument from the stack, or pushes a signal first and takes that.
+        macro_rules! argument {
+            ($of:expr) => {
+                if $of != TOP {
+                    top = push!(frame.number($of));
+                }
+            };
+        }
         macro_rules! remembered {
             ($at:expr, |$memory:ident| $value:expr) => {
                 match words(state, $at) {
@@ -130,6 +148,18 @@ pub fn step(
                     None => f32::NAN,
                 }
             };
+        }
+        // The fast path where it has a value, else the general function.
+        macro_rules! remembered_fast {
+            ($at:expr, $of:expr, |$memory:ident| $fast:expr, $general:expr) => {{
+                argument!($of);
+                remembered!($at, |$memory| {
+                    match $fast {
+                        Some(value) => value,
+                        None => $general,
+                    }
+                })
+            }};
         }
         let value = match *op {
             Op::Constant(value) => push!(value),
@@ -183,34 +213,60 @@ pub fn step(
             }
             Op::Delay { at } => {
                 let argument = pop!();
-                remembered!(at, |memory| delay::delay(memory, argument, top, seconds))
+                remembered!(at, |memory| delay::delay(memory, argument, top * delay::INTERVAL, seconds))
             }
-            Op::LowPassBy { at, seconds: time_s } => {
-                remembered!(at, |memory| low_pass(memory, top, constant!(time_s), seconds))
+            Op::LowPassBy { at, of, seconds: time_s } => remembered_fast!(
+                at,
+                of,
+                |memory| fast_path::low_pass(memory, top, time_s, seconds),
+                low_pass(memory, top, time_s, seconds)
+            ),
+            Op::DelayBy { at, of, interval_s } => remembered_fast!(
+                at,
+                of,
+                |memory| fast_path::delay(memory, top, interval_s, seconds),
+                delay::delay(memory, top, interval_s, seconds)
+            ),
+            Op::Rate { at, mask, of } => {
+                let is_new = is_new(program, frame, mask);
+                remembered_fast!(
+                    at,
+                    of,
+                    |memory| fast_path::rate(memory, top, seconds, is_new),
+                    rate(memory, top, seconds, is_new)
+                )
             }
-            Op::DelayBy { at, seconds: delay_s } => {
-                remembered!(at, |memory| delay::delay(memory, top, constant!(delay_s), seconds))
+            Op::Integral { at, of } => remembered_fast!(
+                at,
+                of,
+                |memory| fast_path::integral(memory, top, seconds, launched),
+                integral(memory, top, seconds, launched)
+            ),
+            Op::DoubleIntegral { at, of } => remembered_fast!(
+                at,
+                of,
+                |memory| fast_path::double_integral(memory, top, seconds, launched),
+                double_integral(memory, top, seconds, launched)
+            ),
+            Op::Captive { at, mask, of } => {
+                let is_new = move || is_new(program, frame, mask);
+                remembered_fast!(
+                    at,
+                    of,
+                    |memory| fast_path::captive(memory, top, is_new, launched, begins),
+                    captive(memory, top, is_new, launched, begins)
+                )
             }
-            Op::Rate { at, mask } => {
-                remembered!(at, |memory| rate(memory, top, seconds, is_new(program, frame, mask)))
-            }
-            Op::Integral { at } => remembered!(at, |memory| integral(memory, top, seconds, launched)),
-            Op::DoubleIntegral { at } => {
-                remembered!(at, |memory| double_integral(memory, top, seconds, launched))
-            }
-            Op::Captive { at, mask } => {
-                remembered!(at, |memory| captive(
-                    memory,
-                    top,
-                    || is_new(program, frame, mask),
-                    launched,
-                    begins
-                ))
-            }
-            Op::AtCalibration { at, mask } => {
+            Op::AtCalibration { at, mask, of } => {
+                argument!(of);
                 remembered!(at, |memory| at_calibration(memory, top, || is_new(program, frame, mask), begins))
             }
-            Op::AtLaunch { at } => remembered!(at, |memory| at_launch(memory, top, launched)),
+            Op::AtLaunch { at, of } => remembered_fast!(
+                at,
+                of,
+                |memory| fast_path::at_launch(memory, top, launched),
+                at_launch(memory, top, launched)
+            ),
             // Named one by one, so that no operation is looked for beyond the last.
             op @ (Op::Root
             | Op::Exponential
@@ -262,7 +318,10 @@ fn larger(a: f32, b: f32) -> f32 {
 
 #[inline(always)]
 fn is_new(program: &Program, frame: &Frame, mask: u8) -> bool {
-    program.masks().get(usize::from(mask)).is_some_and(|mask| mask & frame.new != 0)
+    program
+        .masks()
+        .get(usize::from(mask) & MAX_MASKS.wrapping_sub(1))
+        .is_some_and(|mask| mask & frame.new != 0)
 }
 
 #[inline(always)]

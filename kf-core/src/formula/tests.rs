@@ -35,18 +35,18 @@ fn close(got: Result<f32, Silent>, expected: f32) -> bool {
 fn integrals_begin_at_launch() {
     let ramp: Vec<_> = (0..31_u8).map(|k| Some(f32::from(k) * 0.1)).collect();
     // From 1 s to 3 s of t: (9 - 1)/2; and of t - 1 integrated twice from there: t^3/6 - t/2 + 1/3 at 3.
-    assert!(close(run(&mut of(|at, _| Op::Integral { at }, None), 10, &ramp)[30], 4.0));
+    assert!(close(run(&mut of(|at, _| Op::Integral { at, of: TOP }, None), 10, &ramp)[30], 4.0));
     assert!(close(
-        run(&mut of(|at, _| Op::DoubleIntegral { at }, None), 10, &ramp)[30],
+        run(&mut of(|at, _| Op::DoubleIntegral { at, of: TOP }, None), 10, &ramp)[30],
         27.0 / 6.0 - 1.5 + 1.0 / 3.0
     ));
-    let values = run(&mut of(|at, _| Op::Integral { at }, None), 10, &ramp);
+    let values = run(&mut of(|at, _| Op::Integral { at, of: TOP }, None), 10, &ramp);
     assert!(values[..=10].iter().all(|value| *value == Ok(0.0)));
 }
 
 #[test]
 fn an_hour_of_integral_loses_nothing() {
-    let mut evaluation = of(|at, _| Op::Integral { at }, None);
+    let mut evaluation = of(|at, _| Op::Integral { at, of: TOP }, None);
     let mut frame = Frame::default();
     frame.set(Signal::Throttle.place(), 0.1);
     let mut last = Ok(0.0);
@@ -62,7 +62,7 @@ fn an_hour_of_integral_loses_nothing() {
 fn a_rate_is_from_sample_to_sample() {
     let mut values = vec![None; 20];
     (values[0], values[5], values[10]) = (Some(1.0), Some(2.0), Some(1.0));
-    let rates = run(&mut of(|at, mask| Op::Rate { at, mask }, None), 99, &values);
+    let rates = run(&mut of(|at, mask| Op::Rate { at, mask, of: TOP }, None), 99, &values);
     assert!(rates[..5].iter().all(|rate| *rate == Err(Silent::NotYet)));
     assert!(rates[5..10].iter().all(|rate| close(*rate, 2.0)), "{rates:?}");
     assert!(rates[10..].iter().all(|rate| close(*rate, -2.0)));
@@ -107,13 +107,15 @@ fn a_delay_crosses_a_gap_of_any_length() {
 #[test]
 fn what_is_kept_of_captive_flight_stays_after_launch() {
     let values: Vec<_> = (0..20_u8).map(|k| Some(f32::from(k))).collect();
-    let means = run(&mut of(|at, mask| Op::Captive { at, mask }, None), 10, &values);
+    let means = run(&mut of(|at, mask| Op::Captive { at, mask, of: TOP }, None), 10, &values);
     assert!(close(means[9], 4.5) && means[10..].iter().all(|mean| close(*mean, 4.5)), "{means:?}");
-    let latched = run(&mut of(|at, _| Op::AtLaunch { at }, None), 10, &values);
+    let latched = run(&mut of(|at, _| Op::AtLaunch { at, of: TOP }, None), 10, &values);
     assert!(close(latched[4], 4.0) && latched[10..].iter().all(|value| close(*value, 9.0)), "{latched:?}");
     // The calibration begins at the fifth tick: what was before does not count.
-    let mut evaluations =
-        [of(|at, mask| Op::Captive { at, mask }, None), of(|at, mask| Op::AtCalibration { at, mask }, None)];
+    let mut evaluations = [
+        of(|at, mask| Op::Captive { at, mask, of: TOP }, None),
+        of(|at, mask| Op::AtCalibration { at, mask, of: TOP }, None),
+    ];
     let mut frame = Frame::default();
     for k in 0..10_u8 {
         frame.begin(0.1, false, k == 5);
@@ -130,7 +132,12 @@ fn what_is_kept_of_captive_flight_stays_after_launch() {
 #[test]
 fn what_is_no_number_waits_and_is_made_up_for() {
     // 1/throttle over twenty ticks, at seven of which the throttle is 0: nothing is known there, and the line goes across.
-    let ops = [Op::Constant(1.0), Op::Signal(Signal::Throttle.place()), Op::Divide, Op::Integral { at: 0 }];
+    let ops = [
+        Op::Constant(1.0),
+        Op::Signal(Signal::Throttle.place()),
+        Op::Divide,
+        Op::Integral { at: 0, of: TOP },
+    ];
     let mut evaluation = Evaluation::new(&Program::new(&ops, &[]).unwrap(), 1.0);
     let values: Vec<_> = (0..21).map(|k| Some(if (5..12).contains(&k) { 0.0 } else { 0.5 })).collect();
     let integrals = run(&mut evaluation, 0, &values);
@@ -146,8 +153,8 @@ fn a_program_that_could_not_run_is_none() {
     assert!(Program::new(&[Op::Add], &[]).is_none());
     assert!(Program::new(&[throttle, throttle], &[]).is_none());
     assert!(Program::new(&[Op::Signal(200)], &[]).is_none());
-    assert!(Program::new(&[throttle, Op::Integral { at: 3 }], &[]).is_none());
-    assert!(Program::new(&[throttle, Op::Rate { at: 0, mask: 0 }], &[]).is_none());
+    assert!(Program::new(&[throttle, Op::Integral { at: 3, of: TOP }], &[]).is_none());
+    assert!(Program::new(&[throttle, Op::Rate { at: 0, mask: 0, of: TOP }], &[]).is_none());
     assert!(Program::new(&[throttle; MAX_OPS + 1], &[]).is_none());
     assert!(Program::new(&[throttle; MAX_DEPTH + 1], &[]).is_none());
     // A stack as deep as there is, and with it the operation that empties it.
@@ -216,9 +223,59 @@ fn a_memory_with_a_constant_is_the_two_operations_that_it_is_made_of() {
             Evaluation::new(&Program::new(&ops, &[]).unwrap(), 1.0)
         };
         let (mut joined, mut apart) = (of(&[]), of(&[Op::Negate, Op::Negate]));
-        assert_eq!(joined.program().ops().len() + 3, apart.program().ops().len());
+        // A low pass whose constant is none stays two, which says why it is silent.
+        let are_joined = seconds > 0.0 || op == Op::Delay { at: 0 };
+        assert_eq!(joined.program().ops().len() + 2 + usize::from(are_joined), apart.program().ops().len());
         let [together, parted] = [&mut joined, &mut apart].map(|evaluation| run(evaluation, 99, &values));
         assert_eq!(together, parted, "{op:?} {seconds}");
         assert_eq!(joined.state().map(f32::to_bits), apart.state().map(f32::to_bits));
+    }
+}
+
+/// Ticks of a flight with all that a memory must tell apart: a launch, a calibration that begins (twice), no new sample, no number.
+fn ticks() -> impl Strategy<Value = Vec<(Option<Option<f32>>, bool)>> {
+    let value = prop_oneof![8 => (-50.0_f32..50.0).prop_map(Some), 1 => Just(None), 1 => Just(Some(3e38))];
+    let tick = (prop_oneof![3 => value.prop_map(Some), 1 => Just(None)], proptest::bool::weighted(0.05));
+    proptest::collection::vec(tick, 1..300)
+}
+
+proptest! {
+    #[test]
+    fn a_memory_of_a_signal_is_the_two_operations_that_it_is_made_of(ticks in ticks(), launch in 0..200_usize) {
+        let place = Signal::Throttle.place();
+        for op in [
+            &[Op::Rate { at: 0, mask: 0, of: TOP }][..],
+            &[Op::Integral { at: 0, of: TOP }],
+            &[Op::DoubleIntegral { at: 0, of: TOP }],
+            &[Op::Captive { at: 0, mask: 0, of: TOP }],
+            &[Op::AtCalibration { at: 0, mask: 0, of: TOP }],
+            &[Op::AtLaunch { at: 0, of: TOP }],
+            &[Op::Constant(0.7), Op::LowPass { at: 0 }],
+            &[Op::Constant(0.7), Op::Delay { at: 0 }],
+        ] {
+            // After something that is to be on the stack still.
+            let of = |between: &[Op]| {
+                let ops = [&[Op::Constant(2.0), Op::Signal(place)][..], between, op, &[Op::Subtract]].concat();
+                Evaluation::new(&Program::new(&ops, &[Signal::Throttle.bit()]).unwrap(), 1.0)
+            };
+            let (mut joined, mut apart) = (of(&[]), of(&[Op::Negate, Op::Negate]));
+            prop_assert_eq!((joined.program().ops().len(), apart.program().ops().len()), (3, 6));
+            prop_assert_eq!(&Program::new(joined.program().ops(), &[Signal::Throttle.bit()]).unwrap(), joined.program());
+            let mut frame = Frame::default();
+            for (k, (value, begins)) in ticks.iter().enumerate() {
+                frame.begin(if k == 0 { 0.0 } else { 0.05 }, k >= launch, *begins);
+                match value {
+                    Some(Some(value)) => frame.set(place, *value),
+                    // There is no way back to "not seen" in flight; a frame made anew has it.
+                    Some(None) => {
+                        frame = Frame::default();
+                        frame.begin(0.05, k >= launch, *begins);
+                    }
+                    None => {}
+                }
+                prop_assert_eq!(joined.step(&frame).map(f32::to_bits), apart.step(&frame).map(f32::to_bits), "{:?}", op);
+            }
+            prop_assert_eq!(joined.state().map(f32::to_bits), apart.state().map(f32::to_bits), "{:?}", op);
+        }
     }
 }

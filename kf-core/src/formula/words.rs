@@ -11,7 +11,7 @@ pub(super) fn words<const N: usize>(state: &mut [f32], at: u8) -> Option<&mut [f
 /// What an addition keeps, and what it rounds off (Kahan, "Further remarks on reducing truncation errors", CACM 8(1), 1965). The second
 /// is finite only where the first is: an infinity less a number is no finite one.
 #[inline(always)]
-fn plus(sum: f32, lost: f32, addend: f32) -> (f32, f32) {
+pub(super) fn plus(sum: f32, lost: f32, addend: f32) -> (f32, f32) {
     let corrected = addend - lost;
     let value = sum + corrected;
     (value, (value - sum) - corrected)
@@ -22,7 +22,7 @@ fn plus(sum: f32, lost: f32, addend: f32) -> (f32, f32) {
 pub(super) const BEGUN: f32 = 1.0;
 
 /// `[sum, lost, last, waited]`.
-#[inline]
+#[inline(never)]
 pub(super) fn integral(
     [sum, lost, last, waited]: &mut [f32; 4],
     argument: f32,
@@ -51,7 +51,7 @@ pub(super) fn integral(
 }
 
 /// `[slope, lost, value, lost, last, waited]`.
-#[inline]
+#[inline(never)]
 pub(super) fn double_integral(memory: &mut [f32; 6], argument: f32, seconds: f32, launched: bool) -> f32 {
     if !launched {
         *memory = [0.0; 6];
@@ -104,7 +104,7 @@ pub(super) fn elapsed(waited: f32, seconds: f32) -> f32 {
 }
 
 /// `[last, waited, rate, has a rate]`. `is_new`: whether the argument's signals have a sample.
-#[inline]
+#[inline(never)]
 pub(super) fn rate(memory: &mut [f32; 4], argument: f32, seconds: f32, is_new: bool) -> f32 {
     let [last, waited, rate, has_rate] = memory;
     if *waited == 0.0 {
@@ -127,7 +127,7 @@ pub(super) fn rate(memory: &mut [f32; 4], argument: f32, seconds: f32, is_new: b
 }
 
 /// `[filtered, waited]`.
-#[inline]
+#[inline(never)]
 pub(super) fn low_pass([filtered, waited]: &mut [f32; 2], argument: f32, time_s: f32, seconds: f32) -> f32 {
     if argument.is_nan() || time_s.is_nan() || time_s < 0.0 {
         wait(waited, seconds);
@@ -149,7 +149,7 @@ pub(super) fn low_pass([filtered, waited]: &mut [f32; 2], argument: f32, time_s:
 
 /// `[mean, lost, count]`. At the first sample of the calibration it starts anew: the count is then negative. Whether there is a sample is
 /// asked only where one would be taken.
-#[inline]
+#[inline(never)]
 pub(super) fn captive(
     memory: &mut [f32; 3],
     argument: f32,
@@ -177,7 +177,7 @@ pub(super) fn captive(
 }
 
 /// `[value, 0 none | 1 taken | 2 due anew]`.
-#[inline]
+#[inline(never)]
 pub(super) fn at_calibration(
     [value, has]: &mut [f32; 2],
     argument: f32,
@@ -194,7 +194,7 @@ pub(super) fn at_calibration(
 }
 
 /// `[value, has]`.
-#[inline]
+#[inline(never)]
 pub(super) fn at_launch([value, has]: &mut [f32; 2], argument: f32, launched: bool) -> f32 {
     if (!launched || *has == 0.0) && !argument.is_nan() {
         (*value, *has) = (argument, 1.0);

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crc::{CRC_64_ECMA_182, Crc};
-use kf_core::formula::{MAX_COLUMNS, MAX_MASKS, MAX_OPS, MAX_STATE_WORDS, Op, Program, Signal};
+use kf_core::formula::{MAX_COLUMNS, MAX_MASKS, MAX_OPS, MAX_STATE_WORDS, Op, Program, Signal, TOP};
 
 use super::FormulaError;
 use super::ast::{Expression, Kind, Operator};
@@ -527,12 +527,12 @@ impl Compiler<'_> {
             Function::IsaPressure => self.ops.push(Op::IsaPressure),
             Function::IsaTemperature => self.ops.push(Op::IsaTemperature),
             Function::IsaDensity => self.ops.push(Op::IsaDensity),
-            Function::Rate => self.remember(|at| Op::Rate { at, mask }),
-            Function::Integral => self.remember(|at| Op::Integral { at }),
-            Function::DoubleIntegral => self.remember(|at| Op::DoubleIntegral { at }),
-            Function::Captive => self.remember(|at| Op::Captive { at, mask }),
-            Function::AtCalibration => self.remember(|at| Op::AtCalibration { at, mask }),
-            Function::AtLaunch => self.remember(|at| Op::AtLaunch { at }),
+            Function::Rate => self.remember(|at| Op::Rate { at, mask, of: TOP }),
+            Function::Integral => self.remember(|at| Op::Integral { at, of: TOP }),
+            Function::DoubleIntegral => self.remember(|at| Op::DoubleIntegral { at, of: TOP }),
+            Function::Captive => self.remember(|at| Op::Captive { at, mask, of: TOP }),
+            Function::AtCalibration => self.remember(|at| Op::AtCalibration { at, mask, of: TOP }),
+            Function::AtLaunch => self.remember(|at| Op::AtLaunch { at, of: TOP }),
             Function::Min | Function::Max | Function::Clamp | Function::LowPass | Function::Delay => {
                 return Err(self.error(span, format!("{} can not be called like this", function.name())));
             }

@@ -129,8 +129,8 @@ fn what_is_too_long_says_by_how_much() {
     assert!(refused(&long).message.contains("79 operations, the flight computer has room for 48"));
     let deep = format!("{}throttle{}", "(1+".repeat(20), ")".repeat(20));
     assert!(refused(&deep).message.contains("nested too deeply"), "{}", refused(&deep));
-    let memory = "delay(throttle,1)+delay(throttle,2)+delay(throttle,3)";
-    assert!(refused(memory).message.contains("66 numbers of memory"), "{}", refused(memory));
+    let memory = "delay(throttle,1)+delay(throttle,2)+delay(throttle,3)+delay(throttle,4)";
+    assert!(refused(memory).message.contains("84 numbers of memory"), "{}", refused(memory));
     assert!(refused(&"(".repeat(999)).message.contains("expected"));
     assert!(refused(&"(".repeat(1001)).message.contains("expected at most 1000"));
 }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::config::MAX_ESTIMATED_EFFECTS;
 use crate::effect::{Definition, Parts, formula_words};
-use crate::formula::{Op, Program, Signal};
+use crate::formula::{Op, Program, Signal, TOP};
 use crate::input::ImuSample;
 use crate::output::{Agreement, Trust};
 use crate::snapshot::{MAX_SNAPSHOT_BYTES, MissionMark, RaisedFlags, SnapshotError};
@@ -112,8 +112,11 @@ fn with_formulas(mut config: MissionConfig<2>) -> MissionConfig<2> {
     let second = Op::Constant(1.0);
     let law = |name, ops: &[Op]| EffectTerm::new(formula_of(name, ops), 0.0, 0.1);
     config.estimated_effects = [
-        law("a.a", &[load, Op::DoubleIntegral { at: 0 }]),
-        law("a.b", &[load, second, Op::LowPass { at: 0 }, load, Op::AtLaunch { at: 2 }, Op::Subtract]),
+        law("a.a", &[load, Op::DoubleIntegral { at: 0, of: TOP }]),
+        law(
+            "a.b",
+            &[load, second, Op::LowPass { at: 0 }, load, Op::AtLaunch { at: 2, of: TOP }, Op::Subtract],
+        ),
     ];
     config
 }
@@ -307,7 +310,7 @@ fn the_largest_snapshot_with_formulas_fits() {
 /// Of so many double integrals.
 fn formula(name: &'static str, integrals: usize) -> EffectId {
     let mut ops = vec![Op::Constant(0.01)];
-    ops.extend((0..integrals).map(|k| Op::DoubleIntegral { at: 6 * k as u8 }));
+    ops.extend((0..integrals).map(|k| Op::DoubleIntegral { at: 6 * k as u8, of: TOP }));
     formula_of(name, &ops)
 }
 
