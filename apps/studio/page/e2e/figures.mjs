@@ -35,6 +35,11 @@ ${wanted}
 [[effect]]
 id = "baro.dynamic_pressure"
 coefficient = 0.1
+
+[[effect]]
+id = "baro.warm_up"
+coefficient = 6.0
+time_constant_s = 400.0
 `;
 
 if (pylon === undefined) throw new Error("PYLON_BIN must name a release build of pylon");
@@ -137,13 +142,21 @@ try {
   const [[was]] = await revisionsAre(tab, 1);
   const adding = performance.now();
   work();
-  await tab.locator(".effect .add").first().click();
+  await tab.locator('.effect[data-effect="baro.dynamic_pressure"] .add').click();
   const [, [is]] = await tab.waitForFunction(() => document.querySelectorAll(".revision").length === 2).then(() => revisions(tab));
   console.log(`Add to the new numbers: ${seconds(performance.now() - adding)}, ${work()} (${was} m to ${is} m: ${await sentence(tab)})`);
   await tab.locator(".chart.error .legend-entry", { hasText: "After" }).waitFor({ timeout: 300_000 });
   console.log(`Add to the new curve: ${seconds(performance.now() - adding)}, ${work()} more`);
   await revisionsAre(tab, 2);
   console.log(`Add to the next diagnosis: ${seconds(performance.now() - adding)}, ${work()} more`);
+  await tab.waitForFunction(() => !document.querySelector(".progress"), undefined, { timeout: 600_000 });
+  await tab.waitForTimeout(1000);
+  const addingAnother = performance.now();
+  work();
+  await tab.locator('.effect[data-effect="baro.warm_up"] .add').click();
+  const [, , [less]] = await tab.waitForFunction(() => document.querySelectorAll(".revision").length === 3).then(() => revisions(tab));
+  console.log(`Add with a time constant to the new numbers: ${seconds(performance.now() - addingAnother)}, ${work()} (${is} m to ${less} m)`);
+  await revisionsAre(tab, 3);
   await tab.waitForFunction(() => !document.querySelector(".progress"), undefined, { timeout: 600_000 });
   await tab.waitForTimeout(1000);
   await frames(tab, "zoom by the wheel", async (box) => {

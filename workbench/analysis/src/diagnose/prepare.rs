@@ -14,7 +14,7 @@ use super::problem::{Known, Problem};
 use super::roughness::{is_rough, scale};
 use super::series::Series;
 use super::suspects::{Regressors, Suspects};
-use super::wanted_effect::WantedEffect;
+use super::wanted_effect::Tried;
 use super::wind::wind;
 use replay::barometer;
 
@@ -39,18 +39,18 @@ pub(crate) struct Prepared {
 }
 
 impl Prepared {
-    /// `wanted`: the one effect whose coefficient is wanted, with the time constants to try.
+    /// `tried`: what a study tries; `None`: the whole catalogue.
     pub(super) fn new(
         flights: &[NamedReplay<'_>],
         hold_outs: &[NamedReplay<'_>],
         model: &Model,
-        wanted: Option<(WantedEffect, &[f32])>,
+        tried: Option<Tried<'_>>,
         executor: &dyn Executor,
     ) -> Self {
         let has_climb_rate = flights.iter().all(|named| measures_climb_rate(&named.replay));
         let mut candidates = catalogue(model, has_climb_rate);
-        if let Some((wanted, time_constants_s)) = wanted {
-            wanted.narrow(&mut candidates, time_constants_s);
+        if let Some(tried) = tried {
+            tried.narrow(&mut candidates);
         }
         let known_ids: Vec<EffectId> = model.effects.iter().map(|effect| effect.term.regressor.id).collect();
         candidates.retain(|candidate| !known_ids.contains(&candidate.effect()));

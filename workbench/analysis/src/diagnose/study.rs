@@ -6,12 +6,12 @@ use kf_core::effect::Regressor;
 use super::diagnosis::Diagnosis;
 use super::learning_problem::LearningProblem;
 use super::named_replay::NamedReplay;
-use super::wanted_effect::WantedEffect;
+use super::wanted_effect::{Tried, WantedEffect};
 use super::work::{Work, judged};
-use crate::progress::{Cancelled, Progress};
+use crate::progress::{Cancelled, Progress, step};
 
 /// A diagnosis of flights with a model that lacks the effect, and what the effect's coefficient is to be
-/// learned from; no problem where the flights lack its signals ([`Diagnosis::untested`]) or its regressor
+/// learned from. A time constant is refined between those of the diagnosis' grid, beside what the diagnosis found to act. No problem where the flights lack its signals ([`Diagnosis::untested`]) or its regressor
 /// does not move in them.
 ///
 /// # Errors
@@ -39,24 +39,34 @@ pub fn study_remembering(
     executor: &dyn Executor,
 ) -> Result<(Diagnosis, Option<LearningProblem>), Cancelled> {
     let time_constants_s: Vec<f32> = wanted.time_constant_s.into_iter().collect();
-    let mut of = |wanted: WantedEffect, time_constants_s: &[f32]| {
-        let tried = Some((wanted, time_constants_s));
-        let (diagnosis, work) = judged(flights, hold_outs, tried, progress, executor, |_, _| Ok(()))?;
-        Ok((diagnosis, work.and_then(|((), work)| work.problem(wanted.effect, executor))))
-    };
-    let coarse = match work.filter(|work| time_constants_s.is_empty() && work.serves(wanted)) {
-        Some(work) => (work.diagnosis().clone(), work.problem(wanted.effect, executor)),
-        None => of(wanted, &time_constants_s)?,
-    };
-    let fitted = coarse.1.as_ref().and_then(|problem| problem.terms.first()).map(|term| term.regressor);
-    match fitted.filter(|_| time_constants_s.is_empty() && wanted.effect.has_time_constant()) {
-        Some(Regressor { time_constant_s, since, .. }) => {
-            let fine = FINER.map(|factor| factor * time_constant_s);
-            let there = WantedEffect { since: Some(since), ..wanted };
-            of(there, &fine)
+    let tried = Tried { wanted, time_constants_s: &time_constants_s, others: None };
+    let new;
+    let work = match work.filter(|work| time_constants_s.is_empty() && work.serves(wanted)) {
+        Some(work) => work,
+        None => {
+            let (diagnosis, made) =
+                judged(flights, hold_outs, Some(tried), progress, executor, |_, _| Ok(()))?;
+            let Some(((), work)) = made else { return Ok((diagnosis, None)) };
+            new = work;
+            &new
         }
-        None => Ok(coarse),
-    }
+    };
+    let diagnosis = work.diagnosis().clone();
+    let Some(problem) = work.problem(wanted.effect, executor) else { return Ok((diagnosis, None)) };
+    step(progress)?;
+    let fitted = problem.terms.first().map(|term| term.regressor);
+    let finer = match fitted.filter(|_| time_constants_s.is_empty() && wanted.effect.has_time_constant()) {
+        Some(Regressor { time_constant_s, since, .. }) => {
+            let tried = Tried {
+                wanted: WantedEffect { since: Some(since), ..wanted },
+                time_constants_s: &FINER.map(|factor| factor * time_constant_s),
+                others: Some(&work.others(&problem)),
+            };
+            work.refined(flights, hold_outs, tried, progress, executor)?
+        }
+        None => None,
+    };
+    Ok((diagnosis, Some(finer.unwrap_or(problem))))
 }
 
 /// Time constants between those of the diagnosis' grid, as factors: a tenth apart an exponential differs by less than

@@ -15,6 +15,28 @@ pub struct WantedEffect {
     pub since: Option<Clock>,
 }
 
+/// What a study tries of the catalogue.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Tried<'a> {
+    /// The effect to learn.
+    pub wanted: WantedEffect,
+    /// Time constants to try for it, seconds; none: the catalogue's grid.
+    pub time_constants_s: &'a [f32],
+    /// The only other candidates, where a search before has chosen them; `None`: the whole catalogue.
+    pub others: Option<&'a [Candidate]>,
+}
+
+impl Tried<'_> {
+    /// Keeps what is to be tried.
+    pub(super) fn narrow(&self, candidates: &mut Vec<Candidate>) {
+        if let Some(others) = self.others {
+            candidates
+                .retain(|candidate| candidate.effect() == self.wanted.effect || others.contains(candidate));
+        }
+        self.wanted.narrow(candidates, self.time_constants_s);
+    }
+}
+
 impl WantedEffect {
     /// Keeps only what is wanted of the effect's candidates, with these time constants if there are any.
     pub(super) fn narrow(&self, candidates: &mut Vec<Candidate>, time_constants_s: &[f32]) {

@@ -3,6 +3,7 @@
 use executor::Executor;
 use kf_core::effect::EffectId;
 use kf_core::sensor::Sensor;
+use model::Model;
 
 use super::candidates::Candidate;
 use super::diagnosis::{DiagnosedFlight, Diagnosis, Untested};
@@ -14,8 +15,8 @@ use super::noise::NoisePrior;
 use super::prepare::Prepared;
 use super::problem::{Known, Problem};
 use super::search::{Explanation, Search, Seen};
-use super::wanted_effect::WantedEffect;
-use crate::progress::{Cancelled, Progress};
+use super::wanted_effect::{Tried, WantedEffect};
+use crate::progress::{Cancelled, Progress, step};
 use replay::{Usage, barometer};
 
 /// Finds what the model lacks; all replays have the same model. `progress` is called once a fit. What comes out is the same
@@ -51,23 +52,20 @@ impl Judged<'_, '_> {
     }
 }
 
-/// A diagnosis, its work, and what `then` makes of what it rests on (nothing without a flight). `wanted`: the effect whose coefficient
-/// is to be learned, tried with these time constants if it has one (none: the catalogue's grid).
+/// A diagnosis, its work, and what `then` makes of what it rests on (nothing without a flight). `tried`: what a study tries; `None`: the
+/// whole catalogue.
 pub(crate) fn judged<T>(
     flights: &[NamedReplay<'_>],
     hold_outs: &[NamedReplay<'_>],
-    wanted: Option<(WantedEffect, &[f32])>,
+    tried: Option<Tried<'_>>,
     progress: &mut Progress<'_>,
     executor: &dyn Executor,
     then: impl FnOnce(&Judged<'_, '_>, &mut Progress<'_>) -> Result<T, Cancelled>,
 ) -> Result<(Diagnosis, Option<(T, Work)>), Cancelled> {
     let Some(first) = flights.first() else { return Ok((Diagnosis::default(), None)) };
     let model = first.replay.model();
-    let prepared = Prepared::new(flights, hold_outs, model, wanted, executor);
-    let mut prior = NoisePrior::new(&prepared.series, &model.reference, &model.sensors);
-    if !prepared.has_climb_rate {
-        prior = prior.with_slow_wander();
-    }
+    let prepared = Prepared::new(flights, hold_outs, model, tried, executor);
+    let prior = noise_prior(&prepared, model);
     let bench = Bench { prepared: &prepared, prior: &prior, executor };
     let (diagnosis, made, findings, seen) = bench.work(|judge| {
         let mut search = Search::new(judge.problem, judge.suspects);
@@ -84,6 +82,11 @@ pub(crate) fn judged<T>(
     })?;
     let work = Work { diagnosis: diagnosis.clone(), prepared, prior, findings, seen };
     Ok((diagnosis, Some((made, work))))
+}
+
+fn noise_prior(prepared: &Prepared, model: &Model) -> NoisePrior {
+    let prior = NoisePrior::new(&prepared.series, &model.reference, &model.sensors);
+    if prepared.has_climb_rate { prior } else { prior.with_slow_wander() }
 }
 
 /// What a diagnosis works with.
@@ -137,11 +140,44 @@ impl Work {
         &self.diagnosis
     }
 
+    /// The candidates that a problem of this work has beside the effect to learn.
+    pub(super) fn others(&self, problem: &LearningProblem) -> Vec<Candidate> {
+        let free = problem.terms.iter().skip(1).filter(|term| term.known_sigma.is_none());
+        free.filter_map(|term| self.prepared.candidates.get(term.column).copied()).collect()
+    }
+
+    /// What the effect's coefficient is to be learned from; `None` where the flights do not excite it.
     pub(super) fn problem(&self, effect: EffectId, executor: &dyn Executor) -> Option<LearningProblem> {
         let bench = Bench { prepared: &self.prepared, prior: &self.prior, executor };
         bench.work(|judge| {
             let mut search = Search::resumed(judge.problem, judge.suspects, self.seen.clone());
             judge.problem(&mut search, self.findings.clone(), effect)
+        })
+    }
+
+    /// The problem of an effect with other time constants: the best of them, beside the candidates that act as well, the noise fitted anew
+    /// from where this work left it. `None` where the flights do not excite the effect so.
+    ///
+    /// # Errors
+    /// [`Cancelled`] when `progress` says so.
+    pub(super) fn refined(
+        &self,
+        flights: &[NamedReplay<'_>],
+        hold_outs: &[NamedReplay<'_>],
+        tried: Tried<'_>,
+        progress: &mut Progress<'_>,
+        executor: &dyn Executor,
+    ) -> Result<Option<LearningProblem>, Cancelled> {
+        let Some(first) = flights.first() else { return Ok(None) };
+        let model = first.replay.model();
+        let prepared = Prepared::new(flights, hold_outs, model, Some(tried), executor);
+        step(progress)?;
+        let prior = noise_prior(&prepared, model);
+        let bench = Bench { prepared: &prepared, prior: &prior, executor };
+        let start = &self.findings.explanation.fit.values;
+        bench.work(|judge| {
+            let mut search = Search::new(judge.problem, judge.suspects);
+            judge.refined_problem(&mut search, tried.wanted.effect, start, progress)
         })
     }
 }

@@ -5,9 +5,15 @@ use kf_core::effect::EffectId;
 use super::{Findings, Judge};
 use crate::diagnose::evidence::{self, Fitted};
 use crate::diagnose::learning_problem::{LearningProblem, Nuisance, Term};
+use crate::diagnose::noise::Noise;
+use crate::diagnose::posterior::Posterior;
 use crate::diagnose::repeatability::repeatability;
 use crate::diagnose::roughness::{scale, unsteadiness};
 use crate::diagnose::search::{Explanation, Search};
+use crate::progress::{Cancelled, Progress, step};
+
+/// Most fits of the noise while a time constant is refined.
+const REFINEMENTS: usize = 3;
 
 impl Judge<'_> {
     /// The problem for an effect. Whatever the diagnosis found to act stays beside it, but for what this
@@ -24,9 +30,59 @@ impl Judge<'_> {
             Some(column) => (findings, column),
             None => self.beside_the_others(search, findings, effect)?,
         };
+        self.problem_of(&findings, column)
+    }
+
+    /// The problem for an effect with the best of its columns beside every other suspect, the noise fitted from `start`. `None` where no
+    /// column of it moves, or is possible.
+    ///
+    /// # Errors
+    /// [`Cancelled`] when `progress` says so.
+    pub(in crate::diagnose) fn refined_problem(
+        &self,
+        search: &mut Search<'_>,
+        effect: EffectId,
+        start: &[f64],
+        progress: &mut Progress<'_>,
+    ) -> Result<Option<LearningProblem>, Cancelled> {
+        let (own, others): (Vec<usize>, Vec<usize>) =
+            self.suspects.usable().iter().partition(|column| self.candidates[**column].effect() == effect);
+        let mut noise = self.problem.prior.noise(start);
+        let mut values = start.to_vec();
+        let mut found: Option<(usize, Explanation)> = None;
+        // Which column is best depends on the noise, and the noise on the column; both settle at once, or nearly so.
+        for _ in 0..REFINEMENTS {
+            let Some(best) = self.best_beside(&noise, &own, &others) else { return Ok(None) };
+            if found.as_ref().is_some_and(|(column, _)| *column == best) {
+                break;
+            }
+            let columns = with(&others, best);
+            let fit = search.fit(&columns, &values);
+            step(progress)?;
+            (noise, values) = (fit.noise, fit.values.clone());
+            found = Some((best, Explanation { columns, fit }));
+        }
+        Ok(found
+            .and_then(|(column, explanation)| self.problem_of(&self.findings_of(explanation, None), column)))
+    }
+
+    /// The one of the columns that explains most under this noise, beside the others.
+    fn best_beside(&self, noise: &Noise, own: &[usize], others: &[usize]) -> Option<usize> {
+        let information = self.suspects.information(self.problem, noise);
+        let rests = own.iter().filter_map(|column| {
+            let columns = with(others, *column);
+            let solution = information.solve(&self.suspects.positions(&columns))?;
+            self.suspects.is_possible(&columns, &solution).then_some((*column, solution.rest))
+        });
+        rests.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(column, _)| column)
+    }
+
+    /// The problem with the findings' column of an effect first.
+    fn problem_of(&self, findings: &Findings, column: usize) -> Option<LearningProblem> {
+        let effect = self.candidates[column].effect();
         let columns = &findings.explanation.columns;
         let others: Vec<usize> = columns.iter().copied().filter(|other| *other != column).collect();
-        let facts = self.candidate(&findings, column, &others, columns)?;
+        let facts = self.candidate(findings, column, &others, columns)?;
         let at = columns.iter().position(|chosen| *chosen == column)?;
         let term = |column: usize, known_sigma| Term {
             regressor: self.candidates[column].regressor,
@@ -75,19 +131,28 @@ impl Judge<'_> {
             findings.explanation.columns.iter().copied().filter(|column| !replaced(column)).collect();
         let wanted: Vec<usize> = self.suspects.usable().iter().copied().filter(is_wanted).collect();
         let fits = wanted.into_iter().map(|column| {
-            let mut columns = others.clone();
-            columns.push(column);
-            columns.sort_unstable();
+            let columns = with(&others, column);
             let fit = search.fit(&columns, &findings.explanation.fit.values);
             (Explanation { columns, fit }, column)
         });
         let (explanation, column) =
             fits.max_by(|a, b| a.0.fit.twice_log_posterior.total_cmp(&b.0.fit.twice_log_posterior))?;
+        Some((self.findings_of(explanation, findings.posterior), column))
+    }
+
+    /// The findings of a chosen set of columns, of which no rivals were looked for.
+    fn findings_of(&self, explanation: Explanation, posterior: Option<Posterior>) -> Findings {
         let repeat = repeatability(self.problem, &explanation.fit.noise, &explanation.columns);
         let inflation = self.inflation(&explanation, &repeat);
         let information = self.suspects.information(self.problem, &explanation.fit.noise);
-        let rivals = Vec::new();
-        let posterior = findings.posterior;
-        Some((Findings { explanation, information, rivals, repeat, inflation, posterior }, column))
+        Findings { explanation, information, rivals: Vec::new(), repeat, inflation, posterior }
     }
+}
+
+/// A set of columns with one more, ascending.
+fn with(columns: &[usize], column: usize) -> Vec<usize> {
+    let mut columns = columns.to_vec();
+    columns.push(column);
+    columns.sort_unstable();
+    columns
 }
