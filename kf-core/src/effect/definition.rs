@@ -15,14 +15,12 @@ use super::{EffectTerm, SignalTracker};
 /// definition is, so that it is compiled as that crate is: for speed in the flight computer's image, whose `kf-core` is for size.
 pub(crate) struct Machine {
     pub take: fn(&mut Frame, u64, &TickInput, Option<&GpsFix>, &SignalTracker),
-    pub run: for<'a> fn(
-        &[EffectTerm],
-        &mut [Option<f32>],
-        &'a mut [f32],
-        &mut Stack,
-        &Frame,
-    ) -> (&'a mut [f32], u32),
+    pub run: Run,
 }
+
+/// As [`run`].
+type Run =
+    for<'a> fn(&[EffectTerm], &mut [Option<f32>], &'a mut [f32], &mut Stack, &Frame) -> (&'a mut [f32], u32);
 
 /// What an effect by formula is made of.
 #[derive(Clone, Copy, Debug)]
@@ -89,7 +87,7 @@ impl Definition {
             // A formula has a state, which the tracker of signals does not keep.
             value: |_, _| None,
         };
-        Self { parts, row, machine: &Machine { take: Frame::take, run: run } }
+        Self { parts, row, machine: &Machine { take: Frame::take, run } }
     }
 
     /// What it was made of.
