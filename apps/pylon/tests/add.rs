@@ -79,6 +79,30 @@ fn the_cores_filter_learns_what_the_diagnosis_estimates() {
     }
 }
 
+/// A time constant is refined between those of the diagnosis' grid, beside what else acts. The finer ones are a tenth or an eighth apart: one
+/// of the two nearest is found, where the grid's own, 30 and 90 s, are half as large again or more.
+#[test]
+fn a_time_constant_is_refined_beside_what_else_acts() {
+    use scenario::EffectId as Injected;
+    let mut scenario = quickstart(&[(Injected::BaroWarmUp, 30.0), (Injected::BaroDynamicPressure, 0.1)]);
+    for (time_constant_s, seed) in [(47.0, 1), (60.0, 2)] {
+        scenario.effect[0].time_constant_s = Some(time_constant_s);
+        let flights = [simulate(&scenario, seed).unwrap().0];
+        let (_, problem) =
+            study(&named(&flights, &Model::default()), &[], wanted(EffectId::BaroWarmUp), &mut || ());
+        let problem = problem.unwrap();
+        let effects: Vec<_> = problem.terms.iter().map(|term| term.regressor.id).collect();
+        assert_eq!(effects, [EffectId::BaroWarmUp, EffectId::BaroDynamicPressure]);
+        let found_s = problem.terms[0].regressor.time_constant_s;
+        assert!(
+            (found_s / time_constant_s as f32).ln().abs() < 1.125_f32.ln(),
+            "{found_s} {time_constant_s}"
+        );
+        let learned = learn(&problem).unwrap();
+        assert!((learned.coefficient - 30.0).abs() < 4.0 * learned.sigma, "{learned:?}");
+    }
+}
+
 /// Without an airspeed the wind's share of it is estimated beside, of each flight its own: by both alike.
 #[test]
 fn the_cores_filter_knows_the_wind() {

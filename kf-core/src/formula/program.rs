@@ -10,6 +10,8 @@ pub const MAX_DEPTH: usize = 16;
 pub const MAX_MASKS: usize = 8;
 /// Most numbers that one program remembers.
 pub const MAX_STATE_WORDS: usize = 64;
+/// So that a mask keeps an index within them.
+const _: () = assert!(MAX_DEPTH.is_power_of_two() && MAX_MASKS.is_power_of_two());
 /// The `of` of an operation whose argument is on the stack rather than a signal: every operation as the compiler of formulas writes it.
 pub const TOP: u8 = u8::MAX;
 

@@ -3,6 +3,8 @@
 use proptest::prelude::*;
 
 use super::*;
+use crate::effect::SignalTracker;
+use crate::input::{BaroReading, GpsFix, ImuSample, Signals, TickInput};
 
 /// A program of one operation on the throttle, or on it and a number.
 fn of(op: impl Fn(u8, u8) -> Op, second: Option<f32>) -> Evaluation {
@@ -277,5 +279,65 @@ proptest! {
             }
             prop_assert_eq!(joined.state().map(f32::to_bits), apart.state().map(f32::to_bits), "{:?}", op);
         }
+    }
+}
+
+/// A tick that brings everything, and what a frame takes of it for one signal: its value, and the signals that are new beside those that
+/// always are.
+fn taken(signal: Signal, gyro_radps: [f32; 3]) -> (Option<f32>, u64) {
+    let input = TickInput {
+        time_us: 5_000,
+        gps: Some(GpsFix {
+            altitude_m: 1_000.0,
+            velocity_north_mps: Some(30.0),
+            velocity_east_mps: Some(2.0),
+            velocity_down_mps: Some(-1.0),
+            vertical_accuracy_m: Some(1.5),
+            satellites: Some(9),
+            ..GpsFix::default()
+        }),
+        baro: Some(BaroReading::PressurePa(90_000.0)),
+        imu_master_altitude_m: Some(1_001.0),
+        imu_slave_altitude_m: Some(999.0),
+        imu: Some(ImuSample { accel_mps2: [0.1, 0.2, -9.8], gyro_radps }),
+        signals: Signals {
+            true_airspeed_mps: Some(31.0),
+            angle_of_attack_rad: Some(0.05),
+            sideslip_rad: Some(0.01),
+            throttle: Some(0.6),
+            outside_air_temperature_c: Some(8.0),
+            baro_temperature_c: Some(20.0),
+            attitude_rad: Some([0.1, 0.05, 1.0]),
+        },
+        ..TickInput::default()
+    };
+    let (mut tracker, mut frame) = (SignalTracker::default(), Frame::default());
+    // The second tick has differences too.
+    for time_us in [0, 5_000] {
+        let input = TickInput { time_us, ..input };
+        tracker.take(&input, input.gps.as_ref());
+        frame.take(signal.bit(), &input, input.gps.as_ref(), &tracker);
+    }
+    let always = Signal::Time.bit() | Signal::TimeOn.bit() | Signal::Launch.bit();
+    (frame.value(signal.place()), frame.new & !always)
+}
+
+#[test]
+fn a_frame_takes_the_signal_that_is_used_and_no_other() {
+    for signal in Signal::ALL {
+        let (value, new) = taken(*signal, [0.01, 0.02, 0.03]);
+        assert!(value.is_some(), "{}", signal.name());
+        let is_always_new = matches!(signal, Signal::Time | Signal::TimeOn | Signal::Launch);
+        assert_eq!(new, if is_always_new { 0 } else { signal.bit() }, "{}", signal.name());
+    }
+    assert_eq!(taken(Signal::GyroZ, [0.01, 0.02, 0.03]).0, Some(0.03));
+    assert_eq!(taken(Signal::ImuSlave, [0.01, 0.02, 0.03]).0, Some(999.0));
+}
+
+/// No vehicle of this class turns at a hundred radians a second: of such a sample nothing is taken, not its forces either.
+#[test]
+fn a_frame_takes_no_inertial_signal_of_a_sample_that_can_not_be() {
+    for signal in [Signal::AccelX, Signal::GyroY, Signal::LoadFactor, Signal::AccelerationVariance] {
+        assert_eq!(taken(signal, [100.0, 0.0, 0.0]), (None, 0), "{}", signal.name());
     }
 }

@@ -11,7 +11,7 @@ pub(super) fn words<const N: usize>(state: &mut [f32], at: u8) -> Option<&mut [f
 /// What an addition keeps, and what it rounds off (Kahan, "Further remarks on reducing truncation errors", CACM 8(1), 1965). The second
 /// is finite only where the first is: an infinity less a number is no finite one.
 #[inline(always)]
-pub(super) fn plus(sum: f32, lost: f32, addend: f32) -> (f32, f32) {
+fn plus(sum: f32, lost: f32, addend: f32) -> (f32, f32) {
     let corrected = addend - lost;
     let value = sum + corrected;
     (value, (value - sum) - corrected)
@@ -21,18 +21,25 @@ pub(super) fn plus(sum: f32, lost: f32, addend: f32) -> (f32, f32) {
 /// one at the last tick, and else minus the seconds.
 pub(super) const BEGUN: f32 = 1.0;
 
+/// Adds a step to `[sum, lost, last, waited]`, by the trapezium. `None`, with nothing kept, where the sum is not finite.
+#[inline(always)]
+pub(super) fn add_trapezium([sum, lost, last, _]: &mut [f32; 4], argument: f32, step_s: f32) -> Option<f32> {
+    let (next, next_lost) = plus(*sum, *lost, 0.5 * step_s * (*last + argument));
+    if !next_lost.is_finite() {
+        return None;
+    }
+    (*sum, *lost, *last) = (next, next_lost, argument);
+    Some(next)
+}
+
 /// `[sum, lost, last, waited]`.
 #[inline(never)]
-pub(super) fn integral(
-    [sum, lost, last, waited]: &mut [f32; 4],
-    argument: f32,
-    seconds: f32,
-    launched: bool,
-) -> f32 {
+pub(super) fn integral(memory: &mut [f32; 4], argument: f32, seconds: f32, launched: bool) -> f32 {
     if !launched {
-        [*sum, *lost, *last, *waited] = [0.0; 4];
+        *memory = [0.0; 4];
         return if argument.is_nan() { argument } else { 0.0 };
     }
+    let [.., last, waited] = memory;
     if argument.is_nan() {
         wait(waited, seconds);
         return argument;
@@ -42,12 +49,26 @@ pub(super) fn integral(
         return 0.0;
     }
     let step_s = elapsed(*waited, seconds);
-    let (next, next_lost) = plus(*sum, *lost, 0.5 * step_s * (*last + argument));
-    if !next_lost.is_finite() {
-        return f32::NAN;
+    let value = add_trapezium(memory, argument, step_s);
+    begun(value, &mut memory[3])
+}
+
+/// Adds a step to `[slope, lost, value, lost, last, waited]`, exactly for a straight line between two arguments, as `effect::integral` does.
+/// `None`, with nothing kept, where a sum is not finite.
+#[inline(always)]
+pub(super) fn add_twice(
+    [slope, slope_lost, value, lost, last, _]: &mut [f32; 6],
+    argument: f32,
+    step_s: f32,
+) -> Option<f32> {
+    let gained = step_s * (*slope + step_s * (1.0 / 6.0) * (2.0 * *last + argument));
+    let (next_slope, next_slope_lost) = plus(*slope, *slope_lost, 0.5 * step_s * (*last + argument));
+    let (next, next_lost) = plus(*value, *lost, gained);
+    if !(next_slope_lost.is_finite() && next_lost.is_finite()) {
+        return None;
     }
-    [*sum, *lost, *last, *waited] = [next, next_lost, argument, BEGUN];
-    next
+    (*slope, *slope_lost, *value, *lost, *last) = (next_slope, next_slope_lost, next, next_lost, argument);
+    Some(next)
 }
 
 /// `[slope, lost, value, lost, last, waited]`.
@@ -57,26 +78,30 @@ pub(super) fn double_integral(memory: &mut [f32; 6], argument: f32, seconds: f32
         *memory = [0.0; 6];
         return if argument.is_nan() { argument } else { 0.0 };
     }
-    let [slope, slope_lost, value, value_lost, last, waited] = *memory;
+    let [.., last, waited] = memory;
     if argument.is_nan() {
-        let [.., waited] = memory;
         wait(waited, seconds);
         return argument;
     }
-    if waited == 0.0 {
-        *memory = [0.0, 0.0, 0.0, 0.0, argument, BEGUN];
+    if *waited == 0.0 {
+        (*last, *waited) = (argument, BEGUN);
         return 0.0;
     }
-    // Exact for a straight line between two arguments, as `effect::integral` is.
-    let step_s = elapsed(waited, seconds);
-    let (next_slope, next_slope_lost) = plus(slope, slope_lost, 0.5 * step_s * (last + argument));
-    let gained = step_s * (slope + step_s * (1.0 / 6.0) * (2.0 * last + argument));
-    let (next, next_lost) = plus(value, value_lost, gained);
-    if !(next_slope_lost.is_finite() && next_lost.is_finite()) {
-        return f32::NAN;
+    let step_s = elapsed(*waited, seconds);
+    let value = add_twice(memory, argument, step_s);
+    begun(value, &mut memory[5])
+}
+
+/// The value, if there is one; the operation then waits no more.
+#[inline(always)]
+fn begun(value: Option<f32>, waited: &mut f32) -> f32 {
+    match value {
+        Some(value) => {
+            *waited = BEGUN;
+            value
+        }
+        None => f32::NAN,
     }
-    *memory = [next_slope, next_slope_lost, next, next_lost, argument, BEGUN];
-    next
 }
 
 /// Whether it is above 0 and finite. By its bits: the compiler makes some thirty instructions of the two comparisons.
@@ -103,6 +128,21 @@ pub(super) fn elapsed(waited: f32, seconds: f32) -> f32 {
     if waited == BEGUN { seconds } else { seconds - waited }
 }
 
+/// Takes a new sample into `[last, waited, rate, has a rate]`. `None`, with nothing kept, where the rate is not finite.
+#[inline(always)]
+pub(super) fn add_sample(
+    [last, _, rate, has_rate]: &mut [f32; 4],
+    argument: f32,
+    step_s: f32,
+) -> Option<f32> {
+    let next = (argument - *last) / step_s;
+    if !next.is_finite() {
+        return None;
+    }
+    (*last, *rate, *has_rate) = (argument, next, 1.0);
+    Some(next)
+}
+
 /// `[last, waited, rate, has a rate]`. `is_new`: whether the argument's signals have a sample.
 #[inline(never)]
 pub(super) fn rate(memory: &mut [f32; 4], argument: f32, seconds: f32, is_new: bool) -> f32 {
@@ -118,12 +158,14 @@ pub(super) fn rate(memory: &mut [f32; 4], argument: f32, seconds: f32, is_new: b
         return if *has_rate == 0.0 || argument.is_nan() { f32::NAN } else { *rate };
     }
     let step_s = elapsed(*waited, seconds);
-    let next = (argument - *last) / step_s;
-    if !next.is_finite() {
-        return f32::NAN;
-    }
-    [*last, *waited, *rate, *has_rate] = [argument, BEGUN, next, 1.0];
-    next
+    let value = add_sample(memory, argument, step_s);
+    begun(value, &mut memory[1])
+}
+
+/// A first-order low pass after a step towards `argument`, by the backward Euler rule; `whole_s` is the time constant and the step together.
+#[inline(always)]
+pub(super) fn towards(filtered: f32, argument: f32, step_s: f32, whole_s: f32) -> f32 {
+    filtered + (argument - filtered) * (step_s / whole_s)
 }
 
 /// `[filtered, waited]`.
@@ -138,13 +180,25 @@ pub(super) fn low_pass([filtered, waited]: &mut [f32; 2], argument: f32, time_s:
     } else {
         let step_s = elapsed(*waited, seconds);
         let whole_s = time_s + step_s;
-        if whole_s > 0.0 { *filtered + (argument - *filtered) * (step_s / whole_s) } else { argument }
+        if whole_s > 0.0 { towards(*filtered, argument, step_s, whole_s) } else { argument }
     };
     if !next.is_finite() {
         return f32::NAN;
     }
     [*filtered, *waited] = [next, BEGUN];
     next
+}
+
+/// Takes a further sample into `[mean, lost, count]`; whether the mean is finite. If not, nothing is kept.
+#[inline(always)]
+pub(super) fn add_to_mean([mean, lost, count]: &mut [f32; 3], argument: f32) -> bool {
+    let next_count = *count + 1.0;
+    let (next, next_lost) = plus(*mean, *lost, (argument - *mean) / next_count);
+    if !next_lost.is_finite() {
+        return false;
+    }
+    (*mean, *lost, *count) = (next, next_lost, next_count);
+    true
 }
 
 /// `[mean, lost, count]`. At the first sample of the calibration it starts anew: the count is then negative. Whether there is a sample is
@@ -157,23 +211,18 @@ pub(super) fn captive(
     launched: bool,
     begins: bool,
 ) -> f32 {
-    let [mean, lost, count] = memory;
-    if begins && *count > 0.0 {
-        *count = -*count;
+    if begins && memory[2] > 0.0 {
+        memory[2] = -memory[2];
     }
     if !launched && !argument.is_nan() && is_new() {
-        let next_count = if *count < 0.0 { 1.0 } else { *count + 1.0 };
-        let next = if next_count == 1.0 {
-            (argument, 0.0)
+        if memory[2] > 0.0 {
+            add_to_mean(memory, argument);
         } else {
-            plus(*mean, *lost, (argument - *mean) / next_count)
-        };
-        if next.1.is_finite() {
-            (*mean, *lost) = next;
-            *count = next_count;
+            *memory = [argument, 0.0, 1.0];
         }
     }
-    if *count == 0.0 { f32::NAN } else { *mean }
+    let [mean, _, count] = *memory;
+    if count == 0.0 { f32::NAN } else { mean }
 }
 
 /// `[value, 0 none | 1 taken | 2 due anew]`.

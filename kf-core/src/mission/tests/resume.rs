@@ -234,6 +234,24 @@ fn a_long_gap_takes_no_flag_back_and_stops_no_sensor_without_such_an_effect() {
 }
 
 #[test]
+fn a_long_gap_ends_a_formula_with_an_integral_and_no_other() {
+    let config = with_formulas(config(true));
+    let ticks = ticks();
+    for (first, has_integral) in [(6_210, true), (6_800, false)] {
+        let mut mission = Mission::<0, 6, 2>::new(&config).unwrap();
+        ticks[..=6_200].iter().for_each(|input| {
+            mission.tick(input);
+        });
+        let mut mission = resumed::<0, 6, 2>(&config, &kept(&mission), RaisedFlags::default()).unwrap();
+        for input in &ticks[first..first + 400] {
+            mission.tick(input);
+        }
+        let values_m = [0, 1].map(|effect| mission.formulas.estimated_m(effect).is_some());
+        assert_eq!(values_m, [has_integral, true], "from tick {first} on");
+    }
+}
+
+#[test]
 fn a_clock_that_did_not_go_on_is_said_at_every_tick() {
     let config = config(true);
     let mut mission = Dense::new(&config).unwrap();
