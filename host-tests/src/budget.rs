@@ -31,9 +31,9 @@ const FORMULAS: [(&str, &str, &str, &str, f64); 4] = [
     ("baro.slow_line", "baro", "lowpass(climb_rate_mps, 2[s])", "s", 0.3),
 ];
 
-/// As [`FORMULAS`], of the dearest functions: a delay on the reference, a double integral from launch on, a threshold, and one with a density,
-/// an exponential, a rate and a mean. Together 43 operations and 42 of the 48 numbers that four may remember.
-const DEAR_FORMULAS: [(&str, &str, &str, &str, f64); 4] = [
+/// As [`FORMULAS`], of the most expensive functions: a delay on the reference, a double integral from launch on, a threshold, and one with a
+/// density, an exponential, a rate and a mean. Together 43 operations and 42 of the 48 numbers that four may remember.
+const EXPENSIVE_FORMULAS: [(&str, &str, &str, &str, f64); 4] = [
     ("gps.late_climb", "gps", "delay(climb_rate_mps, 0.4[s])", "s", 0.3),
     ("imu.cross_axis", "imu_slave", "integral2(lowpass(accel_x_mps2, 0.5[s]) * gyro_y_radps)", "s/rad", 0.02),
     (
@@ -55,8 +55,8 @@ const DEAR_FORMULAS: [(&str, &str, &str, &str, f64); 4] = [
 
 /// The models that the budgets are for: both presets, one with four effects as states, and two with four effects by formula as states.
 ///
-/// The four of the catalogue are dear ones: two on the reference, which its own row of H is not spared then, one that is integrated from
-/// launch on, one with a low pass. For those by formula see `FORMULAS` and `DEAR_FORMULAS`.
+/// The four of the catalogue are expensive ones: two on the reference, which its own row of H is not spared then, one that is integrated from
+/// launch on, one with a low pass. For those by formula see `FORMULAS` and `EXPENSIVE_FORMULAS`.
 ///
 /// # Errors
 /// The model is none.
@@ -78,13 +78,13 @@ pub fn models() -> Result<[(&'static str, Model); 5]> {
         Model::parse(&texts.concat())
     };
     let four_formulas = by_formula(&FORMULAS).context("the model with four formulas")?;
-    let four_dear_formulas = by_formula(&DEAR_FORMULAS).context("the model with four dear formulas")?;
+    let four_expensive = by_formula(&EXPENSIVE_FORMULAS).context("the model with four expensive formulas")?;
     Ok([
         ("default", Model::default()),
         ("paper", Model::paper()),
         ("four effects", four_effects),
         ("four formulas", four_formulas),
-        ("four dear formulas", four_dear_formulas),
+        ("four expensive formulas", four_expensive),
     ])
 }
 

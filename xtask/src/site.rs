@@ -44,7 +44,7 @@ pub fn test(echo: bool) -> anyhow::Result<Done> {
     if fs::read_dir(folder().join("e2e")).map_or(0, Iterator::count) == 0 {
         bail!("{PAGE}/e2e has no test");
     }
-    // The page is held against the command line, and served by it: by one of this very tree.
+    // The page is compared with the command line and served by it, so that has to be of this tree.
     child::run(&mut workspace::test(["--no-run"]), echo)?;
     let pylon = workspace::tested("pylon");
     let mut tests = npm(&["run", "--silent", "e2e"]);

@@ -92,7 +92,7 @@ pub struct Suite<Receiver, Baro, Imu, Master, Slave, Vehicle, Launch> {
     pub launch: Launch,
     launched: bool,
     wire: Option<bool>,
-    was_dear: bool,
+    was_expensive: bool,
     faults: Faults,
 }
 
@@ -127,7 +127,7 @@ where
             launch,
             launched: false,
             wire: None,
-            was_dear: false,
+            was_expensive: false,
             faults: Faults { count: 0, last: None },
         }
     }
@@ -146,9 +146,9 @@ where
 {
     /// A failed poll counts as a fault and as no sample; while the umbilical can not be read it is what it last was.
     ///
-    /// Ticks with a fix or a pressure are the dearest, so what the mother ship has sent waits for the next tick: her altitude is then taken a
-    /// tick (5 ms) later, and so is what the launch's decision knows of her silence. Not where the last tick was as dear: a source that
-    /// delivers at every tick leaves no better tick to wait for.
+    /// Ticks with a fix or a pressure are the most expensive, so the mother ship's messages wait for the next tick. Her altitude is then taken a
+    /// tick (5 ms) later, and the launch's decision learns of her silence that much later. They do not wait if the last tick was expensive
+    /// too: a source that delivers at every tick leaves no better tick to wait for.
     fn poll_each(&mut self, now_us: u64, polled: &mut impl FnMut(Device)) -> TickInput {
         self.wire = self.faults.note(self.launch.poll(now_us).map(Some));
         self.launched = self.wire.unwrap_or(self.launched);
@@ -162,11 +162,11 @@ where
         if !Guard::ListenUntilDecided.stands() {
             self.imu_master.set_attached(!self.launched);
         }
-        let is_dear = gps.is_some() || baro.reading.is_some();
-        let waits = is_dear
-            && !self.was_dear
+        let is_expensive = gps.is_some() || baro.reading.is_some();
+        let waits = is_expensive
+            && !self.was_expensive
             && self.faults.note(self.imu_master.put_off().map(Some)).unwrap_or(false);
-        self.was_dear = is_dear;
+        self.was_expensive = is_expensive;
         let imu_master_altitude_m = if waits { None } else { self.faults.note(self.imu_master.poll(now_us)) };
         polled(Device::Master);
         let imu_slave_altitude_m = self.faults.note(self.imu_slave.poll(now_us));

@@ -226,22 +226,22 @@ fn heard(ticks: &[Comes]) -> (Vec<Option<f32>>, LinkCounts) {
     (heard, suite.imu_master.link_counts())
 }
 
-/// A tick with a fix or a pressure is dear enough without a message; the next one has it, and nothing is lost.
+/// A tick with a fix or a pressure is expensive enough without a message; the next one takes it, and nothing is lost.
 #[test]
-fn a_message_in_a_dear_tick_waits_for_the_next_tick() {
+fn a_message_in_an_expensive_tick_waits_for_the_next_tick() {
     let none = Comes::default();
     let message = Comes { message: true, ..none };
-    for dear in [Comes { fix: true, ..none }, Comes { pressure: true, ..none }] {
-        let both = Comes { message: true, ..dear };
+    for expensive in [Comes { fix: true, ..none }, Comes { pressure: true, ..none }] {
+        let both = Comes { message: true, ..expensive };
         assert_eq!(heard(&[both, none, message]).0, [None, Some(0.0), Some(2.0)]);
-        assert_eq!(heard(&[none, dear, message]).0, [None, None, Some(2.0)]);
+        assert_eq!(heard(&[none, expensive, message]).0, [None, None, Some(2.0)]);
         let (altitudes, counts) = heard(&[message, both, message, none]);
         assert_eq!(altitudes, [Some(0.0), None, Some(2.0), None]);
         assert_eq!((counts.frames, counts.superseded, counts.bytes), (3, 1, 3 * LONGEST as u32));
     }
 }
 
-/// Where every tick is dear there is no better one to wait for.
+/// Where every tick is expensive there is no better one to wait for.
 #[test]
 fn no_message_waits_twice() {
     let (fix, pressure) = (
