@@ -130,7 +130,10 @@ const pylonCharts = (() => {
         ctx.setLineDash([7 * ratio, 5 * ratio]);
         line(ctx, bbox.left, at, bbox.left + bbox.width, at);
         ctx.setLineDash([]);
-        if (name) label(ctx, name, bbox.left + 6 * ratio, at - 3 * ratio, role, ratio);
+        // Above its line, or below where the diagram's edge would cut it off.
+        const height = (textSize() + 3) * ratio;
+        const base = at - 3 * ratio - height < bbox.top ? at + height : at - 3 * ratio;
+        if (name) label(ctx, name, bbox.left + 6 * ratio, base, role, ratio);
       }
       spec.moments.forEach(({ name, x, role }, index) => {
         const at = plot.valToPos(x, "x", true);
