@@ -45,13 +45,23 @@ pub fn run(echo: bool) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The demo as a test: that it comes to its end, with pictures; with the workbench that the tests have built.
+/// The picture that the README shows, and the one of the demo that it is.
+const SHOWN: &str = "docs/figure-4-reconstruction.svg";
+const DRAWN: &str = "figure-4-free-flight.svg";
+
+/// The demo as a test: that it comes to its end, with pictures, of which the README shows one as it is drawn now; with the workbench that
+/// the tests have built.
 pub fn test(echo: bool) -> anyhow::Result<Done> {
     child::run(&mut workspace::test(["--no-run"]), echo)?;
     let mut demo = Demo { workbench: workspace::tested("pylon"), echo, stages: Stages::new(STAGES) };
     let story = demo.fly()?;
     let improvement = demo.improve()?;
     demo.stages.finish();
+    let drawn = story.pictures.iter().find(|picture| picture.ends_with(DRAWN));
+    let drawn = drawn.with_context(|| format!("the demo draws no {DRAWN}"))?;
+    if fs::read(drawn)? != fs::read(workspace::root().join(SHOWN))? {
+        bail!("{SHOWN} is not what the demo draws: copy {} there, and look at it", workspace::shown(drawn));
+    }
     Ok(Done::all(format!(
         "{} and {} ticks bit for bit, {} pictures, {} found and added, a report",
         story.flown.ticks,
