@@ -386,6 +386,11 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             return false;
         }
         if self.latch.is_none() {
+            // Contacts that part bounce: all of it is one suspicion, so that what was held at one bounce is good until the next one's is
+            // stored.
+            if self.taken_back.is_some_and(|taken_back| taken_back.may_be_a_bounce(time_us)) {
+                self.counters.launch_suspicions = self.counters.launch_suspicions.saturating_sub(1);
+            }
             self.hold(time_us);
         } else {
             self.check_held();

@@ -26,7 +26,7 @@ pub(super) struct TakenBack {
 impl TakenBack {
     /// Whether the parting contacts may have bounced just now: what was held is still kept, and a restart that finds the wire open goes on
     /// from that.
-    const fn may_be_a_bounce(&self, now_us: u64) -> bool {
+    pub(super) const fn may_be_a_bounce(&self, now_us: u64) -> bool {
         self.is_bounce && now_us.saturating_sub(self.time_us) < BOUNCE_US
     }
 }

@@ -192,6 +192,27 @@ fn what_was_held_at_a_bounce_is_what_a_restart_within_it_goes_on_from() {
     );
 }
 
+/// The supply dips while the second bounce's snapshot is written: the first one's is all there is. A bounce of the wire ten seconds ago is
+/// another suspicion still.
+#[test]
+fn bounces_of_one_parting_are_one_suspicion() {
+    let mut ticks = ticks();
+    for (k, input) in (0..).zip(&mut ticks) {
+        if k == EDGE + 1 {
+            input.launch_doubt = LaunchDoubt::None;
+        }
+    }
+    let earlier = kept(&after(&ticks[..3_001]));
+    let first = kept(&after(&ticks[..EDGE as usize + 1]));
+    let second = after(&ticks[..EDGE as usize + 3]);
+    assert_eq!(second.counters().launch_suspicions, 1);
+    let mut resumed = restored(&first, &second.mark()).unwrap();
+    assert_eq!(resumed.mark().stage, Stage::Suspected);
+    resumed.tick(&ticks[CONFIRMED as usize]);
+    assert_eq!(resumed.latch().unwrap().time_us, EDGE * TICK_US);
+    assert_eq!(restored(&earlier, &second.mark()).err(), Some(SnapshotError::OtherLaunch));
+}
+
 /// A wire that opens and is decided to be broken is no bounce: nothing is suspected after that.
 #[test]
 fn a_suspicion_that_has_lasted_is_over_when_it_is_taken_back() {
