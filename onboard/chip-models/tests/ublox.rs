@@ -258,6 +258,21 @@ fn a_setting_that_flips_is_mended() {
     }
 }
 
+/// Before there is a second solution to tell the time between two by: no later than afterwards.
+#[test]
+fn a_setting_that_flips_after_the_first_solution_is_mended_as_soon() {
+    for generation in [9, 8] {
+        let mut bench = Bench::new(generation, CONFIG, CRUISE);
+        while !bench.driver.is_configured() {
+            let _ = bench.poll();
+        }
+        bench.next(2 * PERIOD_TICKS).unwrap();
+        assert!(bench.model().flip_setting(0));
+        let ticks = (1..).find(|_| matches!(bench.poll(), Ok(Some(_)))).unwrap();
+        assert!(ticks <= 100, "generation {generation}: {ticks} ticks");
+    }
+}
+
 /// What a receiver says by default fills a line of 38,400 baud at six solutions a second. With it a fix at 10 Hz is late.
 #[test]
 fn nothing_but_solutions_comes_on_a_slow_line() {

@@ -95,12 +95,12 @@ pub struct LinkCounts {
 pub struct Ublox<Port> {
     port: Port,
     period_us: u64,
-    /// Time between the last two solutions.
+    /// Time between the last two solutions; until there are two, what was asked for.
     interval_us: u64,
     bytes_without_a_frame: u32,
     stream: Stream,
     link: Link,
-    last_solution_us: u64,
+    last_solution_us: Option<u64>,
     quiet_since_us: u64,
     health: Health,
 }
@@ -121,11 +121,11 @@ impl<Port: Read + ReadReady + Write + WriteReady> Ublox<Port> {
         Self {
             port,
             period_us,
-            interval_us: STALE_AT_MOST_US,
+            interval_us: period_us,
             bytes_without_a_frame: 0,
             stream: Stream::new(config.datum),
             link: Link::new(config.period_ms, config.baud),
-            last_solution_us: 0,
+            last_solution_us: None,
             quiet_since_us: 0,
             health: Health::new(),
         }
@@ -165,8 +165,9 @@ impl<Port: Read + ReadReady + Write + WriteReady> Ublox<Port> {
             0
         };
         if received.solution {
-            self.interval_us = now_us.saturating_sub(self.last_solution_us);
-            self.last_solution_us = now_us;
+            if let Some(last_us) = self.last_solution_us.replace(now_us) {
+                self.interval_us = now_us.saturating_sub(last_us);
+            }
         }
         // Until it is configured nothing need come, and a missing acknowledgement is the link's error.
         if received.solution || !self.link.is_configured() {
