@@ -654,15 +654,22 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
                 square(config.sensors[sensor.index()].sigma_m) + square(config.reference.sigma_m);
             let is_its_own = residual_variance_m2 <= gate::LARGEST_SPREAD * modelled_m2;
             is_spread_credible &= is_its_own;
-            let calibrated =
-                summary.is_some() && (is_its_own || config.monitor.sigma != SigmaSource::Residual);
+            let bias_m = self.estimator.bias_m(sensor);
+            let bound_m2 = square(config.monitor.multiplier) * variance_m2;
+            // Its readings lay, on average, further from that bias than the bound has it: the reference was on another level when the bias
+            // was estimated, and a bound about it promises nothing.
+            let is_contradicted = config.monitor.reference_check
+                && summary.is_some_and(|summary| square(summary.mean - bias_m) > bound_m2);
+            let calibrated = summary.is_some()
+                && !is_contradicted
+                && (is_its_own || config.monitor.sigma != SigmaSource::Residual);
             *latch = SensorLatch {
-                bias_m: self.estimator.bias_m(sensor),
+                bias_m,
                 bias_variance_m2,
                 readings: summary.map_or(0, |summary| summary.count),
                 residual_variance_m2,
                 mean_variance_m2: summary.map_or(0.0, |summary| summary.mean_variance),
-                bound_m2: if calibrated { square(config.monitor.multiplier) * variance_m2 } else { 0.0 },
+                bound_m2: if calibrated { bound_m2 } else { 0.0 },
             };
         }
         let mut failed = FailedChecks::default();
