@@ -68,3 +68,22 @@ fn a_disturbance_of_a_level_that_is_known_does_not_begin_the_alignment_anew() {
 fn a_release_while_the_supply_dips_is_seen() {
     assert_eq!(violations(7016, 545), [""; 0]);
 }
+
+/// The contacts bounce as they part, and the supply dips while the second bounce's snapshot is written.
+#[test]
+fn a_dip_between_two_bounces_of_the_parting_contacts_keeps_the_calibration() {
+    assert_eq!(violations(7020, 1533), [""; 0]);
+}
+
+/// One of the receiver's settings flips between its first solution and its second.
+#[test]
+fn a_receiver_that_falls_silent_after_its_first_solution_is_configured_anew_at_once() {
+    assert_eq!(violations(7019, 1395), [""; 0]);
+}
+
+/// A receiver jumps by 23 m while the inertial unit is being aligned: biases are of the level before, and all of the altitude's readings of the
+/// one after.
+#[test]
+fn an_altitude_whose_readings_contradict_its_bias_is_not_blamed() {
+    assert_eq!(violations(7018, 1744), [""; 0]);
+}

@@ -20,6 +20,9 @@ const BOUND_FACTOR: f32 = 1.3;
 const DELAY_FACTOR: f32 = 1.5;
 /// What a transient may cost beyond its own length, ticks: half a second.
 const GRACE_TICKS: usize = 100;
+/// Half of the default model's moving average: by so much a ramp's average is behind it (eq. 16's second criterion;
+/// `kf_core::monitor`: "a ramp is doubtful at the bound and untrustworthy half a window later").
+const HALF_WINDOW_TICKS: usize = 200;
 /// For how long a launch may be left undecided, ticks.
 const UNDECIDED_TICKS: usize = (LaunchConfig::DEFAULT.undecided_s as f64 * TICKS_PER_S) as usize;
 /// From a message to the tick that knows of it, ticks, and what the wire's debounce takes: a launch may be told so much after the limit.
@@ -462,9 +465,10 @@ impl Judge<'_> {
         };
         let end = self.faulty.ticks.len();
         let Some(wrong) = (latest..end).find(|tick| !is_right(self.faulty, *tick)) else { return };
-        // The time that the clean one takes from there to its flag.
+        // The time that the clean one takes from there to its flag, which may be none where the receiver was off to the same side. The
+        // average, which the second criterion judges, needs half its window.
         let beyond = left(self.faulty, wrong);
-        let from_there = clean.tick.saturating_sub(left(self.clean, clean.tick));
+        let from_there = clean.tick.saturating_sub(left(self.clean, clean.tick)).max(HALF_WINDOW_TICKS);
         let owed = beyond + (from_there as f32 * DELAY_FACTOR) as usize + GRACE_TICKS;
         if owed > latest && (owed >= end || flagged.is_some_and(|tick| tick <= owed) || !is_promised(owed)) {
             return;

@@ -59,38 +59,67 @@ fn a_restart_is_told_by_its_text_or_by_the_number_of_any_within_a_second() {
     assert_eq!(restarted(&[(1_000, true), (1_010, false)]), [Invariant::RestartReported]);
 }
 
-/// The integrated altitude is pushed at tick 12,000: 2 m/s, flagged at 13,000 in the clean flight and never in the faulty one, where the flight
-/// computer is away until a tick.
-fn pushed(away_until: usize) -> Vec<Invariant> {
-    let failure = Failure { sensor: Sensor::ImuSlave, kind: FailureKind::Drift, tick: 12_000, sign: 1.0 };
-    let error_m = |tick: usize| 0.01 * tick.saturating_sub(12_000) as f32;
-    let flown = |away: std::ops::Range<usize>| {
-        let mut watched = Watched::default();
-        watched.ticks =
-            (0..20_000).map(|tick| (!away.contains(&tick)).then(|| seen(error_m(tick)))).collect();
-        watched
-    };
-    let mut clean = flown(0..0);
-    clean.flagged[Sensor::ImuSlave.index()] = Some(Flagged { tick: 13_000, true_error_m: 9.0 });
-    let mut faulty = flown(11_990..away_until);
+fn latched(bound_m2: f32) -> LatchRecord {
     let sensor = SensorLatch {
         bias_m: 0.0,
         bias_variance_m2: 1.0,
         readings: 1_000,
         residual_variance_m2: 1.0,
         mean_variance_m2: 0.0,
-        bound_m2: 49.0,
+        bound_m2,
     };
-    faulty.latch = Some(LatchRecord {
+    LatchRecord {
         time_us: 0,
         duration_s: 60.0,
         failed_checks: 0,
         sensors: [sensor; SENSORS],
         state: heapless::Vec::new(),
         covariance: heapless::Vec::new(),
-    });
+    }
+}
+
+/// A flight in which a sensor's error grows by 2 m/s from a tick on, and which the flight computer does not see for a while.
+fn drifting(from: usize, away: &std::ops::Range<usize>) -> Watched {
+    let error_m = |tick: usize| 0.01 * tick.saturating_sub(from) as f32;
+    let mut watched = Watched::default();
+    watched.ticks = (0..20_000).map(|tick| (!away.contains(&tick)).then(|| seen(error_m(tick)))).collect();
+    watched.latch = Some(latched(49.0));
+    watched
+}
+
+/// The integrated altitude is pushed at tick 12,000.
+fn broken(clean: Watched, faulty: Watched) -> Vec<Invariant> {
+    let failure = Failure { sensor: Sensor::ImuSlave, kind: FailureKind::Drift, tick: 12_000, sign: 1.0 };
     let verdict = judge(&case(Some(failure)), &Flown { clean, faulty });
     verdict.violations.iter().map(|violation| violation.invariant).collect()
+}
+
+fn flagged_at(mut watched: Watched, tick: usize) -> Watched {
+    watched.flagged[Sensor::ImuSlave.index()] = Some(Flagged { tick, true_error_m: 9.0 });
+    watched
+}
+
+/// Flagged at 13,000 in the clean flight and never in the faulty one, where the flight computer is away until a tick.
+fn pushed(away_until: usize) -> Vec<Invariant> {
+    broken(flagged_at(drifting(12_000, &(0..0)), 13_000), drifting(12_000, &(11_990..away_until)))
+}
+
+/// In the faulty flight the altitude leaves its bound of 7 m at tick 14,700. In the clean one it is flagged before it leaves it, for the
+/// receiver is off to the other side: so early nobody owes the flag, whose average is half a window behind.
+#[test]
+fn a_slow_drift_is_owed_its_flag_when_the_average_can_have_left_the_bound() {
+    let flagged = |tick| {
+        broken(flagged_at(drifting(12_000, &(0..0)), 12_500), flagged_at(drifting(14_000, &(0..0)), tick))
+    };
+    assert_eq!(flagged(14_699 + HALF_WINDOW_TICKS * 3 / 2 + GRACE_TICKS), []);
+    assert_eq!(flagged(14_700 + HALF_WINDOW_TICKS * 3 / 2 + GRACE_TICKS), [Invariant::Detection]);
+}
+
+/// The half of the default model's window.
+#[test]
+fn half_a_window_is_the_default_models() {
+    let config = super::super::run::config().unwrap();
+    assert_eq!(HALF_WINDOW_TICKS as f64, f64::from(config.monitor.window_s) / 2.0 * TICKS_PER_S);
 }
 
 #[test]
