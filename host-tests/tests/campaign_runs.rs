@@ -87,3 +87,9 @@ fn a_receiver_that_falls_silent_after_its_first_solution_is_configured_anew_at_o
 fn an_altitude_whose_readings_contradict_its_bias_is_not_blamed() {
     assert_eq!(violations(7018, 1744), [""; 0]);
 }
+
+/// A receiver jumps by 3 km, is refused under the pylon until the reference is lost, and is all there is at the launch.
+#[test]
+fn a_receiver_that_was_lost_kilometres_off_blames_no_sensor() {
+    assert_eq!(violations(7025, 1178), [""; 0]);
+}

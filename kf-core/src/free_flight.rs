@@ -354,7 +354,20 @@ impl FreeFlight {
         if is_good {
             self.move_reference(departure_m);
         }
+        if self.reference.is_disputed() {
+            self.settle_dispute(time_us);
+        }
         is_good
+    }
+
+    #[inline(never)]
+    fn settle_dispute(&mut self, time_us: u64) {
+        let stands_by = |watch: &Watch| {
+            watch.can_testify(time_us, self.silent_after_us) && watch.is_within_bound(watch.testimony.error_m)
+        };
+        if self.watches.iter().any(stands_by) {
+            self.reference.settle();
+        }
     }
 
     /// The reference has moved by so much, metres, and what was said of it with it.
@@ -418,7 +431,7 @@ impl FreeFlight {
             return true;
         }
         if !can_testify {
-            return false;
+            return self.reference.is_disputed();
         }
         let own = (error_m, own.monitor.bound_m2());
         let other = (other.testimony.error_m, other.monitor.bound_m2());

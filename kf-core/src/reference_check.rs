@@ -14,8 +14,11 @@
 //!   fix that was refused may be right and what was carried on wrong. An error counts only if the sensor is beyond its bound by both, or
 //!   the other sensor, calibrated before the two lay apart, is within its own by the reference and beyond it by the other word.
 //!
-//! The limits: where the receiver gives no climb rate, or was lost, nobody tells two sensors that fail alike from a reference that drifts; they
-//! are `unmonitored`, not flagged, and a single sensor is blamed for the reference. Where it gives one, altitude and climb rate that lie
+//! - A receiver that contradicted itself until it was lost, or by hundreds of metres, is the reference for want of a better. Until a sensor stands
+//!   by it no sensor is blamed by it alone: a single one is `unmonitored`.
+//!
+//! The limits: where the receiver gives no climb rate, or was silent until it was lost, nobody tells two sensors that fail alike from a reference
+//! that drifts; they are `unmonitored`, not flagged, and a single sensor is blamed for the reference. Where it gives one, altitude and climb rate that lie
 //! alike are believed, and both sensors are blamed.
 
 use serde::{Deserialize, Serialize};
@@ -53,6 +56,9 @@ pub(crate) struct ReferenceCheck {
     gate_m2_per_s: f32,
     /// How far the altitude may leave the climb rate's integral by itself, metres.
     wander_m: f32,
+    /// The altitude may have left it by so much, metres, for that to be known: what is forgotten of it in `lost_after_us` is within a fix's own
+    /// errors then.
+    known_m: f32,
     lost_after_us: u64,
     standing: Standing,
 }
@@ -65,7 +71,8 @@ pub(crate) struct Standing {
     good_us: u64,
     /// The altitude that was carried on to the last fix, metres, where that was refused.
     carried_m: Option<f32>,
-    /// How far the good fixes have left the altitude that their climb rate carries, metres; infinite where nobody knows.
+    /// How far the good fixes have left the altitude that their climb rate carries, metres; infinite where nobody knows; NaN while the receiver
+    /// is disputed ([`ReferenceCheck::is_disputed`]).
     left_m: f32,
     /// Altitude and climb rate lay apart at the launch already, or nobody knows: the sensors may have been calibrated by the wrong one.
     was_doubted: bool,
@@ -131,6 +138,8 @@ impl ReferenceCheck {
             gate_m2: multiplier2 * 2.0 * reference.sigma_m * reference.sigma_m,
             gate_m2_per_s: multiplier2 * climb_m2_per_s,
             wander_m: WANDER_SIGMAS * reference.sigma_m,
+            known_m: libm::sqrtf(2.0) * config.monitor.multiplier * reference.sigma_m * MEMORY_S
+                / reference.lost_after_s,
             lost_after_us: microseconds(reference.lost_after_s),
             standing: Standing {
                 good_us: 0,
@@ -151,6 +160,8 @@ impl ReferenceCheck {
 
     /// At launch, or at a good fix, with the reference as it is: so many metres from its mean over the calibration, by its climb rate.
     fn begin(&mut self, time_us: u64, left_m: f32) {
+        let is_beyond = left_m.is_finite() && left_m.abs() > self.known_m;
+        let left_m = if is_beyond { f32::NAN } else { left_m };
         let is_excess = left_m.is_finite() && left_m.abs() > self.wander_m;
         let excess_m = if is_excess { left_m.abs() - self.wander_m } else { 0.0 };
         let other_m = if left_m > 0.0 { -excess_m } else { excess_m };
@@ -208,6 +219,18 @@ impl ReferenceCheck {
         left_m.is_finite() && left_m.abs() > self.wander_m && (left_m + departure_m).abs() <= self.wander_m
     }
 
+    /// The receiver has contradicted itself, by so much that nobody knows by how much, or until it was lost; what it says now is the reference for
+    /// want of a better: neither its climb rate nor a sensor stands by it.
+    #[inline]
+    pub(crate) const fn is_disputed(&self) -> bool {
+        self.standing.left_m.is_nan()
+    }
+
+    /// A sensor stands by what is the reference now.
+    pub(crate) const fn settle(&mut self) {
+        self.standing.left_m = f32::INFINITY;
+    }
+
     /// Fixes have been refused for so long that what they were carried on from is worth nothing.
     #[inline]
     pub(crate) fn is_lost(&self, time_us: u64) -> bool {
@@ -234,8 +257,13 @@ impl ReferenceCheck {
         if is_good {
             // After a loss nobody knows what it has left, and where no climb rate carries it nobody ever does.
             let is_known = carried_m.is_some() && seconds < MEMORY_S;
-            let kept_m =
-                if is_known { self.standing.left_m * (1.0 - seconds / MEMORY_S) } else { f32::INFINITY };
+            let kept_m = if is_known {
+                self.standing.left_m * (1.0 - seconds / MEMORY_S)
+            } else if self.standing.carried_m.is_some() {
+                f32::NAN
+            } else {
+                f32::INFINITY
+            };
             self.begin(time_us, kept_m + departure_m);
         } else {
             let since_us = self.standing.refused_us;

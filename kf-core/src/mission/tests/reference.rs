@@ -516,6 +516,31 @@ fn a_single_sensor_that_fails_is_flagged_as_soon_as_without_the_check() {
     assert!((5.0..6.0).contains(&seen.flags_s[1][1].unwrap()), "{:?}", seen.flags_s);
 }
 
+/// A receiver is off by 3 km from 7 s before the launch on, which the captive gate refuses until the reference is lost. It is the reference after that,
+/// and says nothing of a sensor until one stands by it.
+#[test]
+fn a_receiver_that_is_kilometres_off_at_the_launch_blames_nobody() {
+    for until_s in [4.0, 99.0] {
+        let jump = |time_s: f32, input: &mut TickInput| {
+            if (-7.0..until_s).contains(&time_s) {
+                add_to_fix(input, 3_000.0);
+            }
+            add_to_baro(input, if time_s > 8.0 { 30.0 } else { 0.0 });
+        };
+        let alone = flown_alone(jump);
+        let mut lost = config(true);
+        lost.reference.lost_after_s = 5.0;
+        let both = flown(&lost, jump).0;
+        for seen in [&alone, &both] {
+            assert_eq!(seen.flags_s[0], [None; 2], "{until_s}");
+            let flagged_s = seen.flags_s[1][1];
+            // Once it has come back it tells the barometer's step.
+            assert!(flagged_s.is_none_or(|flagged_s| flagged_s > 8.0), "{until_s}: {flagged_s:?}");
+        }
+        assert_eq!(alone.flags_s[1][1].is_some(), until_s < 8.0, "{until_s}: {:?}", alone.flags_s);
+    }
+}
+
 /// The failed checks of a flight whose fixes have the noise of one that wanders for a minute.
 fn failed_with(change: impl Fn(f32, &mut TickInput)) -> Vec<&'static str> {
     let mut config = config(true);
