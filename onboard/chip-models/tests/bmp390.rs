@@ -132,6 +132,7 @@ fn a_register_that_changes_is_found() {
         let mut bench = Bench::running();
         *bench.driver.bus_mut().chip.register_mut(register) ^= bit;
         assert_eq!(bench.next_error(8 * 8 + 1), SensorError::ConfigurationLost, "{register:#x}");
+        assert_eq!(bench.driver.health().asked_again, 1, "wrong twice is wrong");
         bench.assert_recovers();
     }
 }
