@@ -210,6 +210,8 @@ fn several_registers_that_change_are_mended_at_once() {
         *bench.driver.bus_mut().chip.register_mut(register) ^= 0x03;
     }
     assert_eq!(bench.next_error(1), SensorError::ConfigurationLost);
+    // The board's wait for the bus is made of this bound: it is no larger than it has to be.
+    assert_eq!(bench.most_moved, MAX_POLL_BYTES);
     bench.assert_recovers();
     assert_eq!(bench.driver.health().initialisations, 1);
 }
