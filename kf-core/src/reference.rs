@@ -323,6 +323,20 @@ mod tests {
         assert!((next.altitude_minus_climb_m.unwrap() - 98.5).abs() < 1e-4);
     }
 
+    /// A climb rate carries the altitude for [`CARRIED_US`], and that of a slow receiver for half as long again as it usually takes.
+    #[test]
+    fn a_fix_is_current_until_the_next_is_overdue() {
+        for (interval_us, current_us) in [(200_000, CARRIED_US), (1_000_000, 1_500_000)] {
+            let mut tracker = ReferenceTracker::new(&config(true));
+            for k in 0..3u8 {
+                tracker.take(u64::from(k) * interval_us, &fix(100.0 + f32::from(k), -1.0)).unwrap();
+            }
+            let last_us = 2 * interval_us;
+            assert!(tracker.is_current(last_us + current_us), "{interval_us}");
+            assert!(!tracker.is_current(last_us + current_us + 1), "{interval_us}");
+        }
+    }
+
     /// After a restart the interval is the receiver's however little the two clocks differ; otherwise a fix that is late is only late.
     #[test]
     fn after_a_restart_the_receivers_clock_says_how_long_it_was() {

@@ -322,6 +322,15 @@ fn taken(signal: Signal, gyro_radps: [f32; 3]) -> (Option<f32>, u64) {
     (frame.value(signal.place()), frame.new & !always)
 }
 
+/// A power of a negative number has no value; one of a large number has none that fits.
+#[test]
+fn a_power_without_a_value_says_why() {
+    let at = |value| run(&mut of(|_, _| Op::RealPower(40.5), None), 0, &[Some(value)])[0];
+    assert_eq!(at(-1.0), Err(Silent::NoRoot));
+    assert_eq!(at(10.0), Err(Silent::Overflow));
+    assert!(close(at(1.0), 1.0));
+}
+
 #[test]
 fn a_frame_takes_the_signal_that_is_used_and_no_other() {
     for signal in Signal::ALL {
@@ -332,6 +341,7 @@ fn a_frame_takes_the_signal_that_is_used_and_no_other() {
     }
     assert_eq!(taken(Signal::GyroZ, [0.01, 0.02, 0.03]).0, Some(0.03));
     assert_eq!(taken(Signal::ImuSlave, [0.01, 0.02, 0.03]).0, Some(999.0));
+    assert_eq!(taken(Signal::Altitude, [0.01, 0.02, 0.03]).0, Some(1_000.0), "that of the tick's own fix");
 }
 
 /// No vehicle of this class turns at a hundred radians a second: of such a sample nothing is taken, not its forces either.
@@ -340,4 +350,20 @@ fn a_frame_takes_no_inertial_signal_of_a_sample_that_can_not_be() {
     for signal in [Signal::AccelX, Signal::GyroY, Signal::LoadFactor, Signal::AccelerationVariance] {
         assert_eq!(taken(signal, [100.0, 0.0, 0.0]), (None, 0), "{}", signal.name());
     }
+}
+
+/// Of two samples that are independent, half the square of their difference is their variance, on the mean; what they have in common is no
+/// vibration.
+#[test]
+fn the_forces_variance_is_of_its_change() {
+    let used = Signal::AccelerationVariance;
+    let (mut tracker, mut frame) = (SignalTracker::default(), Frame::default());
+    for (time_us, accel_mps2) in [(0, [0.1, 0.2, -9.8]), (5_000, [1.1, -1.8, -7.8])] {
+        let imu = Some(ImuSample { accel_mps2, gyro_radps: [0.0; 3] });
+        let input = TickInput { time_us, imu, ..TickInput::default() };
+        tracker.take(&input, None);
+        frame.take(used.bit(), &input, None, &tracker);
+    }
+    // (1^2 + 2^2 + 2^2) / 2
+    assert!((frame.value(used.place()).unwrap() - 4.5).abs() < 1e-5);
 }

@@ -176,6 +176,15 @@ fn an_ejector_is_felt() {
     assert_eq!(after(OPEN, 4.0), Some(Confirmation::Unconfirmed));
 }
 
+/// A turn that lasts is what the vehicle is carried in: a release out of it departs from the turn's load, by whatever level flight has.
+#[test]
+fn a_release_out_of_a_turn_that_lasts_is_a_departure() {
+    let mut rig = Rig::captive();
+    assert_eq!(rig.run(20.0, Now { load: Some(1.8), fixes: Fixes::Level, ..CAPTIVE }), None);
+    let launch = rig.run(2.0, Now { fixes: Fixes::Level, vibration: 0.6, ..TORN });
+    assert_eq!(launch.map(|launch| launch.by), Some(Confirmation::Force));
+}
+
 #[test]
 fn a_bounce_is_counted_and_calibration_goes_on() {
     let mut rig = Rig::captive();

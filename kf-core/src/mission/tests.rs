@@ -292,6 +292,19 @@ fn a_reference_lost_in_captive_flight_is_a_failed_check() {
     assert!((latch.sensors[2].bias_m - biases[2]).abs() < 4.0 * latch.sensors[2].bias_variance_m2.sqrt());
 }
 
+/// A receiver that has not yet spoken is not one that was lost, although the altitude is known without it.
+#[test]
+fn a_reference_that_comes_late_was_not_lost() {
+    let mut knowing = config(true);
+    knowing.reference.prior_altitude_m = Some(2_000.0);
+    let change = |k, input: &mut TickInput| {
+        if k < 1_600 {
+            input.gps = None
+        }
+    };
+    assert_eq!(failed(&fly::<0, 4, 0>(&knowing, change, |_, _| {})), [""; 0]);
+}
+
 #[test]
 fn a_launch_too_early_is_latched_as_what_it_is() {
     // Before settling; and after settling, but before the calibration was long enough.
@@ -582,6 +595,32 @@ fn a_drift_that_the_references_wander_can_make_is_no_sensors() {
     assert!(drifting(0.0, 4.0 / 28.0), "and a white reference does not wander");
 }
 
+/// A drift is allowed as many of the residual's own sigmas as are configured.
+#[test]
+fn a_drift_within_the_sigmas_that_are_allowed_it_is_none() {
+    const DRIFT_M: f32 = 9.0;
+    let drifting = |allowed_sigmas| {
+        let mut allowing = config(true);
+        allowing.quality.bias_drift_sigmas = allowed_sigmas;
+        let mission = fly::<0, 4, 0>(
+            &allowing,
+            |k, input| {
+                if let Some(BaroReading::AltitudeM(altitude_m)) = input.baro {
+                    input.baro = Some(BaroReading::AltitudeM(altitude_m + k as f32 * 0.005 * DRIFT_M / 28.0));
+                }
+            },
+            |_, _| {},
+        );
+        let sigma_m = mission.latch().unwrap().sensors[2].residual_sigma_m();
+        (failed(&mission).contains(&"biases_stationary"), sigma_m)
+    };
+    let (is_drift, sigma_m) = drifting(1.0);
+    // A ramp of 9 m alone has a spread of 9 / sqrt(12) m, so it is at most 3.5 of its sigmas; noise makes it fewer.
+    assert!(is_drift && sigma_m > DRIFT_M / 12f32.sqrt(), "{sigma_m}");
+    assert!(drifting(0.8 * DRIFT_M / sigma_m).0);
+    assert!(!drifting(1.2 * DRIFT_M / sigma_m).0);
+}
+
 #[test]
 fn a_configuration_out_of_range_is_refused() {
     let refuse = |change: &dyn Fn(&mut MissionConfig<0>)| {
@@ -595,6 +634,8 @@ fn a_configuration_out_of_range_is_refused() {
         &|c| c.reference.sigma_m = 0.0,
         &|c| c.reference.lost_after_s = 0.0,
         &|c| c.reference.correlation_time_s = -1.0,
+        &|c| c.reference.climb_rate = Some(ClimbRate { sigma_mps: 0.0, correlation_time_s: 2.0 }),
+        &|c| c.reference.climb_rate = Some(ClimbRate { sigma_mps: 0.2, correlation_time_s: 0.0 }),
         &|c| c.sensors[1].sigma_m = f32::INFINITY,
         &|c| c.sensors[1].prior_bias_m = f32::NAN,
         &|c| c.sensors[0].wander_m_per_sqrt_s = -1.0,

@@ -91,6 +91,16 @@ mod tests {
         }
     }
 
+    /// A parabola through three points or fewer meets the last of them, whatever they are.
+    #[test]
+    fn the_first_three_samples_are_met() {
+        let samples = [3.0, -1.0, 7.0];
+        for count in 1..=samples.len() {
+            let [value, ..] = fit(&samples[..count], 0.1);
+            assert!((value - samples[count - 1]).abs() < 1e-5, "{count}: {value}");
+        }
+    }
+
     /// Of anything else it is the least-squares parabola: the residuals are orthogonal to 1, t and t^2.
     #[test]
     fn the_fit_is_least_squares() {

@@ -132,6 +132,9 @@ fn a_register_that_changes_is_found() {
         let mut bench = Bench::running();
         *bench.driver.bus_mut().chip.register_mut(register) ^= bit;
         assert_eq!(bench.next_error(8 * 8 + 1), SensorError::ConfigurationLost, "{register:#x}");
+        assert_eq!(bench.driver.health().asked_again, 1, "wrong twice is wrong");
+        // The board's wait for the bus is made of this bound: it is no larger than it has to be.
+        assert_eq!(bench.most_moved, MAX_POLL_BYTES);
         bench.assert_recovers();
     }
 }

@@ -141,6 +141,17 @@ fn a_reset_in_flight_is_found_at_once_and_configured_anew() {
     assert_eq!(bench.driver.health().initialisations, 2);
 }
 
+/// A reset in flight costs what a start costs: the driver does not wait before it resets the chip in its turn.
+#[test]
+fn after_a_reset_in_flight_samples_come_as_soon_as_after_a_start() {
+    let polls_to_a_sample = |bench: &mut Bench<Chip>| (1..).find(|_| bench.poll().unwrap().is_some());
+    let mut bench = Bench::new(CONFIG, LEVEL);
+    let from_start = polls_to_a_sample(&mut bench);
+    bench.driver.bus_mut().power_dip();
+    assert_eq!(bench.next_error(1), SensorError::ConfigurationLost);
+    assert_eq!(polls_to_a_sample(&mut bench), from_start);
+}
+
 /// Bytes of a poll: address and burst, and address and configuration.
 const BURST_BYTES: u32 = 18;
 const CONFIGURED: u32 = 8;
@@ -199,6 +210,8 @@ fn several_registers_that_change_are_mended_at_once() {
         *bench.driver.bus_mut().chip.register_mut(register) ^= 0x03;
     }
     assert_eq!(bench.next_error(1), SensorError::ConfigurationLost);
+    // The board's wait for the bus is made of this bound: it is no larger than it has to be.
+    assert_eq!(bench.most_moved, MAX_POLL_BYTES);
     bench.assert_recovers();
     assert_eq!(bench.driver.health().initialisations, 1);
 }

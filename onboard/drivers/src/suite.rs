@@ -222,10 +222,10 @@ impl Faults {
 
 #[cfg(test)]
 mod tests {
-    use kf_core::input::{GpsFix, ImuSample};
+    use kf_core::input::{GpsFix, ImuSample, LaunchDoubt};
 
     use super::*;
-    use crate::replay::Replay;
+    use crate::replay::{Replay, ReplayUmbilical};
     use crate::sensor::{BarometerSample, VehicleState};
 
     /// A sensor that fails every second poll.
@@ -269,5 +269,46 @@ mod tests {
         let faulty = suite.poll(2);
         assert_eq!((faulty.launch, faulty.imu_slave_altitude_m), (true, None), "the umbilical holds");
         assert_eq!(suite.faults(), Faults { count: 2, last: Some(SensorError::Bus) });
+    }
+
+    /// A link whose unit always has an altitude, as long as it is listened to.
+    struct Attached(bool);
+
+    impl AltitudeLink for Attached {
+        fn poll(&mut self, _now_us: u64) -> Result<Option<f32>, SensorError> {
+            Ok(self.0.then_some(2_000.0))
+        }
+
+        fn set_attached(&mut self, attached: bool) {
+            self.0 = attached;
+        }
+    }
+
+    /// A wire that opens may be a broken one: the mother ship is listened to until it is decided that the vehicle has left, and again
+    /// when that is taken back.
+    #[test]
+    fn an_open_wire_alone_does_not_silence_the_mother_ship() {
+        let mut suite = Suite::new(
+            Replay::<GpsFix>::new(),
+            Replay::<BarometerSample>::new(),
+            Replay::<ImuSample>::new(),
+            Attached(true),
+            Replay::<f32>::new(),
+            Replay::<VehicleState>::new(),
+            ReplayUmbilical::new(),
+        );
+        for (time_us, wire_is_open, has_left, altitude_m) in [
+            (1, false, false, Some(2_000.0)),
+            (2, true, false, Some(2_000.0)),
+            (3, true, false, Some(2_000.0)),
+            (4, true, true, None),
+            (5, false, true, None),
+            (6, false, false, Some(2_000.0)),
+        ] {
+            suite.launch.set(wire_is_open, LaunchDoubt::None);
+            suite.decided(has_left);
+            assert_eq!(suite.poll(time_us).imu_master_altitude_m, altitude_m, "{time_us}");
+            assert_eq!(suite.wire(), Some(wire_is_open));
+        }
     }
 }

@@ -203,3 +203,106 @@ fn put(found: &mut Outings, given: GivenAirborne, log_s: (f64, f64)) -> (usize, 
     found.airborne.insert(place, interval);
     (place, interval)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A log of 1,000 s with so many of three flights; of one of them all is used from 50 s before its take-off on.
+    fn log(flights: usize, chosen: usize) -> Extent {
+        let airborne: Vec<_> = [(100.0, 200.0), (300.0, 600.0), (700.0, 800.0)]
+            .into_iter()
+            .take(flights)
+            .map(|(from_s, to_s)| AirborneInterval {
+                take_off_s: Some(from_s),
+                landing_s: Some(to_s),
+                from_s,
+                to_s,
+                ground_from_s: Some(from_s - 100.0),
+            })
+            .collect();
+        let used_s = (airborne[chosen].from_s - 50.0, airborne[chosen].to_s);
+        Extent { log_s: (0.0, 1_000.0), used_s, airborne, chosen: Some(chosen), is_given: false }
+    }
+
+    fn unused(extent: &Extent, start_s: f64) -> Vec<String> {
+        extent.unused(start_s).iter().map(Unused::text).collect()
+    }
+
+    #[test]
+    fn what_is_not_used_is_said_with_its_reason() {
+        assert_eq!(
+            unused(&log(1, 0), 60.0),
+            [
+                "not used: 50 s (5.0 %), from 0 s to 50 s: before this flight",
+                "not used: 10 s (1.0 %), from 50 s to 60 s: before the calibration",
+                "not used: 800 s (80.0 %), from 200 s to 1000 s: on the ground after the landing",
+            ]
+        );
+        assert_eq!(
+            unused(&log(2, 1), 250.0),
+            [
+                "not used: 250 s (25.0 %), from 0 s to 250 s: the other flight of this log",
+                "not used: 400 s (40.0 %), from 600 s to 1000 s: on the ground after the landing",
+            ]
+        );
+        assert_eq!(
+            unused(&log(3, 1), 250.0),
+            [
+                "not used: 250 s (25.0 %), from 0 s to 250 s: another flight of this log",
+                "not used: 400 s (40.0 %), from 600 s to 1000 s: after the landing: on the ground, and another flight \
+                 of this log",
+            ]
+        );
+        assert_eq!(
+            unused(&log(3, 0), 50.0)[1],
+            "not used: 800 s (80.0 %), from 200 s to 1000 s: after the landing: on the ground, and 2 other flights of \
+             this log"
+        );
+        let mut torn = log(2, 0);
+        torn.airborne[0].landing_s = None;
+        assert_eq!(
+            unused(&torn, 50.0)[1],
+            "not used: 800 s (80.0 %), from 200 s to 1000 s: after a gap in which nothing was recorded: the other flight \
+             of this log"
+        );
+    }
+
+    #[test]
+    fn of_several_flights_the_one_that_is_used_is_named() {
+        assert_eq!(log(1, 0).several(), None);
+        assert_eq!(log(2, 1).several().unwrap(), "2 flights in this log: number 2 is used, the longest");
+        assert_eq!(
+            log(3, 2).several().unwrap(),
+            "3 flights in this log: number 3 is used, the one that the given times are of"
+        );
+    }
+
+    #[test]
+    fn a_flight_without_a_landing_ends_with_the_log_or_before_the_next() {
+        let log = log(2, 0);
+        assert_eq!([0, 1].map(|place| log.end_s(place, &log.airborne[place])), [200.0, 1_000.0]);
+    }
+
+    /// A given flight takes the place of what it overlaps, and of nothing that it only touches.
+    #[test]
+    fn a_given_flight_is_put_among_those_that_were_found() {
+        let mut found = Outings { airborne: log(3, 0).airborne, ..Outings::default() };
+        let given = GivenAirborne { take_off_s: Some(200.0), landing_s: Some(700.0) };
+        let (place, interval) = put(&mut found, given, (0.0, 1_000.0));
+        assert_eq!((place, interval.ground_from_s), (1, Some(200.0)));
+        let times: Vec<_> = found.airborne.iter().map(|other| (other.from_s, other.to_s)).collect();
+        assert_eq!(times, [(100.0, 200.0), (200.0, 700.0), (700.0, 800.0)]);
+    }
+
+    /// A moment on the ground belongs to the flight after it, one in the air to that flight; a log may end in the air.
+    #[test]
+    fn a_moment_belongs_to_the_next_landing() {
+        let mut found = Outings { airborne: log(2, 0).airborne, ..Outings::default() };
+        let place = |found: &Outings, time_s| found.around(time_s).map(|(place, _)| place);
+        let times = [0.0, 150.0, 200.0, 250.0, 600.0];
+        assert_eq!(times.map(|time_s| place(&found, time_s)), [Some(0), Some(0), Some(1), Some(1), None]);
+        found.airborne[1].landing_s = None;
+        assert_eq!([600.0, 601.0].map(|time_s| place(&found, time_s)), [Some(1), None]);
+    }
+}

@@ -17,3 +17,23 @@ pub fn reading_m(sensor: Sensor, input: &TickInput) -> Option<f32> {
         },
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_sensor_reads_its_own_altitude() {
+        let input = TickInput {
+            imu_master_altitude_m: Some(1.0),
+            imu_slave_altitude_m: Some(2.0),
+            baro: Some(BaroReading::AltitudeM(3.0)),
+            ..TickInput::default()
+        };
+        assert_eq!(Sensor::ALL.map(|sensor| reading_m(sensor, &input)), [Some(1.0), Some(2.0), Some(3.0)]);
+        assert_eq!(Sensor::ALL.map(|sensor| reading_m(sensor, &TickInput::default())), [None; 3]);
+        // ICAO's table: 89,874.6 Pa at 1,000 m; 12 Pa are a metre there.
+        let at_1000_m = TickInput { baro: Some(BaroReading::PressurePa(89_874.6)), ..TickInput::default() };
+        assert!((reading_m(Sensor::Baro, &at_1000_m).unwrap() - 1_000.0).abs() < 0.05);
+    }
+}

@@ -1,7 +1,9 @@
+use flight_computer::{Estimation as _, Retainable as _};
 use kf_core::input::{BaroReading, GpsFix, ImuSample, LaunchDoubt};
 use kf_core::mission::Mission;
 use kf_core::output::Phase;
 use kf_core::sensor::Sensor;
+use kf_core::snapshot::MissionMark;
 use rand::{RngExt as _, SeedableRng as _};
 
 use super::*;
@@ -135,6 +137,20 @@ fn the_replay_is_the_mission_itself() {
     assert_eq!(outputs, direct);
     assert_eq!(summary.latch.as_ref(), mission.latch());
     assert_eq!(summary.latch.unwrap().time_us, 40_000_000);
+}
+
+/// What a restart would go on from is the mission's own, whatever its shape.
+#[test]
+fn a_boxed_missions_mark_is_the_missions() {
+    let flight = noisy_flight(40, 5, true);
+    let replay = Replay::new(&flight, &Model::paper(), None).unwrap();
+    let mut boxed = mission(&Model::paper()).unwrap();
+    let mut direct = Mission::<3, 1, 0>::new(&Model::paper().mission_config().unwrap()).unwrap();
+    for input in replay.inputs() {
+        assert_eq!(boxed.tick(&input), direct.tick(&input));
+    }
+    assert_eq!(boxed.mark(), direct.mark());
+    assert_ne!(boxed.mark(), MissionMark::default(), "a mission that has flown");
 }
 
 /// Both shapes, with and without an estimated effect, see the offsets that are in the flight.

@@ -83,3 +83,15 @@ pub fn clock(at_s: f64) -> String {
     let whole = at_s.round().max(0.0) as u64;
     format!("{:02}:{:02}:{:02} ({whole} s)", whole / 3600, whole / 60 % 60, whole % 60)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_time_is_said_as_a_clock_has_it_and_in_seconds() {
+        assert_eq!(clock(0.4), "00:00:00 (0 s)");
+        assert_eq!(clock(3_725.0), "01:02:05 (3725 s)");
+        assert_eq!(clock(359_999.6), "100:00:00 (360000 s)");
+    }
+}

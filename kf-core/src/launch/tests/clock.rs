@@ -35,3 +35,15 @@ fn a_leap_of_the_clock_hides_no_launch_and_is_none() {
         }
     }
 }
+
+/// A message that came before the clock leapt and is seen after it is later than the one before it all the same.
+#[test]
+fn a_message_from_just_before_a_leap_is_not_refused() {
+    let mut rig = Rig::captive();
+    let received_us = rig.now_us() + 1;
+    assert!(rig.last_message_us.is_some_and(|last_us| last_us < received_us));
+    rig.last_message_us = Some(received_us);
+    rig.leapt_us += 2_000_000;
+    rig.step(Now { is_sending: false, ..CAPTIVE });
+    assert_eq!(rig.detector.counts().messages_refused, 0);
+}

@@ -97,6 +97,39 @@ fn what_a_bridge_costs_is_what_it_says() {
     }
 }
 
+/// The bound that a bridge puts on the level holds for turn rates of the size that it assumes: 0.3 rad/s that wanders within 0.5 s.
+#[test]
+fn what_a_bridge_costs_the_level_is_what_it_says() {
+    const STEP_S: f64 = 0.001;
+    let mut random = 11u64;
+    let mut normal = || {
+        (0..12).fold(-6.0, |sum, _| {
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            sum + (random >> 40) as f64 / (1u64 << 24) as f64
+        })
+    };
+    let kept = (-STEP_S / 0.5f64).exp();
+    for steps in [100u32, 300, 500, 1_000] {
+        let gap_s = f64::from(steps) * STEP_S;
+        let runs = 400;
+        let squares: f64 = (0..runs)
+            .map(|_| {
+                let first = 0.3 * normal();
+                let (mut rate, mut turned) = (first, 0.0);
+                for _ in 0..steps {
+                    let last = rate;
+                    rate = kept * rate + 0.3 * (1.0 - kept * kept).sqrt() * normal();
+                    turned += 0.5 * STEP_S * (last + rate);
+                }
+                (turned - 0.5 * gap_s * (first + rate)).powi(2)
+            })
+            .sum();
+        let ratio = squares / f64::from(runs) / f64::from(BridgeCost::of(gap_s as f32).tilt_rad2);
+        // As above: five times the spread of 400 squares, and the walk's bend back to zero.
+        assert!((0.55..1.45).contains(&ratio), "{gap_s}: {ratio}");
+    }
+}
+
 /// One sample with a flipped bit, or two: refused. A change that stays is the aircraft's.
 #[test]
 fn a_leap_of_two_samples_is_refused() {

@@ -26,13 +26,15 @@ pub trait Driver {
 /// The driver, its chip and the time.
 pub struct Bench<Of> {
     pub driver: Of,
+    /// Bytes that the largest poll so far has moved.
+    pub most_moved: usize,
     now_us: u64,
 }
 
 impl<Of: Driver> Bench<Of> {
     /// At that time, before the first poll.
     pub fn at(now_us: u64, driver: Of) -> Self {
-        Self { driver, now_us }
+        Self { driver, most_moved: 0, now_us }
     }
 
     /// One tick: every poll keeps to its bytes.
@@ -41,8 +43,9 @@ impl<Of: Driver> Bench<Of> {
         self.driver.bus().set_time(self.now_us);
         let before = self.driver.bus().traffic().bytes;
         let outcome = self.driver.poll(self.now_us);
-        let moved = self.driver.bus().traffic().bytes - before;
-        assert!(moved <= Of::MAX_POLL_BYTES as u64, "{moved} bytes in one poll");
+        let moved = (self.driver.bus().traffic().bytes - before) as usize;
+        assert!(moved <= Of::MAX_POLL_BYTES, "{moved} bytes in one poll");
+        self.most_moved = self.most_moved.max(moved);
         outcome
     }
 

@@ -136,10 +136,15 @@ pub(super) mod tests {
 
     /// The same as registers.
     pub(in super::super) fn registers() -> [u8; BYTES] {
+        registers_of(PUBLISHED_P)
+    }
+
+    /// Registers of a chip with these coefficients of pressure.
+    fn registers_of(p: [i64; 11]) -> [u8; BYTES] {
         let mut registers = [0; BYTES];
         let widths = [2, 2, 1, 2, 2, 1, 1, 2, 2, 1, 1, 2, 1, 1];
         let mut at = 1;
-        for (value, width) in PUBLISHED_T.into_iter().chain(PUBLISHED_P).zip(widths) {
+        for (value, width) in PUBLISHED_T.into_iter().chain(p).zip(widths) {
             registers[at..at + width].copy_from_slice(&value.to_le_bytes()[..width]);
             at += width;
         }
@@ -152,9 +157,9 @@ pub(super) mod tests {
     }
 
     /// Sections 8.4 to 8.6 in double precision.
-    fn as_printed(raw_p: f64, raw_t: f64) -> (f64, f64) {
+    fn as_printed(p: [i64; 11], raw_p: f64, raw_t: f64) -> (f64, f64) {
         let [t1, t2, t3] = PUBLISHED_T.map(|value| value as f64);
-        let [p1, p2, p3, p4, p5, p6, p7, p8, p9, p10, p11] = PUBLISHED_P.map(|value| value as f64);
+        let [p1, p2, p3, p4, p5, p6, p7, p8, p9, p10, p11] = p.map(|value| value as f64);
         let d = raw_t - t1 * 256.0;
         let t = d * t2 / 2f64.powi(30) + d * d * t3 / 2f64.powi(48);
         let out1 =
@@ -179,7 +184,8 @@ pub(super) mod tests {
     fn published_vector() {
         let raw_pressure = u32::from_le_bytes([151, 159, 109, 0]);
         let raw_temperature = u32::from_le_bytes([115, 216, 133, 0]);
-        let (pressure, temperature) = as_printed(f64::from(raw_pressure), f64::from(raw_temperature));
+        let (pressure, temperature) =
+            as_printed(PUBLISHED_P, f64::from(raw_pressure), f64::from(raw_temperature));
         assert!((pressure - 100_876.006_346_921_99).abs() < 1e-6, "{pressure}");
         assert!((temperature - 30.499_314_453_874_284).abs() < 1e-9, "{temperature}");
         let found = published().compensate(raw_pressure, raw_temperature).unwrap();
@@ -187,13 +193,23 @@ pub(super) mod tests {
         assert!((f64::from(found.temperature_c) - temperature).abs() < 3e-6, "{found:?}");
     }
 
+    /// The published chip, whose P4 is 0, and what it would be with the largest P4 of either sign.
     #[test]
     fn agrees_with_the_printed_formulas_over_the_range() {
+        for p4 in [0, 127, -128] {
+            let mut p = PUBLISHED_P;
+            p[3] = p4;
+            agrees_with_the_printed_formulas(p);
+        }
+    }
+
+    fn agrees_with_the_printed_formulas(p: [i64; 11]) {
+        let calibration = Calibration::new(registers_of(p)).unwrap();
         let (mut compared, mut worst) = (0, 0f64);
         for raw_t in (5_000_000u32..12_000_000).step_by(70_001) {
             for raw_p in (3_000_000u32..12_000_000).step_by(90_001) {
-                let Ok(found) = published().compensate(raw_p, raw_t) else { continue };
-                let (pressure, temperature) = as_printed(f64::from(raw_p), f64::from(raw_t));
+                let Ok(found) = calibration.compensate(raw_p, raw_t) else { continue };
+                let (pressure, temperature) = as_printed(p, f64::from(raw_p), f64::from(raw_t));
                 worst = worst.max((f64::from(found.pressure_pa) - pressure).abs());
                 assert!((f64::from(found.temperature_c) - temperature).abs() < 6e-6);
                 compared += 1;

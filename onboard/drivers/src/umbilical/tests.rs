@@ -83,10 +83,15 @@ fn checksum(bytes: &[u8]) -> u16 {
     })
 }
 
-fn frame((system, component): (u8, u8), altitude_m: f32, sequence: u8) -> Vec<u8> {
+fn frame(sender: (u8, u8), altitude_m: f32, sequence: u8) -> Vec<u8> {
+    flagged(0, sender, altitude_m, sequence)
+}
+
+/// A frame with these flags that a receiver has to know.
+fn flagged(flags: u8, (system, component): (u8, u8), altitude_m: f32, sequence: u8) -> Vec<u8> {
     let mut payload = [0; 32];
     payload[12..16].copy_from_slice(&altitude_m.to_le_bytes());
-    let mut bytes = vec![0xFD, 32, 0, 0, sequence, system, component, 141, 0, 0];
+    let mut bytes = vec![0xFD, 32, flags, 0, sequence, system, component, 141, 0, 0];
     bytes.extend(payload);
     let checked: Vec<u8> = bytes[1..].iter().copied().chain([47]).collect();
     bytes.extend(checksum(&checked).to_le_bytes());
@@ -165,6 +170,20 @@ fn only_the_mother_ships_plausible_altitudes_count() {
     }
 }
 
+/// A signed frame counts. One with a flag that is not known here has to be discarded: it may mean anything.
+#[test]
+fn a_frame_with_an_unknown_flag_is_discarded() {
+    for (flags, altitude_m) in [(0x00, Some(2_000.0)), (0x01, Some(2_000.0)), (0x02, None), (0x81, None)] {
+        let mut bytes = flagged(flags, (1, 1), 2_000.0, 0);
+        // The signature.
+        bytes.extend([7; 13]);
+        let mut driver = Umbilical::new(Line(bytes), Sender::FIRST_AUTOPILOT);
+        assert_eq!(driver.poll(0), Ok(altitude_m), "{flags:#x}");
+        let frames = u32::from(altitude_m.is_some());
+        assert_eq!((driver.link_counts().frames, driver.link_counts().bad_frames), (frames, 0), "{flags:#x}");
+    }
+}
+
 /// A line that says what it was told to, and no more.
 struct Line(Vec<u8>);
 
@@ -185,6 +204,18 @@ impl Read for Line {
             *slot = byte;
         }
         Ok(count)
+    }
+}
+
+/// A second without an altitude is none yet; after it the link is silent, which is said once a second, whatever the time of the poll.
+#[test]
+fn more_than_a_second_of_silence_is_said_once_a_second() {
+    let mut driver = Umbilical::new(Line(frame((1, 1), 2_000.0, 0)), Sender::FIRST_AUTOPILOT);
+    assert_eq!(driver.poll(0), Ok(Some(2_000.0)));
+    assert_eq!(driver.poll(SILENT_AFTER_US), Ok(None));
+    for complaint_us in [SILENT_AFTER_US + 1_234, 3 * SILENT_AFTER_US] {
+        assert_eq!(driver.poll(complaint_us), Err(SensorError::Stale));
+        assert_eq!(driver.poll(complaint_us + SILENT_AFTER_US), Ok(None));
     }
 }
 
