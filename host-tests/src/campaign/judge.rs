@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use chip_models::flown::{Chip, Fault, Quantity};
 use kf_core::launch::LaunchConfig;
 use kf_core::output::Trust;
 use kf_core::sensor::Sensor;
@@ -10,7 +11,7 @@ use survival::Start;
 use super::fault::{Drawn, Phase, Place};
 use super::flight::TICKS_PER_S;
 use super::run::{Case, Flown, PUSH_TICKS};
-use super::watch::{REFERENCE, Restarted, TELLING_TICKS, Watched};
+use super::watch::{REFERENCE, Restarted, Seen, TELLING_TICKS, Watched};
 
 /// A latched bias may be so many of its own sigmas from the clean run's.
 const BIAS_SIGMAS: f32 = 4.0;
@@ -322,7 +323,9 @@ impl Judge<'_> {
             let sigma_m = faulty.bias_variance_m2.max(0.0).sqrt();
             let off_m = faulty.bias_m - clean.bias_m;
             // NaN is wrong as well.
-            if off_m.is_nan() || off_m.abs() > BIAS_SIGMAS * sigma_m {
+            let is_off =
+                off_m.is_nan() || off_m.abs() > BIAS_SIGMAS * sigma_m && !self.is_level_the_only_one(latched);
+            if is_off {
                 self.broken(
                     Invariant::Bias,
                     format!(
@@ -350,6 +353,20 @@ impl Judge<'_> {
                 );
             }
         }
+    }
+
+    /// Whether the receiver was off by the same from before its first fix until the latch: everything is measured against that, and nobody on
+    /// board knows of another level.
+    fn is_level_the_only_one(&self, latched: usize) -> bool {
+        let is_fresh = |seen: &Option<Seen>| seen.is_some_and(|seen| seen.fresh & 1 << REFERENCE != 0);
+        let Some(first_fix) = self.faulty.ticks.iter().position(is_fresh) else { return false };
+        self.case.faults.iter().any(|fault| {
+            let begins = fault.events.first().is_some_and(|(_, event)| {
+                event.chip == Chip::Gps
+                    && matches!(event.fault, Fault::Offset { quantity: Quantity::Altitude, .. })
+            });
+            begins && fault.from <= first_fix && fault.to >= latched
+        })
     }
 
     fn has(&self, invariant: Invariant) -> bool {

@@ -1,3 +1,4 @@
+use chip_models::flown::ChipFault;
 use kf_core::latch::{LatchRecord, SensorLatch};
 use kf_core::sensor::SENSORS;
 use rand::SeedableRng as _;
@@ -6,7 +7,7 @@ use survival::{Cause, RestartReport};
 
 use super::super::plan::Plan;
 use super::super::run::{Failure, FailureKind};
-use super::super::watch::{Flagged, Seen};
+use super::super::watch::Flagged;
 use super::*;
 
 /// A flight of two hundred seconds without a fault, in which a sensor fails.
@@ -127,4 +128,38 @@ fn a_push_that_no_sample_was_taken_of_is_none_and_any_other_is_owed_its_flag() {
     assert_eq!(pushed(11_990), [Invariant::Detection]);
     assert_eq!(pushed(12_000 + PUSH_TICKS - 1), [Invariant::Detection]);
     assert_eq!(pushed(12_000 + PUSH_TICKS), []);
+}
+
+/// Every bias is 13 m off its clean value, as the receiver is from a tick on.
+fn offset_from(from: usize) -> Vec<Invariant> {
+    let mut faulty = drifting(20_000, &(0..0));
+    for sensor in &mut faulty.latch.as_mut().unwrap().sensors {
+        sensor.bias_m = 13.0;
+    }
+    // The first fix comes at tick 100.
+    for seen in faulty.ticks.iter_mut().take(100).flatten() {
+        seen.fresh = 0;
+    }
+    let mut case = case(None);
+    let fault = Fault::Offset { quantity: Quantity::Altitude, by_milli: -13_000 };
+    case.faults.push(Drawn {
+        name: "gps: altitude jumps",
+        place: Place::Gps,
+        phase: Phase::Settling,
+        from,
+        to: 20_000,
+        events: vec![(from, ChipFault { chip: Chip::Gps, fault })],
+        dips: Vec::new(),
+        step_us: 0,
+    });
+    let verdict = judge(&case, &Flown { clean: drifting(20_000, &(0..0)), faulty });
+    let mut broken: Vec<_> = verdict.violations.iter().map(|violation| violation.invariant).collect();
+    broken.dedup();
+    broken
+}
+
+#[test]
+fn a_receiver_that_is_off_from_before_its_first_fix_is_what_everything_is_measured_against() {
+    assert_eq!(offset_from(100), []);
+    assert_eq!(offset_from(101), [Invariant::Bias]);
 }
