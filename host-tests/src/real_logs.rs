@@ -47,7 +47,7 @@ pub fn flight(name: &str) -> anyhow::Result<Option<Flight>> {
 pub fn diagnosis(flight: &Flight) -> anyhow::Result<Diagnosis> {
     let model = Model::default();
     let replay = Replay::to_diagnose(flight, &model, None)?;
-    Ok(diagnose(&[NamedReplay { file: "log".to_owned(), replay }], &[], &mut || ()))
+    Ok(diagnose(&[NamedReplay::new("log".to_owned(), replay)], &[], &mut || ()))
 }
 
 /// A known effect, and its coefficient.

@@ -112,7 +112,7 @@ fn a_flag_of_the_old_model_is_not_raised_with_the_improved_one_at_the_desk_or_in
     let old = Model::default();
     assert!(has_flag(&first, &old) && has_flag(&second, &old));
 
-    let named = NamedReplay { file: "first".to_owned(), replay: Replay::new(&first, &old, None).unwrap() };
+    let named = NamedReplay::new("first".to_owned(), Replay::new(&first, &old, None).unwrap());
     let diagnosis = diagnose(&[named], &[], &mut || ());
     assert_eq!(diagnosis.verdict, Verdict::Identified);
     assert_eq!(diagnosis.sensors["baro"].missing, [effect.name()]);

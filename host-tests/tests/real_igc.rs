@@ -46,9 +46,9 @@ fn replay(flight: &Flight, window: Option<CalibrationWindow>) -> (CalibrationSou
 /// Every row reached the estimator, and it took every reading.
 fn all_was_taken(flight: &Flight, summary: &ReplaySummary) {
     let ticks = usize::try_from(summary.counters.ticks + summary.counters.out_of_order).unwrap();
-    assert_eq!(ticks + summary.skipped_rows + summary.rows_after, flight.rows());
+    assert_eq!(ticks + summary.inputs.skipped_rows + summary.inputs.rows_after, flight.rows());
     assert_eq!((summary.held_fixes(), summary.not_finite_samples()), (0, 0));
-    assert_eq!(summary.inputs, pylon::replay::InputCounters::default());
+    assert_eq!(summary.inputs.counters, pylon::replay::InputCounters::default());
 }
 
 #[test]

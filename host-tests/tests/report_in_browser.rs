@@ -52,7 +52,7 @@ fn report() -> (TempDir, PathBuf) {
     let (mut comparison, traces) = compare(&replay, &options, &mut |_| ()).unwrap();
     comparison.flight.file = "quickstart.csv".into();
     let flights = [FlightReport::new(0, &replay, comparison, &traces.unwrap())];
-    let named = NamedReplay { file: "quickstart.csv".into(), replay };
+    let named = NamedReplay::new("quickstart.csv".into(), replay);
     let diagnosis = diagnose(&[named], &[], &mut || ());
     // What `pylon add` would have made of it: the effect that the scenario hides.
     let improved = Model::parse(IMPROVED).unwrap();

@@ -50,7 +50,7 @@ fn compared(flight: &Flight) -> Comparison {
 
 fn diagnosed(flight: &Flight) -> Diagnosis {
     let replay = Replay::new(flight, &Model::default(), None).unwrap();
-    diagnose(&[NamedReplay { file: "flight".to_owned(), replay }], &[], &mut || ())
+    diagnose(&[NamedReplay::new("flight".to_owned(), replay)], &[], &mut || ())
 }
 
 #[test]

@@ -408,7 +408,7 @@ mod tests {
         assert!(lacks("throttle * airspeed_mps^2/g", Board::F405).unwrap().contains("reads throttle, which"));
         assert_eq!(lacks("load_factor * airspeed_mps^2/g", Board::F405), None);
         // Only what the model accounts for flies.
-        assert_eq!(Model::parse(FLAP).unwrap().check_signals(Board::F405), Ok(()));
+        assert!(Model::parse(FLAP).unwrap().check_signals(Board::F405).is_ok());
         let source = codegen(&flown("throttle * tas_mps^2/g")).unwrap();
         assert!(source.contains("Defined(&DEFINITION_0)") && source.contains("Op::Power(2)"), "{source}");
     }

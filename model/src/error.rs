@@ -1,5 +1,6 @@
 //! Why a model can not be used.
 
+use std::io;
 use std::path::PathBuf;
 
 use thiserror::Error;
@@ -7,12 +8,12 @@ use thiserror::Error;
 use crate::formula::FormulaError;
 
 /// A model that can not be used; displays as one line, but for a formula, which is shown with carets under the place.
-#[derive(Clone, Debug, PartialEq, Error)]
+#[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ModelError {
     /// The file could not be read.
     #[error("can not be read: {0}")]
-    Io(String),
+    Io(#[source] io::Error),
     /// The text is not a model's TOML.
     #[error("row {row}, column {column}: {message}")]
     Syntax {
@@ -20,8 +21,11 @@ pub enum ModelError {
         row: usize,
         /// Character in the line, from 1.
         column: usize,
-        /// What is wrong, and what was expected.
+        /// What is wrong, and what was expected, in one line and with the key that is nearest to an unknown
+        /// one.
         message: String,
+        /// The same, as the parser says it.
+        source: Box<toml::de::Error>,
     },
     /// An effect that the catalogue does not have.
     #[error("row {row}: no effect '{id}' in the catalogue; nearest: {nearest}")]
@@ -41,6 +45,7 @@ pub enum ModelError {
         /// The definition's id.
         id: String,
         /// What is wrong, and where.
+        #[source]
         error: Box<FormulaError>,
     },
     /// An id that no definition can have.
@@ -191,6 +196,7 @@ pub enum ModelError {
         /// The file.
         file: PathBuf,
         /// The error.
+        #[source]
         error: Box<ModelError>,
     },
 }

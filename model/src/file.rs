@@ -28,7 +28,7 @@ impl Model {
     /// [`ModelError::InFile`] with the first thing that is wrong.
     pub fn read(file: &Path) -> Result<Self, ModelError> {
         fs::read_to_string(file)
-            .map_err(|error| ModelError::Io(error.to_string()))
+            .map_err(ModelError::Io)
             .and_then(|text| Self::parse(&text))
             .map_err(|error| ModelError::InFile { file: file.to_path_buf(), error: Box::new(error) })
     }
@@ -38,7 +38,7 @@ impl Model {
     /// # Errors
     /// The first thing in it that is not TOML, not a model's, or not possible.
     pub fn parse(text: &str) -> Result<Self, ModelError> {
-        let file: ModelFile = toml::from_str(text).map_err(|error| syntax_error(text, &error))?;
+        let file: ModelFile = toml::from_str(text).map_err(|error| syntax_error(text, error))?;
         let mut model = Self::default();
         file.apply(&mut model, text)?;
         model.validate()?;
@@ -452,7 +452,7 @@ pub(crate) fn row_and_column(text: &str, byte: usize) -> (usize, usize) {
     (before.matches('\n').count() + 1, column + 1)
 }
 
-fn syntax_error(text: &str, error: &toml::de::Error) -> ModelError {
+fn syntax_error(text: &str, error: toml::de::Error) -> ModelError {
     let (row, column) = row_and_column(text, error.span().map_or(0, |span| span.start));
     let message = one_line(error.message());
     // serde's own words: "unknown field `a`, expected one of `b`, `c`". Every second piece is a name.
@@ -463,7 +463,7 @@ fn syntax_error(text: &str, error: &toml::de::Error) -> ModelError {
         }
         _ => message,
     };
-    ModelError::Syntax { row, column, message }
+    ModelError::Syntax { row, column, message, source: Box::new(error) }
 }
 
 fn one_line(text: &str) -> String {

@@ -14,6 +14,7 @@ pub mod plots;
 pub mod report;
 pub mod results;
 pub mod simulate;
+pub mod survey;
 mod threads;
 mod whole_file;
 

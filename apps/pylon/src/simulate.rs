@@ -30,6 +30,7 @@ pub enum SimulateError {
         /// The scenario's file or name.
         scenario: String,
         /// What happened to the aircraft.
+        #[source]
         reason: MotionError,
     },
     /// An output file can not be written.

@@ -20,13 +20,16 @@ pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
     use std::fs::File;
     use std::io::Read as _;
     use std::os::unix::fs::FileExt as _;
-    use std::thread;
+
+    use executor::Executor as _;
+
+    use crate::threads::Threads;
 
     let mut file = File::open(path)?;
     let metadata = file.metadata()?;
     check_fits(metadata.len(), available())?;
     let length = usize::try_from(metadata.len()).map_err(io::Error::other)?;
-    let threads = thread::available_parallelism().map_or(1, usize::from).min(length / SHORTEST_PART);
+    let threads = Threads.width().min(length / SHORTEST_PART);
     if !metadata.is_file() || threads < 2 {
         let mut bytes = Vec::with_capacity(length);
         file.read_to_end(&mut bytes)?;
@@ -34,19 +37,12 @@ pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
     }
     let mut bytes = vec![0; length];
     let part = length.div_ceil(threads);
-    thread::scope(|scope| {
-        let readers: Vec<_> = bytes
-            .chunks_mut(part)
-            .enumerate()
-            .map(|(index, chunk)| {
-                let file = &file;
-                scope.spawn(move || file.read_exact_at(chunk, (index * part) as u64))
-            })
-            .collect();
-        readers
-            .into_iter()
-            .try_for_each(|reader| reader.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
-    })?;
+    let parts = bytes.chunks_mut(part).enumerate();
+    let read = parts.map(|(index, chunk)| {
+        let file = &file;
+        move || file.read_exact_at(chunk, (index * part) as u64)
+    });
+    executor::map(&Threads, read).into_iter().collect::<io::Result<()>>()?;
     Ok(bytes)
 }
 

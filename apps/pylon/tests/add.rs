@@ -33,8 +33,7 @@ fn quickstart(effects: &[(scenario::EffectId, f64)]) -> Scenario {
 }
 
 fn named<'a>(flights: &'a [Flight], model: &Model) -> Vec<NamedReplay<'a>> {
-    let named =
-        |flight| NamedReplay { file: "flight".to_owned(), replay: Replay::new(flight, model, None).unwrap() };
+    let named = |flight| NamedReplay::new("flight".to_owned(), Replay::new(flight, model, None).unwrap());
     flights.iter().map(named).collect()
 }
 

@@ -18,7 +18,7 @@ fn scenario(name: &str) -> Scenario {
 }
 
 fn named<'a>(flight: &'a Flight, model: &Model) -> NamedReplay<'a> {
-    NamedReplay { file: "flight".to_owned(), replay: Replay::new(flight, model, None).unwrap() }
+    NamedReplay::new("flight".to_owned(), Replay::new(flight, model, None).unwrap())
 }
 
 fn diagnosed(scenario: &Scenario, seed: u64, model: &Model) -> Diagnosis {
@@ -115,6 +115,6 @@ fn a_flight_without_launch_and_without_a_quiet_stretch_is_diagnosed_as_it_is() {
     flight.channels.retain(|(channel, _)| channel.name() != "launch");
     let model = Model::default();
     let replay = Replay::uncalibrated(&flight, &model, None).unwrap();
-    let diagnosis = diagnose(&[NamedReplay { file: "flight".to_owned(), replay }], &[], &mut || ());
+    let diagnosis = diagnose(&[NamedReplay::new("flight".to_owned(), replay)], &[], &mut || ());
     assert_eq!(diagnosis.sensors["baro"].missing, ["baro.dynamic_pressure"], "{diagnosis:?}");
 }

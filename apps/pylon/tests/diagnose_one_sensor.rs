@@ -41,7 +41,7 @@ fn log(seed: u64, baro_s: f64, receiver_s: f64) -> Flight {
 fn diagnosed(flight: &Flight) -> Diagnosis {
     let model = Model::default();
     let replay = Replay::to_diagnose(flight, &model, None).unwrap();
-    let diagnosis = diagnose(&[NamedReplay { file: "log".to_owned(), replay }], &[], &mut || ());
+    let diagnosis = diagnose(&[NamedReplay::new("log".to_owned(), replay)], &[], &mut || ());
     println!("{}", text(&diagnosis, false));
     diagnosis
 }

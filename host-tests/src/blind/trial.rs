@@ -64,7 +64,7 @@ pub fn run(case: Case) -> anyhow::Result<Trial> {
     let Flown { flight, effects, noise_m } = fly(&case, 0)?;
     let model = Model::default();
     let replay = Replay::new(&flight, &model, None)?;
-    let named = NamedReplay { file: format!("blind {}", case.seed), replay };
+    let named = NamedReplay::new(format!("blind {}", case.seed), replay);
     let diagnosis = diagnose(&[named], &[], &mut || ());
     let mut truth: Vec<(&'static str, f64)> =
         effects.iter().map(|(effect, size_m)| (effect.id.name(), size_m / noise_m)).collect();

@@ -71,7 +71,7 @@ pub fn run(case: Case) -> anyhow::Result<Trial> {
     let flown = fly(&case, 0)?;
     let model = Model::default();
     let replay = Replay::new(&flown.flight, &model, None)?;
-    let named = NamedReplay { file: format!("laws {}", case.seed), replay };
+    let named = NamedReplay::new(format!("laws {}", case.seed), replay);
     let discovery = discover(&[named], &[], &mut || ());
     let mut correlations = Vec::new();
     let mut next_m = None;

@@ -406,3 +406,22 @@ proptest! {
         let _ = Model::parse(&format!("gps.{key} = {value:?}"));
     }
 }
+
+/// What a program does about an error it finds by its type, all the way down, not in the words.
+#[test]
+fn an_error_leads_to_its_cause() {
+    use std::error::Error as _;
+
+    let missing = Model::read(std::path::Path::new("no/such/folder/missing.toml")).unwrap_err();
+    let unread = missing.source().unwrap();
+    assert!(missing.to_string().ends_with(&format!("missing.toml: {unread}")), "{missing}");
+    let cause = unread.source().and_then(|cause| cause.downcast_ref::<std::io::Error>()).unwrap();
+    assert_eq!(cause.kind(), std::io::ErrorKind::NotFound);
+    assert_eq!(unread.to_string(), format!("can not be read: {cause}"));
+
+    let syntax = Model::parse("settling_s = ").unwrap_err();
+    assert!(syntax.source().unwrap().is::<Box<toml::de::Error>>(), "{syntax}");
+    let formula = "[[effect_definition]]\nid = \"baro.x\"\non = \"baro\"\nunit = \"1\"\nplausible = [-1.0, 1.0]\nregressor = \"(\"\n";
+    let formula = Model::parse(formula).unwrap_err();
+    assert!(formula.source().unwrap().is::<Box<crate::formula::FormulaError>>(), "{formula}");
+}

@@ -12,3 +12,4 @@ pub mod learn;
 pub mod name;
 pub mod overview;
 pub mod progress;
+pub mod survey;

@@ -107,7 +107,7 @@ pub(super) fn of(
 }
 
 fn fly(rows: impl Iterator<Item = TickInput>, model: &Model) -> Result<Option<Ideal>, FlyError> {
-    let mut mission = mission(model).map_err(|error| FlyError::Host(error.to_string()))?;
+    let mut mission = mission(model)?;
     let (mut lowest_m, mut highest_m) = (f32::INFINITY, f32::NEG_INFINITY);
     let mut differences = Differences::default();
     for row in rows {
@@ -136,8 +136,7 @@ fn resampled_m2(
     model: &Model,
     ideal: &Ideal,
 ) -> Result<[f64; SENSORS], FlyError> {
-    let noise = Normal::new(0.0, ideal.white_m2.sqrt())
-        .map_err(|error| FlyError::Host(format!("the barometer's noise: {error}")))?;
+    let noise = Normal::new(0.0, ideal.white_m2.sqrt()).map_err(FlyError::BarometerNoise)?;
     let mut sums_m2 = [0.0; SENSORS];
     for trial in 0..TRIALS {
         let mut generator = ChaCha8Rng::seed_from_u64(trial);

@@ -105,12 +105,11 @@ impl DebugLink {
     ///
     /// # Errors
     /// [`FlyError::NoDebugger`], [`FlyError::NoProbe`], [`FlyError::NoBoard`], [`FlyError::NotWritten`],
-    /// [`FlyError::DebugLink`], [`FlyError::Silent`], [`FlyError::Image`], [`FlyError::Io`].
+    /// [`FlyError::DebugLink`], [`FlyError::Silent`], [`FlyError::Image`], [`FlyError::NoRetained`], [`FlyError::Io`].
     pub(super) fn fly(&self, image: &Path, directory: &Path, ticks: u32) -> Result<Emulation, FlyError> {
-        let retained = Image::read(image)?.retained_start.ok_or_else(|| FlyError::Image {
-            path: image.display().to_string(),
-            why: "it has no symbol _retained_start".to_owned(),
-        })?;
+        let retained = Image::read(image)?
+            .retained_start
+            .ok_or_else(|| FlyError::NoRetained { path: image.display().to_string() })?;
         let here = |file: &str| directory.join(file);
         fs::copy(image, here(IMAGE_FILE)).map_err(FlyError::io(image.display().to_string()))?;
         let create = |file: &str| File::create(here(file)).map_err(FlyError::io(file));

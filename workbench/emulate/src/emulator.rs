@@ -50,8 +50,18 @@ pub fn emulate(
             _ => FlyError::Io { what: "qemu-system-arm".to_owned(), source: error },
         })?;
     // Both pipes are drained while it runs, or a full one would stop it.
-    let stdout = drain(qemu.stdout.take());
-    let stderr = drain(qemu.stderr.take());
+    let drained = drain(qemu.stdout.take()).and_then(|stdout| Ok((stdout, drain(qemu.stderr.take())?)));
+    let (stdout, stderr) = match drained {
+        Ok(drained) => drained,
+        Err(source) => {
+            // Nobody would wait for it.
+            let _ = qemu.kill().and_then(|()| qemu.wait());
+            return Err(FlyError::Io {
+                what: "a thread that reads what qemu-system-arm says".to_owned(),
+                source,
+            });
+        }
+    };
     let finished = stdout.recv_timeout(timeout);
     if finished.is_err() {
         let killed = qemu.kill().and_then(|()| qemu.wait());
@@ -71,9 +81,9 @@ fn wait(qemu: &mut Child) -> Result<Option<i32>, FlyError> {
 }
 
 /// Reads a pipe to its end, which comes when the program ends.
-fn drain(pipe: Option<impl Read + Send + 'static>) -> mpsc::Receiver<Vec<u8>> {
+fn drain(pipe: Option<impl Read + Send + 'static>) -> io::Result<mpsc::Receiver<Vec<u8>>> {
     let (sender, receiver) = mpsc::channel();
-    thread::spawn(move || {
+    thread::Builder::new().spawn(move || {
         let mut bytes = Vec::new();
         if let Some(mut pipe) = pipe {
             // A read that fails ends the stream; what came before it is what there is.
@@ -81,6 +91,6 @@ fn drain(pipe: Option<impl Read + Send + 'static>) -> mpsc::Receiver<Vec<u8>> {
         }
         // The receiver has gone when the emulation was given up.
         let _ = sender.send(bytes);
-    });
-    receiver
+    })?;
+    Ok(receiver)
 }

@@ -1,9 +1,12 @@
 //! Why a flight did not fly, or flew otherwise than on the host.
 
-use std::io;
+use std::str::Utf8Error;
+use std::{fmt, io};
 
-use flight_record::ExitStatus;
+use flight_record::{ExitStatus, FrameError, Kind, PayloadError};
 use model::ModelError;
+use rand_distr::NormalError;
+use replay::ReplayError;
 use thiserror::Error;
 
 use super::compare::Difference;
@@ -111,14 +114,50 @@ pub enum FlyError {
         /// The image.
         path: String,
         /// What is wrong with it.
-        why: String,
+        #[source]
+        why: object::Error,
+    },
+    /// The image does not say which RAM a reset leaves alone.
+    #[error("{path}: it has no symbol _retained_start")]
+    NoRetained {
+        /// The image.
+        path: String,
     },
     /// The model can not be flown.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// The host's mission refuses the model, or the flight.
-    #[error("{0}")]
-    Host(String),
+    /// The host's mission refuses the model, or its launch detector its limits.
+    #[error(transparent)]
+    Mission(#[from] ReplayError),
+    /// A gap of more than an hour, or a time near the end of the clock.
+    #[error(
+        "the flight has a gap of {gap_s:.0} s after {after_s:.3} s: it can not be flown on chips, tick by tick, but with ideal \
+         sensors"
+    )]
+    Gap {
+        /// How long it is, seconds.
+        gap_s: f64,
+        /// The last time before it, seconds.
+        after_s: f64,
+    },
+    /// More rows than a flight record counts.
+    #[error("the flight has more than 2^32 rows: a flight record can not hold it")]
+    TooManyRows,
+    /// A tick that no frame holds.
+    #[error("a tick is too long for a frame of the flight record")]
+    TickTooLong,
+    /// Faults of chips were planned for a flight without chips.
+    #[error("ideal sensors have no chips that could fail")]
+    IdealSensors,
+    /// Telemetry was asked of a board that sends none.
+    #[error("a board on its debug link sends no telemetry to record")]
+    NoTelemetry,
+    /// The name of a flight record's file is no text.
+    #[error("a file name of the flight record is not UTF-8")]
+    FileName(#[source] Utf8Error),
+    /// The barometer's noise, as the flight shows it, is not finite.
+    #[error("the barometer's noise: {0}")]
+    BarometerNoise(#[source] NormalError),
     /// The planned faults can not be followed.
     #[error(transparent)]
     Fault(#[from] FaultError),
@@ -138,13 +177,100 @@ pub enum FlyError {
     },
     /// What the firmware wrote is not a stream of results.
     #[error("the results of the flight computer are damaged: {0}")]
-    Results(String),
+    Results(#[from] ResultsError),
     /// The firmware did not get or did not fly all of the record.
     #[error("the flight computer did not fly the whole record: {0}")]
-    Incomplete(String),
+    Incomplete(Shortfall),
     /// Host and target computed different bits.
     #[error("target and host differ: {0}")]
     Differs(Box<Difference>),
+}
+
+/// Why what the firmware wrote is not a stream of results.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum ResultsError {
+    /// It ends in the middle of a frame.
+    #[error("the last one is cut")]
+    Cut,
+    /// Some bytes are no frame.
+    #[error("{}", frame_words(.0))]
+    Frame(FrameError),
+    /// Frames are missing.
+    #[error("{0} are missing")]
+    Missing(u32),
+    /// A frame's payload is not what its kind says.
+    #[error("a result does not decode")]
+    Payload(PayloadError),
+    /// Another firmware wrote them.
+    #[error("they are of another version of the format")]
+    Version,
+    /// What they are of is not known.
+    #[error("they do not start with a header")]
+    NoHeader,
+    /// A frame that results do not have.
+    #[error("a frame is out of place")]
+    Misplaced(Kind),
+    /// More ticks than were flown.
+    #[error("there are more than inputs")]
+    MoreThanInputs,
+    /// The last one is not there.
+    #[error("they have no summary")]
+    NoSummary,
+}
+
+fn frame_words(error: &FrameError) -> String {
+    match error {
+        FrameError::TooLong => "a frame is too long".to_owned(),
+        FrameError::TooShort => "a frame is too short".to_owned(),
+        FrameError::Stuffing => "a frame's byte stuffing is broken".to_owned(),
+        FrameError::Check => "a frame's checksum is wrong".to_owned(),
+        FrameError::Kind(kind) => format!("a frame is of the unknown kind {kind}"),
+        FrameError::Repeated => "a frame is there twice".to_owned(),
+    }
+}
+
+/// What of a record the firmware did not fly.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Shortfall {
+    /// Something that must not happen did.
+    Counted {
+        /// What, in the plural.
+        what: &'static str,
+        /// How often.
+        count: u32,
+    },
+    /// The target's sensors failed otherwise than the host's.
+    SensorFaults {
+        /// Polls that failed on the target.
+        target: u32,
+        /// And on the host.
+        host: u32,
+    },
+    /// Inputs, ticks and results are not the same number.
+    Ticks {
+        /// Ticks of the record.
+        inputs: u32,
+        /// Ticks that the target says it has flown.
+        ticks: u32,
+        /// Results that came.
+        results: u64,
+    },
+}
+
+impl fmt::Display for Shortfall {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Counted { what, count } => write!(formatter, "{what}: {count}"),
+            Self::SensorFaults { target, host } => {
+                write!(formatter, "{target} polls of sensors failed on the target, {host} on the host")
+            }
+            Self::Ticks { inputs, ticks, results } => {
+                write!(formatter, "{inputs} inputs, {ticks} ticks flown, {results} results")
+            }
+        }
+    }
 }
 
 impl FlyError {

@@ -33,19 +33,14 @@ impl GridReport {
     /// Goes through the rows once.
     ///
     /// # Errors
-    /// [`FlyError::Host`] for a gap of more than an hour, or a time near the end of the clock.
+    /// [`FlyError::Gap`] for a gap of more than an hour, or a time near the end of the clock.
     pub(super) fn of(rows: impl Iterator<Item = TickInput> + Clone) -> Result<Self, FlyError> {
         let mut last_us: Option<u64> = None;
         for row in rows.clone() {
             let last = last_us.unwrap_or(row.time_us);
             let gap_us = row.time_us.saturating_sub(last);
             if gap_us > LONGEST_GAP_US || row.time_us > u64::MAX / 2 {
-                return Err(FlyError::Host(format!(
-                    "the flight has a gap of {:.0} s after {:.3} s: it can not be flown on chips, tick by tick, but with \
-                     ideal sensors",
-                    gap_us as f64 * 1e-6,
-                    last as f64 * 1e-6
-                )));
+                return Err(FlyError::Gap { gap_s: gap_us as f64 * 1e-6, after_s: last as f64 * 1e-6 });
             }
             last_us = Some(last.max(row.time_us));
         }

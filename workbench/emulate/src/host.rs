@@ -10,7 +10,7 @@ use kf_core::strapdown;
 use model::Model;
 
 use super::error::FlyError;
-use replay::{AnyMission, mission};
+use replay::{AnyMission, ReplayError, mission};
 
 /// The flight computer of a model, on the host.
 pub(super) type HostComputer = FlightComputer<HostSensors, Box<dyn AnyMission>>;
@@ -48,13 +48,13 @@ pub(super) fn computer(
     source: SensorSource,
     ulp_error: bool,
 ) -> Result<HostComputer, FlyError> {
-    let mission = mission(model).map_err(|error| FlyError::Host(error.to_string()))?;
+    let mission = mission(model)?;
     let sensors = HostSensors { recorded: RecordedSensors::new(source, &()), ulp_error };
     Ok(match source {
         SensorSource::Ideal => FlightComputer::new(sensors, mission),
         SensorSource::Chips => {
-            let onboard = Onboard::new(LaunchConfig::DEFAULT, strapdown::Config::MEMS)
-                .map_err(|_| FlyError::Host("the launch's limits are none".to_owned()))?;
+            let onboard =
+                Onboard::new(LaunchConfig::DEFAULT, strapdown::Config::MEMS).map_err(ReplayError::from)?;
             FlightComputer::on_board(sensors, mission, onboard)
         }
     })

@@ -33,8 +33,7 @@ impl Image {
     /// [`FlyError::Io`], [`FlyError::Image`].
     pub fn read(path: &Path) -> Result<Self, FlyError> {
         let bytes = fs::read(path).map_err(FlyError::io(path.display().to_string()))?;
-        Self::parse(&bytes)
-            .map_err(|why| FlyError::Image { path: path.display().to_string(), why: why.to_string() })
+        Self::parse(&bytes).map_err(|why| FlyError::Image { path: path.display().to_string(), why })
     }
 
     fn parse(bytes: &[u8]) -> Result<Self, object::Error> {

@@ -42,7 +42,7 @@ pub use consequence::{
 };
 pub use debug_link::{DebugLink, TicksFlown};
 pub use emulator::{Emulation, emulate};
-pub use error::FlyError;
+pub use error::{FlyError, ResultsError, Shortfall};
 pub use fault_script::{FaultError, PlannedFault};
 pub use grid::{GridReport, TICK_US};
 pub use image::Image;
@@ -198,9 +198,7 @@ pub fn fly_inputs(
 ) -> Result<FlyReport, FlyError> {
     let events = schedule(&options.faults)?;
     match options.sensors {
-        SensorSource::Ideal if !events.is_empty() => {
-            Err(FlyError::Host("ideal sensors have no chips that could fail".to_owned()))
-        }
+        SensorSource::Ideal if !events.is_empty() => Err(FlyError::IdealSensors),
         SensorSource::Ideal => fly_items(inputs.map(Item::Tick), model, options),
         SensorSource::Chips => {
             let grid = GridReport::of(inputs.clone())?;
@@ -276,7 +274,7 @@ fn fly_items(
     let board = match &options.on {
         FlownOn::Emulator => Board::Qemu,
         FlownOn::Board(_) if options.telemetry => {
-            return Err(FlyError::Host("a board on its debug link sends no telemetry to record".to_owned()));
+            return Err(FlyError::NoTelemetry);
         }
         FlownOn::Board(link) => {
             link.check()?;
@@ -480,7 +478,7 @@ impl Run {
 }
 
 fn name(file: &'static std::ffi::CStr) -> Result<&'static str, FlyError> {
-    file.to_str().map_err(|_| FlyError::Host("a file name of the flight record is not UTF-8".to_owned()))
+    file.to_str().map_err(FlyError::FileName)
 }
 
 struct Compared {
@@ -532,7 +530,7 @@ fn compare(
                         Some(Item::Fault(fault)) => {
                             computer.sensors.recorded.inject(fault);
                         }
-                        None => return Err(FlyError::Results("there are more than inputs".to_owned())),
+                        None => return Err(ResultsError::MoreThanInputs.into()),
                     }
                 };
                 computer.sensors.recorded.load(&input);
@@ -558,7 +556,7 @@ fn compare(
             Some(FlightResult::Latch(latch)) => target_latch = Some(latch),
             Some(FlightResult::Restart(report)) => return Err(FlyError::Restarted(report.cause.name())),
             Some(FlightResult::Summary(summary)) => break summary,
-            None => return Err(FlyError::Results("they have no summary".to_owned())),
+            None => return Err(ResultsError::NoSummary.into()),
         }
     };
     let host_latch = computer.mission.latch();
@@ -603,19 +601,20 @@ fn check_complete(summary: &Summary, inputs: u32, compared: u64, host_faults: u3
         ("cut record", u32::from(summary.input_cut)),
     ];
     if let Some((what, count)) = counts.into_iter().find(|(_, count)| *count > 0) {
-        return Err(FlyError::Incomplete(format!("{what}: {count}")));
+        return Err(FlyError::Incomplete(Shortfall::Counted { what, count }));
     }
     if summary.sensor_faults != host_faults {
-        return Err(FlyError::Incomplete(format!(
-            "{} polls of sensors failed on the target, {host_faults} on the host",
-            summary.sensor_faults
-        )));
+        return Err(FlyError::Incomplete(Shortfall::SensorFaults {
+            target: summary.sensor_faults,
+            host: host_faults,
+        }));
     }
     if summary.ticks != inputs || compared != u64::from(inputs) {
-        return Err(FlyError::Incomplete(format!(
-            "{inputs} inputs, {} ticks flown, {compared} results",
-            summary.ticks
-        )));
+        return Err(FlyError::Incomplete(Shortfall::Ticks {
+            inputs,
+            ticks: summary.ticks,
+            results: compared,
+        }));
     }
     Ok(())
 }

@@ -10,7 +10,7 @@ use flight_record::{
 use kf_core::latch::LatchRecord;
 use survival::RestartReport;
 
-use super::error::FlyError;
+use super::error::{FlyError, ResultsError};
 use super::fault_script::Item;
 
 /// Bytes read at a time.
@@ -36,9 +36,7 @@ pub(super) fn write_inputs(
             Item::Tick(input) => input,
         };
         writer.write(&input)?;
-        count = count.checked_add(1).ok_or_else(|| {
-            FlyError::Host("the flight has more than 2^32 rows: a flight record can not hold it".to_owned())
-        })?;
+        count = count.checked_add(1).ok_or(FlyError::TooManyRows)?;
     }
     writer.write(&End { inputs: count })?;
     writer.file.flush().map_err(FlyError::io(path.display().to_string()))?;
@@ -54,10 +52,7 @@ struct Writer<'a> {
 impl Writer<'_> {
     fn write<P: Payload>(&mut self, payload: &P) -> Result<(), FlyError> {
         let mut buffer = [0; MAX_STUFFED];
-        let frame = self
-            .encoder
-            .encode(payload, &mut buffer)
-            .map_err(|_| FlyError::Host("a tick is too long for a frame of the flight record".to_owned()))?;
+        let frame = self.encoder.encode(payload, &mut buffer).map_err(|_| FlyError::TickTooLong)?;
         self.file.write_all(frame).map_err(FlyError::io(self.path.display().to_string()))
     }
 }
@@ -99,28 +94,27 @@ impl Results {
             let read = self.file.read(&mut byte).map_err(FlyError::io("reading the results"))?;
             if read == 0 {
                 if self.decoder.is_inside_frame() {
-                    return Err(FlyError::Results("the last one is cut".to_owned()));
+                    return Err(ResultsError::Cut.into());
                 }
                 return Ok(None);
             }
-            let damaged = |what: &str| FlyError::Results(what.to_owned());
             let pushed = self.decoder.push(byte[0]);
-            let frame = pushed.map_err(|error| FlyError::Results(format!("{error:?}")))?;
+            let frame = pushed.map_err(ResultsError::Frame)?;
             let Some(frame) = frame else { continue };
             if frame.missed > 0 {
-                return Err(FlyError::Results(format!("{} are missing", frame.missed)));
+                return Err(ResultsError::Missing(frame.missed).into());
             }
-            let bad_payload = |_| damaged("a result does not decode");
+            let bad_payload = |error| FlyError::Results(ResultsError::Payload(error));
             match (frame.kind, self.header) {
                 // A header after others: the flight computer has restarted.
                 (Kind::Header, _) => {
                     let header: Header = frame.payload().map_err(bad_payload)?;
                     if header != Header::new(Stream::Outputs, header.model, header.sensors) {
-                        return Err(damaged("they are of another version of the format"));
+                        return Err(ResultsError::Version.into());
                     }
                     self.header = Some(header);
                 }
-                (_, None) => return Err(damaged("they do not start with a header")),
+                (_, None) => return Err(ResultsError::NoHeader.into()),
                 (Kind::Tick, _) => {
                     return frame.payload().map(FlightResult::Tick).map(Some).map_err(bad_payload);
                 }
@@ -133,10 +127,68 @@ impl Results {
                 (Kind::Restart, _) => {
                     return frame.payload().map(FlightResult::Restart).map(Some).map_err(bad_payload);
                 }
-                (Kind::Input | Kind::ChipFault | Kind::End, _) => {
-                    return Err(damaged("a frame is out of place"));
+                (kind @ (Kind::Input | Kind::ChipFault | Kind::End), _) => {
+                    return Err(ResultsError::Misplaced(kind).into());
                 }
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use flight_record::FrameError;
+
+    use super::*;
+
+    /// What reading these bytes as results ends with.
+    fn read(bytes: &[u8]) -> FlyError {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), bytes).unwrap();
+        let mut results = Results::open(file.path()).unwrap();
+        loop {
+            match results.next_result() {
+                Ok(Some(_)) => {}
+                Ok(None) => panic!("they are whole"),
+                Err(error) => return error,
+            }
+        }
+    }
+
+    /// The frames of some payloads, one after another.
+    fn frames(stream: Stream, ends: u32) -> Vec<Vec<u8>> {
+        let (mut encoder, mut buffer) = (Encoder::new(), [0; MAX_STUFFED]);
+        let header = Header::new(stream, 7, SensorSource::Ideal);
+        let mut all = vec![encoder.encode(&header, &mut buffer).unwrap().to_vec()];
+        for inputs in 0..ends {
+            all.push(encoder.encode(&End { inputs }, &mut buffer).unwrap().to_vec());
+        }
+        all
+    }
+
+    #[test]
+    fn damaged_results_say_how() {
+        let whole = frames(Stream::Outputs, 2);
+        let cut = &whole.concat()[..3];
+        let mut spoilt = whole[0].clone();
+        let middle = spoilt.len() / 2;
+        spoilt[middle] ^= 0x10;
+        for (bytes, expected, words) in [
+            (cut.to_vec(), ResultsError::Cut, "the last one is cut"),
+            (spoilt, ResultsError::Frame(FrameError::Check), "a frame's checksum is wrong"),
+            (whole[1].clone(), ResultsError::Missing(1), "1 are missing"),
+            (
+                frames(Stream::Inputs, 0).concat(),
+                ResultsError::Version,
+                "they are of another version of the format",
+            ),
+            (whole[..2].concat(), ResultsError::Misplaced(Kind::End), "a frame is out of place"),
+        ] {
+            let error = read(&bytes);
+            assert!(matches!(&error, FlyError::Results(found) if *found == expected), "{error:?}");
+            assert_eq!(error.to_string(), format!("the results of the flight computer are damaged: {words}"));
+            let source = std::error::Error::source(&error).and_then(|source| source.downcast_ref());
+            assert_eq!(source, Some(&expected));
         }
     }
 }

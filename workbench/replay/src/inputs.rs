@@ -8,6 +8,7 @@ use kf_core::strapdown::Config;
 use std::sync::Arc;
 
 use super::effect_columns;
+use super::pass::count_pass;
 use super::window::CalibrationWindow;
 use flight_data::{Channel, Column, Flight};
 
@@ -330,6 +331,9 @@ impl Iterator for TickInputs<'_> {
             return None;
         }
         let time_s = *self.columns.time_s.get(row)?;
+        if row == self.skipped {
+            count_pass();
+        }
         self.row += 1;
         match self.window {
             Some(window) => self.launch |= time_s >= window.end_s,

@@ -13,6 +13,7 @@ mod extent;
 mod given;
 mod inputs;
 mod mission;
+mod pass;
 pub mod quiet;
 mod reading;
 mod usage;
@@ -38,6 +39,7 @@ pub use extent::{Extent, Unused};
 pub use given::{AirborneError, GivenAirborne, GivenTimes};
 pub use inputs::{InputCounters, TickInputs};
 pub use mission::{AnyMission, mission};
+pub use pass::{Flown, Observer, passes_begun};
 pub use quiet::{Calmest, Place, QuietStretch};
 pub use reading::reading_m;
 pub use usage::{Usage, clock};
@@ -110,19 +112,26 @@ pub struct Replay<'a> {
     wild: Vec<WildCells>,
 }
 
-/// What a replay left behind.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ReplaySummary {
+/// What became of a flight's rows in a pass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InputSummary {
     /// Rows before the calibration window, which the estimator never saw.
     pub skipped_rows: usize,
     /// Rows after the landing, which it never saw either.
     pub rows_after: usize,
     /// What could not be made into a tick's input.
-    pub inputs: InputCounters,
-    /// What the estimator counted: ignored ticks, samples that are not finite, held fixes, and so on.
-    pub counters: Counters,
+    pub counters: InputCounters,
     /// What was counted where the strapdown channel made the UAV's inertial altitude; `None` where it did not.
     pub inertial_altitude: Option<(NavigationCounts, strapdown::Counts)>,
+}
+
+/// What a replay left behind.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReplaySummary {
+    /// What became of the flight's rows.
+    pub inputs: InputSummary,
+    /// What the estimator counted: ignored ticks, samples that are not finite, held fixes, and so on.
+    pub counters: Counters,
     /// The latched calibration, if there was a launch.
     pub latch: Option<LatchRecord>,
 }
@@ -173,12 +182,31 @@ impl<'a> Replay<'a> {
             None if has_launch => CalibrationSource::LaunchColumn,
             None => quiet_or_calmest(flight, model, &extent)?,
         };
-        let mut model = model.clone();
-        if source.window().is_some() {
-            model.settling_s = 0.0;
-        }
-        model.latitude_deg = latitude_deg(flight)?.unwrap_or(model.latitude_deg);
+        let model = as_flown(model, flight, &source)?;
         Ok(Self { flight, model, source, extent, has_barometer, tamed: Vec::new(), wild: Vec::new() })
+    }
+
+    /// The same part of the flight by another model. `None` for a model that may be calibrated elsewhere,
+    /// because it judges a calibration by other limits, or that reads other columns.
+    #[must_use]
+    pub fn by_model(&self, model: &Model) -> Option<Self> {
+        if model.quality != self.model.quality || model.columns() != self.model.columns() {
+            return None;
+        }
+        Some(Self { model: as_flown(model, self.flight, &self.source).ok()?, ..self.clone() })
+    }
+
+    /// Whether the mission's ticks of another replay are this one's, to the bit, but for an inertial altitude
+    /// that the flight computer makes.
+    #[must_use]
+    pub fn has_ticks_of(&self, other: &Self) -> bool {
+        let is_tame = self.tamed.is_empty() && other.tamed.is_empty();
+        is_tame
+            && std::ptr::eq(self.flight, other.flight)
+            && self.source.window() == other.source.window()
+            && self.end_row() == other.end_row()
+            && self.has_barometer == other.has_barometer
+            && self.model.columns() == other.model.columns()
     }
 
     /// A flight without captive flight: launch is at its first row. What needs no calibration, such as a
@@ -195,10 +223,8 @@ impl<'a> Replay<'a> {
         let extent = extent(flight, GivenTimes { calibration: None, airborne })?;
         let first_s = extent.used_s.0;
         let window = CalibrationWindow { start_s: first_s, end_s: first_s };
-        let mut model = model.clone();
-        model.latitude_deg = latitude_deg(flight)?.unwrap_or(model.latitude_deg);
-        model.settling_s = 0.0;
         let source = CalibrationSource::Uncalibrated(window);
+        let model = as_flown(model, flight, &source)?;
         Ok(Self { flight, model, source, extent, has_barometer, tamed: Vec::new(), wild: Vec::new() })
     }
 
@@ -342,15 +368,22 @@ impl<'a> Replay<'a> {
             on_tick(&input, &output);
         }
         Ok(ReplaySummary {
+            inputs: self.summary_of(&inputs),
+            counters: *mission.counters(),
+            latch: mission.latch().cloned(),
+        })
+    }
+
+    /// What became of the rows that these ticks were made of.
+    fn summary_of(&self, inputs: &TickInputs<'_>) -> InputSummary {
+        InputSummary {
             skipped_rows: inputs.skipped_rows(),
             rows_after: self.flight.rows() - self.end_row(),
-            inputs: *inputs.counters(),
-            counters: *mission.counters(),
+            counters: *inputs.counters(),
             inertial_altitude: inputs
                 .inertial_altitude()
                 .map(|made| (*made.counts(), made.channel().counts())),
-            latch: mission.latch().cloned(),
-        })
+        }
     }
 }
 
@@ -358,6 +391,16 @@ impl<'a> Replay<'a> {
 #[must_use]
 pub fn has_launch(flight: &Flight) -> bool {
     flight.channel(Channel::Launch).is_some_and(|launch| launch.samples().next().is_some())
+}
+
+/// A model without settling time where a window decides when to calibrate, and at the flight's own latitude.
+fn as_flown(model: &Model, flight: &Flight, source: &CalibrationSource) -> Result<Model, ReplayError> {
+    let mut model = model.clone();
+    if source.window().is_some() {
+        model.settling_s = 0.0;
+    }
+    model.latitude_deg = latitude_deg(flight)?.unwrap_or(model.latitude_deg);
+    Ok(model)
 }
 
 /// Which part of a log is analysed.

@@ -11,7 +11,7 @@ use model::{Model, ModelError};
 use super::error::ReplayError;
 
 /// A [`Mission`] of any shape.
-pub trait AnyMission: Retainable {
+pub trait AnyMission: Retainable + Send {
     /// See [`Mission::latch`].
     fn latch(&self) -> Option<&LatchRecord>;
     /// See [`Mission::counters`].

@@ -185,7 +185,7 @@ fn a_given_window_skips_starts_and_launches() {
     let summary = replay
         .run(&mut |input, output| ticks.push((input.time_us, output.phase, output.latched_now)))
         .unwrap();
-    assert_eq!(summary.skipped_rows, 250);
+    assert_eq!(summary.inputs.skipped_rows, 250);
     assert_eq!(ticks[0], (5_000_000, Phase::Calibrating, false));
     let latched: Vec<_> = ticks.iter().filter(|tick| tick.2).collect();
     assert_eq!(latched, [&(50_000_000, Phase::FreeFlight, true)]);
@@ -339,7 +339,7 @@ fn an_altitude_that_is_not_there_is_made_of_inertial_samples() {
     // A perfect rest; half the last bit of gravity, for 20 s.
     assert!(made.iter().all(|(_, altitude_m)| (altitude_m - 2000.0).abs() < 0.01));
     let (_, summary) = run(&replay);
-    let (counts, channel) = summary.inertial_altitude.unwrap();
+    let (counts, channel) = summary.inputs.inertial_altitude.unwrap();
     assert_eq!((counts.delivered as usize, channel.refused), (made.len(), 0));
     let captive = made.iter().filter(|(time_us, _)| *time_us < 40_000_000).count();
     assert_eq!(summary.latch.unwrap().sensors[Sensor::ImuSlave.index()].readings as usize, captive);
@@ -352,7 +352,7 @@ fn what_has_the_altitude_or_too_few_samples_is_flown_as_it_is() {
     for flight in [inertial_flight(50, "1234.5"), inertial_flight(45, "")] {
         let replay = Replay::new(&flight, &Model::default(), None).unwrap();
         assert!(replay.mission_inputs().eq(replay.inputs()));
-        assert_eq!(run(&replay).1.inertial_altitude, None);
+        assert_eq!(run(&replay).1.inputs.inertial_altitude, None);
     }
 }
 

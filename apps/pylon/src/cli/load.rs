@@ -138,14 +138,14 @@ fn replays_by<'a>(
     let named = files.iter().zip(flights).map(|(file, (flight, _))| {
         let replay =
             replay(flight).map_err(|error| Failure::input(format!("{}: {error}", file.display())))?;
-        Ok(NamedReplay { file: file.display().to_string(), replay })
+        Ok(NamedReplay::new(file.display().to_string(), replay))
     });
     named.collect()
 }
 
 /// Says on standard error what of each flight is not used, and why.
 pub fn write_unused<'a>(named: impl IntoIterator<Item = &'a NamedReplay<'a>>) {
-    for NamedReplay { file, replay } in named {
+    for NamedReplay { file, replay, .. } in named {
         write_unused_of(file, replay);
     }
 }

@@ -18,6 +18,8 @@ mod model_lock;
 mod one_flight;
 mod open;
 mod overwriting;
+#[cfg(test)]
+mod passes;
 mod places;
 mod progress;
 mod report;

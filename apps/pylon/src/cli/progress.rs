@@ -1,11 +1,17 @@
 //! Progress on standard error, for what takes longer than a second.
 
+use std::sync::mpsc;
+use std::thread;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
 /// Nothing is shown before this.
 const PATIENCE: Duration = Duration::from_secs(1);
+/// A spinner turns in these steps.
+const TICK: Duration = Duration::from_millis(125);
+/// What is going on is asked once in so many of them: once a second.
+const TICKS_PER_MESSAGE: u32 = 8;
 
 /// A bar that appears after a second, on a terminal only.
 #[derive(Debug)]
@@ -93,23 +99,29 @@ pub fn while_busy<T>(what: &'static str, work: impl FnOnce() -> T) -> T {
 
 /// As [`while_busy`], for what goes on to something else meanwhile: `what` is asked once a second.
 pub fn while_telling<T>(what: impl Fn() -> String + Send, work: impl FnOnce() -> T) -> T {
-    let (done, wait) = std::sync::mpsc::channel::<()>();
-    std::thread::scope(|scope| {
-        scope.spawn(move || {
-            let mut spinner = None;
+    let (done, wait) = mpsc::channel::<()>();
+    thread::scope(|scope| {
+        let tell = move || {
             // Another error than this means that the work is done and `done` was dropped.
-            while wait.recv_timeout(PATIENCE) == Err(std::sync::mpsc::RecvTimeoutError::Timeout) {
-                let spinner = spinner.get_or_insert_with(|| {
-                    let spinner = ProgressBar::new_spinner();
-                    spinner.enable_steady_tick(Duration::from_millis(120));
-                    spinner
-                });
-                spinner.set_message(what());
+            let is_busy = |time| wait.recv_timeout(time) == Err(mpsc::RecvTimeoutError::Timeout);
+            if !is_busy(PATIENCE) {
+                return;
             }
-            if let Some(spinner) = spinner {
-                spinner.finish_and_clear();
+            let spinner = ProgressBar::new_spinner();
+            // By hand: the spinner's own clock would be a thread more.
+            for tick in 0_u32.. {
+                if tick % TICKS_PER_MESSAGE == 0 {
+                    spinner.set_message(what());
+                }
+                spinner.tick();
+                if !is_busy(TICK) {
+                    break;
+                }
             }
-        });
+            spinner.finish_and_clear();
+        };
+        // Where the machine has no thread left, the work goes on without a word.
+        let _ = thread::Builder::new().spawn_scoped(scope, tell);
         let result = work();
         drop(done);
         result

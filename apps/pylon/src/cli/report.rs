@@ -5,15 +5,16 @@ use std::sync::Mutex;
 
 use clap::Args;
 use pylon::batch::{self, Batch};
-use pylon::compare::{Options, compare};
+use pylon::compare::Options;
 use pylon::contained::{Panicked, contained};
 use pylon::diagnose::{NamedReplay, diagnose};
 use pylon::flight::Note;
-use pylon::learn::{NamedFlight, ladder};
+use pylon::learn::NamedFlight;
 use pylon::output_file::write_atomically;
 use pylon::replay::Replay;
 use pylon::report::{FlightReport, Report, TRACE_SLOTS, file_name, keep_most_telling};
 use pylon::results::{ReportResult, VERSION};
+use pylon::survey::Survey;
 
 use super::failure::Failure;
 use super::overwriting::{Role, refuse_overwriting};
@@ -76,11 +77,22 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Replay::calibrated_or_not(flight, &model, times).map(|_| ())
     })?;
     let learned_from = by_name(load::replays(&batch.files, &batch.flights, &model, times)?);
+    // A diagnosis needs nothing quiet to calibrate on.
+    let to_diagnose = by_name(load::replays_to_diagnose(&batch.files, &batch.flights, &model, times)?);
+    let to_judge = by_name(load::replays_to_diagnose(&held.files, &held.flights, &model, times)?);
+    let [learned_flights, held_flights] = [&batch, &held].map(|batch| {
+        let mut named = load::named(&batch.files, &batch.flights, times);
+        named.iter_mut().for_each(|named| named.file = file_name(&named.file));
+        named
+    });
     let model_name = file_name(&arguments.model);
+    let mut survey = Survey::new(&model);
     let mut flights = Vec::with_capacity(batch.files.len());
     let mut without = Vec::new();
-    for (index, (named, (_, notes))) in learned_from.iter().zip(&batch.flights).enumerate() {
-        match contained(|| flight(index, named, notes, &model_name)) {
+    let each = learned_from.iter().zip(&learned_flights).zip(&to_diagnose).zip(&batch.flights);
+    for (index, (((named, unread), diagnosed), (_, notes))) in each.enumerate() {
+        let asked = Asked { index, named, flight: unread, diagnosed, notes, model: &model_name };
+        match contained(|| flight(&asked, &mut survey)) {
             Ok(found) => flights.push(found?),
             Err(why) if learned_from.len() > 1 && !arguments.strict => {
                 without.push(defect(&named.file, &why))
@@ -88,10 +100,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             Err(why) => return Err(Failure::input(defect(&named.file, &why))),
         }
     }
+    for (flight, judging) in held_flights.iter().zip(&to_judge) {
+        survey.hold_out(flight, &model, judging);
+    }
     let mut counter = Counter::new("diagnosing", "fits");
-    // A diagnosis needs nothing quiet to calibrate on.
-    let to_diagnose = by_name(load::replays_to_diagnose(&batch.files, &batch.flights, &model, times)?);
-    let to_judge = by_name(load::replays_to_diagnose(&held.files, &held.flights, &model, times)?);
     let mut diagnosis = diagnose(&to_diagnose, &to_judge, &mut || counter.step());
     drop(counter);
     diagnosis.model.clone_from(&model_name);
@@ -105,12 +117,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         })
     });
     keep_most_telling(&mut flights, &one_by_one.iter().flat_map(Batch::odd_files).collect::<Vec<_>>());
-    let mut all: Vec<NamedFlight<'_>> = load::named(&batch.files, &batch.flights, times);
-    all.extend(load::named(&held.files, &held.flights, times));
-    all.iter_mut().for_each(|named| named.file = file_name(&named.file));
+    let all = [learned_flights, held_flights].concat();
     let mut progress =
         Progress::new("flying every revision", (model.revisions.len() as u64 + 1) * all.len() as u64);
-    let mut ladder = ladder(&model, &all, &mut |done| progress.show(done))
+    let mut ladder = survey
+        .ladder(&model, &all, &mut |done| progress.show(done))
         .map_err(|error| Failure::input(error.to_string()))?;
     drop(progress);
     ladder.model.clone_from(&model_name);
@@ -151,21 +162,29 @@ fn defect(file: &str, why: &Panicked) -> String {
     format!("{file}: not drawn because of a bug in pylon; please report it: {why}")
 }
 
-fn flight(
+/// A flight as it is read, replayed and diagnosed.
+struct Asked<'f, 'a> {
+    /// Its place in the page, from 0.
     index: usize,
-    named: &NamedReplay<'_>,
-    notes: &[Note],
-    model: &str,
-) -> Result<FlightReport, Failure> {
-    let NamedReplay { file, replay } = named;
+    named: &'f NamedReplay<'a>,
+    flight: &'f NamedFlight<'a>,
+    diagnosed: &'f NamedReplay<'a>,
+    notes: &'f [Note],
+    /// The model's name.
+    model: &'f str,
+}
+
+fn flight<'a>(asked: &Asked<'_, 'a>, survey: &mut Survey<'a>) -> Result<FlightReport, Failure> {
+    let Asked { named: NamedReplay { file, replay, .. }, .. } = asked;
     let in_flight = |error: &dyn std::fmt::Display| Failure::input(format!("{file}: {error}"));
     let mut progress = Progress::new("flying", replay.flight().rows() as u64);
     let options = Options { trace_slots: Some(TRACE_SLOTS), ..Options::default() };
-    let (mut comparison, traces) =
-        compare(replay, &options, &mut |rows| progress.show(rows)).map_err(|error| in_flight(&error))?;
+    let (mut comparison, traces) = survey
+        .compare(asked.flight, replay, asked.diagnosed, &options, &mut |rows| progress.show(rows))
+        .map_err(|error| in_flight(&error))?;
     comparison.flight.file.clone_from(file);
-    model.clone_into(&mut comparison.model);
-    comparison.warnings.splice(0..0, notes.iter().map(ToString::to_string));
+    asked.model.clone_into(&mut comparison.model);
+    comparison.warnings.splice(0..0, asked.notes.iter().map(ToString::to_string));
     let traces = traces.ok_or_else(|| in_flight(&"its comparison kept no traces"))?;
-    Ok(FlightReport::new(index, replay, comparison, &traces))
+    Ok(FlightReport::new(asked.index, replay, comparison, &traces))
 }

@@ -41,7 +41,7 @@ pub fn import_file_corrected(
             .map_err(|error| ReadError::new(path, error.into()));
     }
     let imported = formats::import::as_logged(&log).map_err(|error| {
-        let is_table = error == ImportError::UnknownFormat && mapping::is_table(&log);
+        let is_table = matches!(error, ImportError::UnknownFormat) && mapping::is_table(&log);
         if is_table { ImportError::Table { file: path.display().to_string() } } else { error }
     });
     // The checks need memory of their own, and no byte of the log any more.

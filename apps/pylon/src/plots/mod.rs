@@ -30,6 +30,7 @@ pub enum PlotError {
         /// The directory.
         directory: PathBuf,
         /// Why not.
+        #[source]
         reason: std::io::Error,
     },
     /// A figure could not be drawn.
@@ -38,6 +39,7 @@ pub enum PlotError {
         /// The figure's file name.
         figure: &'static str,
         /// Why not.
+        #[source]
         reason: DrawingError,
     },
     /// A figure could not be written.

@@ -130,7 +130,7 @@ pub(crate) fn to_diagnose<'a>(
         let open = engine.flight(name)?;
         let replay = Replay::to_diagnose(&open.flight, &model, given_of(times, name))
             .map_err(|error| refused(format!("{}: {error}", open.file)))?;
-        Ok(NamedReplay { file: open.file.clone(), replay })
+        Ok(NamedReplay::new(open.file.clone(), replay))
     });
     each.collect()
 }

@@ -33,6 +33,6 @@ pub use motion_track::MotionTrack;
 pub use phase_statistics::PhaseSummary;
 pub use remedies::{Remedy, RemedyFigures};
 pub use rules::{Recommendation, RuleRequirements, SensorRules};
-pub use run::{Options, compare};
+pub use run::{Companions, Compared, Options, compare, compare_with};
 pub use timeline::{ErrorFigures, Failures, ManoeuvreErrors, Stretch};
 pub use traces::{EstimateTrace, ModelTrace, Traces};

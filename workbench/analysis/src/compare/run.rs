@@ -2,6 +2,7 @@
 
 use executor::Executor;
 use kf_core::config::SecondCorrection;
+use kf_core::input::TickInput;
 use kf_core::output::TickOutput;
 use model::{Model, SECOND_CORRECTION_WANDER_M_PER_SQRT_S};
 
@@ -12,7 +13,9 @@ use super::rules::RuleRequirements;
 use super::traces::Traces;
 use super::warnings::{effect_warnings, input_warnings};
 use flight_data::Channel;
-use replay::{CalibrationSource, Replay, ReplayError, Usage, mission};
+use replay::{
+    AnyMission, CalibrationSource, Flown, Observer, Replay, ReplayError, ReplaySummary, Usage, mission,
+};
 
 /// Progress is reported once in this many rows.
 const ROWS_PER_REPORT: u64 = 1 << 14;
@@ -38,45 +41,78 @@ pub fn compare(
     progress: &mut (dyn FnMut(u64) + Send),
     executor: &dyn Executor,
 ) -> Result<(Comparison, Option<Box<Traces>>), ReplayError> {
-    let (main, others) =
-        executor::both(executor, || fly(replay, options, progress, executor), || remedies(replay));
-    let (mut comparison, traces, tally) = main?;
-    let mut remedies = others?;
-    let flown = name(&replay.model().second_correction);
-    remedies.push(tally.figures(flown));
-    remedies.sort_by_key(|remedy| ORDER.iter().position(|name| *name == remedy.second_correction));
-    comparison.remedies = remedies.into_iter().filter(|remedy| !remedy.sensors.is_empty()).collect();
-    Ok((comparison, traces))
+    let compared = compare_with(replay, options, progress, Companions::default(), executor)?;
+    Ok((compared.comparison, compared.traces))
 }
 
-/// The main run: everything but the other second corrections.
-fn fly(
+/// Who else looks on while a comparison passes over a flight.
+#[derive(Default)]
+pub struct Companions<'a> {
+    /// Is shown every output of the model that is compared.
+    pub output: Option<&'a mut (dyn FnMut(&TickOutput) + Send)>,
+    /// See the ticks.
+    pub observers: Vec<&'a mut dyn Observer>,
+}
+
+/// A comparison, and what its mission left behind.
+#[derive(Debug)]
+pub struct Compared {
+    /// The comparison.
+    pub comparison: Comparison,
+    /// What charts are drawn from, if it was to be kept.
+    pub traces: Option<Box<Traces>>,
+    /// Of the mission.
+    pub summary: ReplaySummary,
+}
+
+/// As [`compare`], with others who need the same ticks: the flight is passed over once for all of them.
+///
+/// # Errors
+/// [`ReplayError`] for a model that no mission can be made of.
+pub fn compare_with(
     replay: &Replay<'_>,
     options: &Options,
     progress: &mut (dyn FnMut(u64) + Send),
+    companions: Companions<'_>,
     executor: &dyn Executor,
-) -> Result<(Comparison, Option<Box<Traces>>, RemedyTally), ReplayError> {
+) -> Result<Compared, ReplayError> {
+    let Companions { output: mut on_output, observers: others } = companions;
     let mut comparator = Comparator::new(options.trace_slots);
     let mut tally = RemedyTally::default();
     let mut rows = 0;
-    let summary = replay.run(&mut |input, output| {
+    let mut flown = Flown::new(replay.model(), |input, output| {
         comparator.take(input, output);
         tally.take(output);
+        if let Some(on_output) = &mut on_output {
+            on_output(output);
+        }
         rows += 1;
         if rows % ROWS_PER_REPORT == 0 {
             progress(rows);
         }
     })?;
+    let mut remedies = remedies(replay)?;
+    let mut observers: Vec<&mut dyn Observer> = vec![&mut flown];
+    observers.extend(remedies.iter_mut().map(|run| -> &mut dyn Observer { run }));
+    observers.extend(others.into_iter().map(|other| -> &mut dyn Observer { other }));
+    let inputs = replay.pass(&mut observers, executor);
+    let summary = flown.summary(inputs);
+    drop(flown);
+
     let end =
         MissionEnd { latch: summary.latch.as_ref(), counters: &summary.counters, model: replay.model() };
     let (mut comparison, traces) = comparator.finish(&end, &options.requirements, executor);
     comparison.flight = facts(replay);
     comparison.calibration.source = replay.source().to_string();
-    let mut warnings = input_warnings(&summary);
+    let mut warnings = input_warnings(&summary.inputs);
     warnings.append(&mut effect_warnings(replay.model(), replay.flight()));
     warnings.append(&mut comparison.warnings);
     comparison.warnings = warnings;
-    Ok((comparison, traces, tally))
+    let mut figures: Vec<Remedy> = remedies.iter().map(|run| run.tally.figures(run.name)).collect();
+    figures.push(tally.figures(name(&replay.model().second_correction)));
+    figures.sort_by_key(|remedy| ORDER.iter().position(|name| *name == remedy.second_correction));
+    comparison.remedies = figures.into_iter().filter(|remedy| !remedy.sensors.is_empty()).collect();
+    Ok(Compared { comparison, traces, summary })
 }
 
 fn facts(replay: &Replay<'_>) -> FlightFacts {
@@ -104,27 +140,37 @@ const fn name(correction: &SecondCorrection) -> &'static str {
     }
 }
 
+/// A second correction that is not the one that flies.
+struct RemedyRun {
+    name: &'static str,
+    mission: Box<dyn AnyMission>,
+    tally: RemedyTally,
+}
+
+impl Observer for RemedyRun {
+    fn take(&mut self, ticks: &[TickInput]) {
+        for input in ticks {
+            self.tally.take(&self.mission.tick(input));
+        }
+    }
+}
+
 /// Section 4's second corrections other than the one that flies, side by side over the same ticks.
-fn remedies(replay: &Replay<'_>) -> Result<Vec<Remedy>, ReplayError> {
+fn remedies(replay: &Replay<'_>) -> Result<Vec<RemedyRun>, ReplayError> {
+    let mut runs = Vec::new();
     if !has_launch(replay) {
-        return Ok(Vec::new());
+        return Ok(runs);
     }
     let flown = name(&replay.model().second_correction);
     let kalman = SecondCorrection::Kalman { wander_m_per_sqrt_s: SECOND_CORRECTION_WANDER_M_PER_SQRT_S };
-    let mut runs = Vec::new();
     for second_correction in [SecondCorrection::Off, SecondCorrection::MovingAverage, kalman] {
-        if name(&second_correction) != flown {
+        let name = name(&second_correction);
+        if name != flown {
             let model = Model { second_correction, ..replay.model().clone() };
-            runs.push((name(&second_correction), mission(&model)?, RemedyTally::default()));
+            runs.push(RemedyRun { name, mission: mission(&model)?, tally: RemedyTally::default() });
         }
     }
-    for input in replay.mission_inputs() {
-        for (_, mission, tally) in &mut runs {
-            let output: TickOutput = mission.tick(&input);
-            tally.take(&output);
-        }
-    }
-    Ok(runs.iter().map(|(name, _, tally)| tally.figures(name)).collect())
+    Ok(runs)
 }
 
 /// Whether anything is flown free: before launch every second correction does the same, which is nothing.

@@ -5,11 +5,11 @@ use model::Model;
 
 use super::comparison::{Comparison, ReadingCounts};
 use flight_data::Flight;
-use replay::{ReplaySummary, column_notes, missing_columns};
+use replay::{InputSummary, column_notes, missing_columns};
 
 /// One line for each kind of cell that did not become part of a tick.
-pub(super) fn input_warnings(summary: &ReplaySummary) -> Vec<String> {
-    let inputs = &summary.inputs;
+pub(super) fn input_warnings(summary: &InputSummary) -> Vec<String> {
+    let inputs = &summary.counters;
     let kinds = [
         (
             u32::try_from(summary.skipped_rows).unwrap_or(u32::MAX),

@@ -1,6 +1,8 @@
 //! What to fly to tell effects apart, or to see them at all: the manoeuvre that adds most to the
 //! information matrix.
 
+use std::sync::Arc;
+
 use kf_core::effect::{EffectId, SignalTracker};
 use kf_core::input::TickInput;
 use kf_core::sensor::SENSORS;
@@ -103,12 +105,8 @@ fn best(
 pub fn flown(ticks: &[TickInput], candidates: &[Candidate], set: &[usize], problem: &Problem<'_>) -> Series {
     let has: [bool; SENSORS] = std::array::from_fn(|i| problem.flights.iter().any(|flight| flight.has(i)));
     let mut tracker = SignalTracker::default();
-    let mut series = Series {
-        columns: vec![Vec::new(); set.len()],
-        block_s: BLOCK_S,
-        full_block: [1.0; SENSORS],
-        ..Series::default()
-    };
+    let mut columns = vec![Vec::new(); set.len()];
+    let mut series = Series { block_s: BLOCK_S, full_block: [1.0; SENSORS], ..Series::default() };
     let mut formulas = Formulas::new(set.iter().filter_map(|pick| Some(candidates.get(*pick)?.regressor)));
     tracker.begin_calibration();
     formulas.begin_calibration();
@@ -134,7 +132,7 @@ pub fn flown(ticks: &[TickInput], candidates: &[Candidate], set: &[usize], probl
         series
             .residual_m
             .push(std::array::from_fn(|i| if has[i] && (i > 0 || !launched) { 0.0 } else { f64::NAN }));
-        for (column, pick) in series.columns.iter_mut().zip(set) {
+        for (column, pick) in columns.iter_mut().zip(set) {
             let candidate = &candidates[*pick];
             let value = match candidate.effect() {
                 EffectId::Defined(_) => formulas.value_m(candidate.regressor),
@@ -148,5 +146,6 @@ pub fn flown(ticks: &[TickInput], candidates: &[Candidate], set: &[usize], probl
             }));
         }
     }
+    series.columns = columns.into_iter().map(Arc::new).collect();
     series
 }

@@ -1,5 +1,7 @@
 //! Ticks gathered into blocks, and the blocks' means.
 
+use std::sync::Arc;
+
 use kf_core::effect::{EffectId, EffectSubject};
 use kf_core::input::TickInput;
 use kf_core::sensor::{SENSORS, Sensor};
@@ -51,6 +53,8 @@ pub(super) struct Builder {
     signals: SignalMeans,
     signal_names: Vec<String>,
     series: Series,
+    /// The series' columns.
+    columns: Vec<Vec<BySensor>>,
     signal_blocks: Vec<Vec<f64>>,
     asked: Vec<u64>,
     missing: Vec<u64>,
@@ -82,7 +86,8 @@ impl Builder {
             open: None,
             signals: SignalMeans::new(offered(extra).count()),
             signal_names: names.chain(offered(extra).map(|(name, _)| name.clone())).collect(),
-            series: Series { columns: vec![Vec::new(); candidates.len()], block_s, ..Series::default() },
+            series: Series { block_s, ..Series::default() },
+            columns: vec![Vec::new(); candidates.len()],
             signal_blocks: Vec::new(),
             noise: vec![ColumnNoise::default(); candidates.len()],
             asked: vec![0; candidates.len()],
@@ -217,7 +222,7 @@ impl Builder {
         let (load_sum, loads) = open.load_factor;
         for (c, sums) in open.column_sums.chunks_exact(SENSORS).enumerate() {
             let of_every_tick = loads > 0 && Some(c) == self.load_factor_column;
-            series.columns[c].push(std::array::from_fn(|i| match open.readings[i] {
+            self.columns[c].push(std::array::from_fn(|i| match open.readings[i] {
                 0 => 0.0,
                 _ if of_every_tick && self.acts_on[c][i] => load_sum / f64::from(loads),
                 readings => sums[i] / f64::from(readings),
@@ -233,7 +238,7 @@ impl Builder {
             .zip(&self.missing)
             .map(|(asked, missing)| *asked > 0 && (*missing as f64) <= MOST_MISSING * *asked as f64)
             .collect();
-        for (column, available) in self.series.columns.iter_mut().zip(&available) {
+        for (column, available) in self.columns.iter_mut().zip(&available) {
             if !available {
                 column.fill([0.0; SENSORS]);
             }
@@ -244,6 +249,7 @@ impl Builder {
             counts.sort_unstable();
             counts.get(counts.len() / 2).map_or(1.0, |count| f64::from(*count))
         });
+        self.series.columns = self.columns.into_iter().map(Arc::new).collect();
         let blocks = self.series.len();
         Epochs {
             column_noise_m2: self.noise.iter().map(|noise| noise.of_mean(blocks)).collect(),

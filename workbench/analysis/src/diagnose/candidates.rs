@@ -2,9 +2,10 @@
 
 use kf_core::effect::{Clock, EffectId, EffectSubject, Regressor};
 use kf_core::sensor::Sensor;
-use model::Model;
+use model::{Effect, Model};
 
 use super::smoothed_climb::SMOOTHINGS_S;
+use super::wanted_effect::Tried;
 
 /// Time constants that are tried, seconds: a factor of three apart, between which a fitted exponential
 /// differs from the true one by some per cent of its size.
@@ -68,4 +69,26 @@ pub fn catalogue(model: &Model, has_climb_rate: bool) -> Vec<Candidate> {
         }
     }
     candidates
+}
+
+/// What a diagnosis or a study tries, the whole catalogue or what is to be tried of it, without what the
+/// model has already; and the effects that it has, and is not sure of.
+pub(super) fn candidates(
+    model: &Model,
+    has_climb_rate: bool,
+    tried: Option<Tried<'_>>,
+) -> (Vec<Candidate>, Vec<Candidate>) {
+    let mut candidates = catalogue(model, has_climb_rate);
+    if let Some(tried) = tried {
+        tried.narrow(&mut candidates);
+    }
+    let has = |effect: EffectId| model.effects.iter().any(|known| known.term.regressor.id == effect);
+    candidates.retain(|candidate| !has(candidate.effect()));
+    let known = unsure(model).map(|effect| Candidate { regressor: effect.term.regressor, smoothing_s: 0.0 });
+    (candidates, known.collect())
+}
+
+/// The effects of a model whose coefficients may be wrong.
+pub(super) fn unsure(model: &Model) -> impl Iterator<Item = &Effect> {
+    model.effects.iter().filter(|effect| effect.term.sigma > 0.0)
 }

@@ -24,3 +24,34 @@ pub struct Epochs {
     /// Readings that the mission refuses as well: not finite, implausible, or of a sensor that is stuck.
     pub refused: u64,
 }
+
+impl Epochs {
+    /// The same flight with these columns only, in this order. Columns know nothing of one another.
+    pub(super) fn of_columns(&self, places: &[usize]) -> Self {
+        let Self { series, signals, signal_names, glitches, unreferenced, refused, .. } = self;
+        let Series { time_s, fixes, free, residual_m, readings, block_s, full_block, .. } = series;
+        let column = |place: &usize| series.columns.get(*place).cloned().unwrap_or_default();
+        Self {
+            series: Series {
+                columns: places.iter().map(column).collect(),
+                time_s: time_s.clone(),
+                fixes: fixes.clone(),
+                free: free.clone(),
+                residual_m: residual_m.clone(),
+                readings: readings.clone(),
+                block_s: *block_s,
+                full_block: *full_block,
+            },
+            available: places.iter().filter_map(|place| self.available.get(*place).copied()).collect(),
+            column_noise_m2: places
+                .iter()
+                .filter_map(|place| self.column_noise_m2.get(*place).copied())
+                .collect(),
+            signals: signals.clone(),
+            signal_names: signal_names.clone(),
+            glitches: glitches.clone(),
+            unreferenced: *unreferenced,
+            refused: *refused,
+        }
+    }
+}

@@ -2,6 +2,7 @@
 
 use executor::Executor;
 use kf_core::effect::EffectSubject;
+use kf_core::input::TickInput;
 use kf_core::sensor::{SENSORS, Sensor};
 use model::Model;
 
@@ -15,54 +16,106 @@ use super::latent_path;
 use super::physical_range::measures_climb_rate;
 use super::reference_path::{Fix, ReferencePath};
 use super::residuals::known_m;
-use replay::Replay;
+use replay::{Observer, Replay};
 
 /// Sensors that show the path beside the receiver, the best first.
 const PATH_SENSORS: [Sensor; 2] = [Sensor::Baro, Sensor::ImuSlave];
 
-/// Makes block means of a flight.
+/// Makes block means of a flight, in two passes over its ticks: the reference's path must be known as a whole
+/// before a residual can be taken from it, because its outliers are found and its gaps filled from both
+/// sides.
 #[must_use]
 pub fn epochs(replay: &Replay<'_>, candidates: &[Candidate], executor: &dyn Executor) -> Epochs {
-    let model = replay.model();
-    let (fixes, paths) = measured(replay, model);
-    let (fixes, glitches_us) = glitches::split(fixes, &paths);
-    let lost_after_s = f64::from(model.reference.lost_after_s);
-    let mut path = ReferencePath::new(fixes, lost_after_s);
-    let readings = PATH_SENSORS.iter().map(|sensor| &paths[sensor.index()]).find(|path| !path.is_empty());
-    if let (false, Some(readings)) = (measures_climb_rate(replay), readings)
-        && let Some(points) = latent_path::path(path.fixes(), readings, path.interval_s(), executor)
-    {
-        path.set_path(&points);
+    let mut measured = Measured::of(replay);
+    for input in replay.inputs() {
+        measured.take_tick(&input);
     }
-    let mut builder = Builder::new(replay, candidates, path);
-    builder.run(replay, model, candidates);
-    let mut epochs = builder.finish();
-    let glitch =
-        |(from_us, to_us): &(u64, u64)| Glitch { from_s: *from_us as f64 * 1e-6, to_s: *to_us as f64 * 1e-6 };
-    epochs.glitches = glitches_us.iter().map(glitch).collect();
-    epochs
+    measured.epochs(replay, candidates, executor)
 }
 
 /// One sensor's readings: `(time, metres)`.
 type Path = Vec<(u64, f64)>;
 
-/// The fixes that are measurements, and every sensor's own readings.
-fn measured(replay: &Replay<'_>, model: &Model) -> (Vec<Fix>, [Path; SENSORS]) {
-    let mut follower = Follower::new(model);
-    let mut fixes = Vec::new();
-    let mut paths = [const { Vec::new() }; SENSORS];
-    for input in replay.inputs() {
-        let taken = follower.take(&input);
+/// The first of the two passes: the fixes that are measurements, and every sensor's own readings. It may look
+/// on while somebody else flies the flight.
+pub struct Measured {
+    model: Model,
+    follower: Follower,
+    fixes: Vec<Fix>,
+    paths: [Path; SENSORS],
+    makes_inertial_altitude: bool,
+}
+
+impl Measured {
+    /// Of a replay, before its first tick.
+    #[must_use]
+    pub fn of(replay: &Replay<'_>) -> Self {
+        Self {
+            model: replay.model().clone(),
+            follower: Follower::new(replay.model()),
+            fixes: Vec::new(),
+            paths: [const { Vec::new() }; SENSORS],
+            makes_inertial_altitude: replay.makes_inertial_altitude(),
+        }
+    }
+
+    fn take_tick(&mut self, input: &TickInput) {
+        let taken = self.follower.take(input);
         if let (true, Some(fix)) = (taken.has_fix, input.gps) {
-            fixes.push(Fix {
+            let known_m = known_m(&self.model, &self.follower, EffectSubject::Gps);
+            self.fixes.push(Fix {
                 time_us: input.time_us,
-                altitude_m: f64::from(fix.altitude_m) - known_m(model, &follower, EffectSubject::Gps),
+                altitude_m: f64::from(fix.altitude_m) - known_m,
                 climb_mps: fix.velocity_down_mps.map(|down| -f64::from(down)),
             });
         }
-        for (path, reading) in paths.iter_mut().zip(taken.readings_m) {
+        for (path, reading) in self.paths.iter_mut().zip(taken.readings_m) {
             path.extend(reading.map(|metres| (input.time_us, metres)));
         }
     }
-    (fixes, paths)
+
+    /// The block means, of which the second pass makes residuals and regressors.
+    #[must_use]
+    pub fn epochs(self, replay: &Replay<'_>, candidates: &[Candidate], executor: &dyn Executor) -> Epochs {
+        let Self { model, fixes, paths, .. } = self;
+        let (fixes, glitches_us) = glitches::split(fixes, &paths);
+        let lost_after_s = f64::from(model.reference.lost_after_s);
+        let mut path = ReferencePath::new(fixes, lost_after_s);
+        let readings = PATH_SENSORS.iter().map(|sensor| &paths[sensor.index()]).find(|path| !path.is_empty());
+        if let (false, Some(readings)) = (measures_climb_rate(replay), readings)
+            && let Some(points) = latent_path::path(path.fixes(), readings, path.interval_s(), executor)
+        {
+            path.set_path(&points);
+        }
+        // Every single reading of the flight: as much again as the flight itself.
+        drop(paths);
+        let mut builder = Builder::new(replay, candidates, path);
+        builder.run(replay, &model, candidates);
+        let mut epochs = builder.finish();
+        let glitch = |(from_us, to_us): &(u64, u64)| Glitch {
+            from_s: *from_us as f64 * 1e-6,
+            to_s: *to_us as f64 * 1e-6,
+        };
+        epochs.glitches = glitches_us.iter().map(glitch).collect();
+        epochs
+    }
+}
+
+/// A mission's ticks: an inertial altitude that the flight computer makes is none of a diagnosis' readings.
+impl Observer for Measured {
+    fn take(&mut self, ticks: &[TickInput]) {
+        for input in ticks {
+            if self.makes_inertial_altitude {
+                self.take_tick(&TickInput { imu_slave_altitude_m: None, ..*input });
+            } else {
+                self.take_tick(input);
+            }
+        }
+    }
+}
+
+impl std::fmt::Debug for Measured {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.debug_struct("Measured").field("fixes", &self.fixes.len()).finish_non_exhaustive()
+    }
 }

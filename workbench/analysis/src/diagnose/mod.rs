@@ -85,6 +85,7 @@ pub use diagnosis::{
 pub use dump::dump;
 pub use envelope::envelope_m;
 pub use evidence::{Evidence, Folds};
+pub use from_replay::Measured;
 pub use held_out_verdict::HeldOutVerdict;
 pub use learning_problem::{LearningProblem, Nuisance, Term};
 pub use named_replay::NamedReplay;

@@ -1,13 +1,11 @@
 //! Flights made ready for the search: candidates, block means, and what stands beside the effects.
 
 use executor::Executor;
-use kf_core::effect::EffectId;
 use kf_core::sensor::Sensor;
 use model::Model;
 
-use super::candidates::{Candidate, catalogue};
+use super::candidates::{Candidate, candidates, unsure};
 use super::epochs::Epochs;
-use super::from_replay::epochs;
 use super::named_replay::NamedReplay;
 use super::physical_range::{Bounds, measures_climb_rate, range};
 use super::problem::{Known, Problem};
@@ -48,19 +46,19 @@ impl Prepared {
         executor: &dyn Executor,
     ) -> Self {
         let has_climb_rate = flights.iter().all(|named| measures_climb_rate(&named.replay));
-        let mut candidates = catalogue(model, has_climb_rate);
-        if let Some(tried) = tried {
-            tried.narrow(&mut candidates);
-        }
-        let known_ids: Vec<EffectId> = model.effects.iter().map(|effect| effect.term.regressor.id).collect();
-        candidates.retain(|candidate| !known_ids.contains(&candidate.effect()));
+        let (mut candidates, of_model) = candidates(model, has_climb_rate, tried);
+        // What the whole catalogue is tried on together is tried on one by one as well.
+        let is_kept = tried.is_none() && flights.len() > 1;
         let tried = candidates.len();
-        let mut known = Vec::new();
-        for effect in model.effects.iter().filter(|effect| effect.term.sigma > 0.0) {
-            known.push(Known { column: candidates.len(), sigma: f64::from(effect.term.sigma) });
-            candidates.push(Candidate { regressor: effect.term.regressor, smoothing_s: 0.0 });
+        candidates.extend(of_model);
+        let mut known: Vec<Known> = unsure(model)
+            .zip(tried..)
+            .map(|(effect, column)| Known { column, sigma: f64::from(effect.term.sigma) })
+            .collect();
+        if is_kept {
+            flights.iter().for_each(|named| named.keep_all(executor));
         }
-        let prepare = |named: &NamedReplay<'_>| epochs(&named.replay, &candidates, executor);
+        let prepare = |named: &NamedReplay<'_>| named.epochs(&candidates, executor);
         let mut epochs: Vec<Epochs> = flights.iter().map(prepare).collect();
         let mut held: Vec<Epochs> = hold_outs.iter().map(prepare).collect();
         let wind = wind(&mut epochs, &mut held);

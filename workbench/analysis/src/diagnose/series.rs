@@ -3,6 +3,8 @@
 //! Averaging over blocks is linear, so a model that holds for the readings holds for the block means
 //! with the same coefficients: nothing is approximated but the noise within a block.
 
+use std::sync::Arc;
+
 use kf_core::sensor::SENSORS;
 
 /// One value a sensor, in the order of [`kf_core::sensor::Sensor`].
@@ -21,9 +23,10 @@ pub struct Series {
     pub residual_m: Vec<BySensor>,
     /// Readings of each sensor in each block.
     pub readings: Vec<[u32; SENSORS]>,
-    /// Mean regressor of every column in each block, metres per unit of the coefficient, by the sensor
-    /// whose residual it is added to; zero for a sensor that the column does not act on.
-    pub columns: Vec<Vec<BySensor>>,
+    /// Mean regressor of every column in each block, metres per unit of the coefficient, by the sensor whose
+    /// residual it is added to; zero for a sensor that the column does not act on. Shared by all copies: they
+    /// are nearly all of a series.
+    pub columns: Vec<Arc<Vec<BySensor>>>,
     /// Length of a block, seconds.
     pub block_s: f64,
     /// Readings that a full block has, by sensor (the median).

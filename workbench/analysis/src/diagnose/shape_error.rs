@@ -115,6 +115,8 @@ fn beside_own(products: &DMatrix<f64>, own: usize, picks: &[f64]) -> DVector<f64
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::super::noise::{GaussMarkov, NoisePrior, SensorNoise};
     use super::*;
 
@@ -150,7 +152,7 @@ mod tests {
         let mut series = Series {
             block_s: 1.0,
             full_block: [10.0; SENSORS],
-            columns: vec![Vec::new(); 2],
+            columns: vec![Arc::default(); 2],
             ..Series::default()
         };
         for block in 0..BLOCKS {
@@ -165,7 +167,7 @@ mod tests {
                 if i == 0 { f64::NAN } else { 3.0 * columns[0][i] + 0.2 * columns[1][i] }
             }));
             for (all, column) in series.columns.iter_mut().zip(columns) {
-                all.push(column);
+                Arc::make_mut(all).push(column);
             }
         }
         let flights = [series];

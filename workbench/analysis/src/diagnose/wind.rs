@@ -1,5 +1,7 @@
 //! The wind's place where the airspeed is not measured.
 
+use std::sync::Arc;
+
 use kf_core::sensor::Sensor;
 
 use super::epochs::Epochs;
@@ -34,7 +36,7 @@ pub(super) fn append(epochs: &mut Epochs) {
             std::array::from_fn(|i| if i == Sensor::Baro.index() { value } else { 0.0 })
         });
         let component = component.collect();
-        epochs.series.columns.push(component);
+        epochs.series.columns.push(Arc::new(component));
     }
 }
 

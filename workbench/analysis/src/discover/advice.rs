@@ -1,6 +1,8 @@
 //! What to fly to tell a law from those that it is equal to: among the manoeuvres of the diagnosis' advice, each with the columns that
 //! nobody knows held or moved in steps, the one that would bring the laws farthest apart.
 
+use std::sync::Arc;
+
 use kf_core::input::TickInput;
 
 use super::fit::{Bench, Fitted};
@@ -144,7 +146,8 @@ fn apart(
     let first = equals.effects.len();
     for fitted in std::iter::once(one).chain(equals.laws.iter().copied()) {
         let column = blocks.law(&fitted.law)?;
-        series.columns.push(column.iter().map(|value| fitted.subject.spread(*value)).collect());
+        let column = column.iter().map(|value| fitted.subject.spread(*value));
+        series.columns.push(Arc::new(column.collect()));
     }
     let series = [series];
     let planned = Problem::new(&series, bench.problem.prior.clone(), Vec::new(), &executor::Inline);

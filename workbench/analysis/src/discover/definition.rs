@@ -13,7 +13,7 @@ const PLAUSIBLE: f64 = 3.0;
 pub enum DefinitionError {
     /// It is not TOML.
     #[error("{0}")]
-    Syntax(String),
+    Syntax(#[source] toml_edit::TomlError),
     /// The id is there already.
     #[error("{0} is defined in it already; choose another id")]
     Taken(String),
@@ -85,8 +85,7 @@ pub fn with_definition(text: &str, id: &str, law: &FoundLaw) -> Result<String, D
 /// # Errors
 /// See [`DefinitionError`].
 pub fn with_new_definition(text: &str, new: &NewDefinition<'_>) -> Result<String, DefinitionError> {
-    let document: DocumentMut =
-        text.parse().map_err(|error: toml_edit::TomlError| DefinitionError::Syntax(error.to_string()))?;
+    let document: DocumentMut = text.parse().map_err(DefinitionError::Syntax)?;
     if let Some(definitions) = document.get("effect_definition") {
         let definitions = definitions.as_array_of_tables().ok_or(DefinitionError::NotTables)?;
         if definitions.iter().any(|table| table.get("id").and_then(Item::as_str) == Some(new.id)) {

@@ -1,5 +1,7 @@
 //! Laws with the noise fitted anew beside them: the likelihood of the diagnosis.
 
+use std::sync::Arc;
+
 use kf_core::sensor::SENSORS;
 
 use super::grammar::{Law, MOST_PARTS};
@@ -99,7 +101,8 @@ impl Bench<'_> {
         for (flight, series) in more.iter_mut().enumerate() {
             for (subject, column) in columns {
                 let values = column.get(flight).map_or(&[] as &[f64], Vec::as_slice);
-                series.columns.push(values.iter().map(|value| subject.spread(*value)).collect());
+                let column = values.iter().map(|value| subject.spread(*value));
+                series.columns.push(Arc::new(column.collect()));
             }
         }
         more

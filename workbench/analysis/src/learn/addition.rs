@@ -192,6 +192,7 @@ pub enum AddError {
         /// The flight.
         file: String,
         /// Why.
+        #[source]
         error: ReplayError,
     },
 }
@@ -359,7 +360,7 @@ fn replays<'a>(
     let named = flights.iter().map(|NamedFlight { file, flight, given }| {
         let replay =
             make(flight, model, *given).map_err(|error| AddError::Replay { file: file.clone(), error })?;
-        Ok(NamedReplay { file: file.clone(), replay })
+        Ok(NamedReplay::new(file.clone(), replay))
     });
     named.collect()
 }

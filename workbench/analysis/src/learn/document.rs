@@ -9,8 +9,8 @@ use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, Tab
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum DocumentError {
     /// It is not TOML.
-    #[error("{0}")]
-    Syntax(String),
+    #[error("{}", .0.message())]
+    Syntax(#[source] toml_edit::TomlError),
     /// Its effects or revisions are neither tables nor an array of inline tables.
     #[error(
         "{0} is neither [[{0}]] tables nor an array of inline tables; write each one as a table below a line [[{0}]]"
@@ -126,7 +126,7 @@ fn fill_revision(
 }
 
 fn parse(text: &str) -> Result<DocumentMut, DocumentError> {
-    text.parse().map_err(|error: toml_edit::TomlError| DocumentError::Syntax(error.message().to_owned()))
+    text.parse().map_err(DocumentError::Syntax)
 }
 
 /// Comments at the text's end, which must stay before a table that is added there.

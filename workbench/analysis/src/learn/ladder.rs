@@ -64,6 +64,11 @@ pub struct LadderError {
     pub reason: ReplayError,
 }
 
+/// The revisions of a model's ladder, oldest first; 0 is before all of them.
+pub(crate) fn numbers(model: &Model) -> impl Iterator<Item = u32> {
+    std::iter::once(0).chain(model.revision_numbers().into_iter().filter(|number| *number > 0))
+}
+
 /// Flies every revision of a model over every flight; `progress` is told how many of these are done.
 ///
 /// # Errors
@@ -88,8 +93,7 @@ pub fn ladder_by(
 ) -> Result<Ladder, LadderError> {
     let mut revisions = Vec::new();
     let mut done = 0;
-    for number in std::iter::once(0).chain(model.revision_numbers().into_iter().filter(|number| *number > 0))
-    {
+    for number in numbers(model) {
         let left = model.at_revision(number);
         let mut at_revision = Vec::new();
         for named in flights {

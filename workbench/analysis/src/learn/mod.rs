@@ -18,5 +18,7 @@ pub use addition::{
 };
 pub use document::DocumentError;
 pub use filter::{LearnError, Learned, learn};
+pub(crate) use ladder::numbers;
 pub use ladder::{Ladder, LadderError, LadderRevision, RevisionFlight, ladder, ladder_by};
+pub(crate) use score::{ScoreTally, Scoring};
 pub use score::{Scorer, Scores, SensorScore, flown, pooled_rms_m, score};

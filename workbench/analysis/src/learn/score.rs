@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 
 use kf_core::effect::EffectSubject;
-use kf_core::output::{Phase, Trust};
+use kf_core::input::TickInput;
+use kf_core::latch::LatchRecord;
+use kf_core::output::{Phase, TickOutput, Trust};
 use kf_core::sensor::{SENSORS, Sensor};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -11,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::addition::NamedFlight;
 use crate::name::Name;
 use model::Model;
-use replay::{Replay, ReplayError};
+use replay::{AnyMission, Observer, Replay, ReplayError, mission};
 
 /// One sensor's errors on one flight (eq. 16), and its flags.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -60,18 +62,31 @@ pub fn flown(named: &NamedFlight<'_>, model: &Model) -> Result<Scores, ReplayErr
 /// # Errors
 /// A model that no mission can be made of.
 pub fn score(replay: &Replay<'_>) -> Result<Scores, ReplayError> {
-    let mut tallies = [Tally::default(); SENSORS];
-    let mut launch_us = None;
-    let mut last_us = None;
-    let summary = replay.run(&mut |_, output| {
+    let mut tally = ScoreTally::default();
+    let summary = replay.run(&mut |_, output| tally.take(output))?;
+    Ok(tally.scores(summary.latch.as_ref()))
+}
+
+/// Scores in the making, by the outputs of a mission.
+#[derive(Clone, Default)]
+pub(crate) struct ScoreTally {
+    tallies: [Tally; SENSORS],
+    launch_us: Option<u64>,
+    last_us: Option<u64>,
+}
+
+impl ScoreTally {
+    /// Takes one tick.
+    #[inline]
+    pub(crate) fn take(&mut self, output: &TickOutput) {
         if output.out_of_order {
             return;
         }
         if output.latched_now {
-            launch_us = Some(output.time_us);
+            self.launch_us = Some(output.time_us);
         }
-        last_us = Some(output.time_us);
-        for (tally, sensor) in tallies.iter_mut().zip(&output.sensors) {
+        self.last_us = Some(output.time_us);
+        for (tally, sensor) in self.tallies.iter_mut().zip(&output.sensors) {
             match (output.phase, sensor.error_m) {
                 (Phase::Calibrating, Some(error_m)) => {
                     // Freed of the bias as it stands: the latched one is only known at the end.
@@ -95,32 +110,65 @@ pub fn score(replay: &Replay<'_>) -> Result<Scores, ReplayError> {
                 }
             }
         }
-    })?;
-    let after_s = |time_us: Option<u64>| {
-        let (time_us, launch_us) = time_us.zip(launch_us)?;
-        Some(time_us.saturating_sub(launch_us) as f64 * 1e-6)
-    };
-    let scores = Sensor::ALL.into_iter().zip(&tallies).filter_map(|(sensor, tally)| {
-        let [captive, sum, squares] = tally.captive;
-        let [free, free_squares] = tally.free;
-        if captive + free == 0.0 {
-            return None;
+    }
+
+    /// The scores, by the biases that were latched.
+    pub(crate) fn scores(&self, latch: Option<&LatchRecord>) -> Scores {
+        let after_s = |time_us: Option<u64>| {
+            let (time_us, launch_us) = time_us.zip(self.launch_us)?;
+            Some(time_us.saturating_sub(launch_us) as f64 * 1e-6)
+        };
+        let scores = Sensor::ALL.into_iter().zip(&self.tallies).filter_map(|(sensor, tally)| {
+            let [captive, sum, squares] = tally.captive;
+            let [free, free_squares] = tally.free;
+            if captive + free == 0.0 {
+                return None;
+            }
+            let latched_m = latch.map(|latch| f64::from(latch.sensors[sensor.index()].bias_m));
+            let captive_rms = |bias_m: f64| {
+                (squares / captive - 2.0 * bias_m * sum / captive + bias_m * bias_m).max(0.0).sqrt()
+            };
+            let score = SensorScore {
+                captive_rms_m: (captive > 0.0).then(|| captive_rms(latched_m.unwrap_or(sum / captive))),
+                free_flight_rms_m: (free > 0.0).then(|| (free_squares / free).sqrt()),
+                doubtful_after_s: after_s(tally.doubtful_us),
+                untrustworthy_after_s: after_s(tally.untrustworthy_us),
+                free_flight_s: after_s(self.last_us),
+                ticks: free as u64,
+            };
+            Some((sensor.name().into(), score))
+        });
+        scores.collect()
+    }
+}
+
+/// A model's scores, by a mission of its own that sees a pass' ticks.
+pub(crate) struct Scoring {
+    mission: Box<dyn AnyMission>,
+    tally: ScoreTally,
+}
+
+impl Scoring {
+    /// A new mission of the model as a replay has it.
+    ///
+    /// # Errors
+    /// A model that no mission can be made of.
+    pub(crate) fn new(model: &Model) -> Result<Self, ReplayError> {
+        Ok(Self { mission: mission(model)?, tally: ScoreTally::default() })
+    }
+
+    /// The scores, after the pass.
+    pub(crate) fn scores(&self) -> Scores {
+        self.tally.scores(self.mission.latch())
+    }
+}
+
+impl Observer for Scoring {
+    fn take(&mut self, ticks: &[TickInput]) {
+        for input in ticks {
+            self.tally.take(&self.mission.tick(input));
         }
-        let latched_m = summary.latch.as_ref().map(|latch| f64::from(latch.sensors[sensor.index()].bias_m));
-        let captive_rms = |bias_m: f64| {
-            (squares / captive - 2.0 * bias_m * sum / captive + bias_m * bias_m).max(0.0).sqrt()
-        };
-        let score = SensorScore {
-            captive_rms_m: (captive > 0.0).then(|| captive_rms(latched_m.unwrap_or(sum / captive))),
-            free_flight_rms_m: (free > 0.0).then(|| (free_squares / free).sqrt()),
-            doubtful_after_s: after_s(tally.doubtful_us),
-            untrustworthy_after_s: after_s(tally.untrustworthy_us),
-            free_flight_s: after_s(last_us),
-            ticks: free as u64,
-        };
-        Some((sensor.name().into(), score))
-    });
-    Ok(scores.collect())
+    }
 }
 
 /// Root mean square error in free flight over some flights, of the sensors that an effect acts on (of the

@@ -6,7 +6,7 @@ use thiserror::Error;
 use super::IMPORTERS;
 
 /// Why a log could not be imported; displays as one line, without the file's name.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ImportError {
     /// No importer knows the format.

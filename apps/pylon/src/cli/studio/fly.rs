@@ -1,13 +1,14 @@
 //! "Fly in QEMU": `pylon fly`, as a program of its own, so that what happens to it happens to nothing else.
 
 use std::env;
-use std::io::Write as _;
+use std::io::{self, Write as _};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::sync::Mutex;
 
-use model::Model;
+use model::{Model, ModelError};
 use pylon::replay::{CalibrationWindow, GivenAirborne, GivenTimes};
+use thiserror::Error;
 
 /// One flight at a time: it takes the machine.
 #[derive(Debug, Default)]
@@ -16,11 +17,19 @@ pub struct Flying {
 }
 
 /// Why there is no result.
-#[derive(Debug, PartialEq, Eq)]
+#[derive(Debug, Error)]
 pub enum NotFlown {
     /// Another flight is flying.
+    #[error("another flight is flying")]
     Busy,
-    /// `pylon fly`'s own line, or why it could not be started.
+    /// The model can not be used.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// `pylon fly` could not be started.
+    #[error(transparent)]
+    Start(#[from] io::Error),
+    /// `pylon fly` failed, in its own words.
+    #[error("{0}")]
     Failed(String),
 }
 
@@ -28,11 +37,10 @@ impl Flying {
     /// Flies a log with a model's text and the user's times; what `pylon fly --json` prints.
     pub fn fly(&self, log: &Path, model: &str, times: GivenTimes) -> Result<String, NotFlown> {
         let _flying = self.now.try_lock().map_err(|_| NotFlown::Busy)?;
-        Model::parse(model).map_err(|error| NotFlown::Failed(error.to_string()))?;
-        let failed = |error: std::io::Error| NotFlown::Failed(error.to_string());
-        let mut file = tempfile::Builder::new().suffix(".toml").tempfile().map_err(failed)?;
-        file.write_all(model.as_bytes()).map_err(failed)?;
-        let mut fly = Command::new(env::current_exe().map_err(failed)?);
+        Model::parse(model)?;
+        let mut file = tempfile::Builder::new().suffix(".toml").tempfile()?;
+        file.write_all(model.as_bytes())?;
+        let mut fly = Command::new(env::current_exe()?);
         fly.arg("fly").arg("--json").arg("--model").arg(file.path()).stdin(Stdio::null());
         let end = |time_s: Option<f64>| time_s.map_or_else(String::new, |time_s| time_s.to_string());
         if let Some(CalibrationWindow { start_s, end_s }) = times.calibration {
@@ -42,7 +50,7 @@ impl Flying {
             fly.arg("--airborne").arg(format!("{}..{}", end(take_off_s), end(landing_s)));
         }
         fly.arg("--").arg(log);
-        let output = fly.output().map_err(failed)?;
+        let output = fly.output()?;
         // 1: bits differ, which is a result.
         match output.status.code() {
             Some(0 | 1) => Ok(String::from_utf8_lossy(&output.stdout).into_owned()),

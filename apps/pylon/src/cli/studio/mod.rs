@@ -18,7 +18,7 @@ use super::load;
 use super::places::Places;
 use super::terminal;
 use model_file::ModelFile;
-use server::Server;
+use server::{Server, check_threads};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -58,6 +58,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::input(format!("{}: there is no such file or folder", missing.display())));
     }
     logs.write_notes();
+    check_threads()?;
     let page = page::page()?;
     let server = Server::bind(arguments.port, page, logs.files, model)?;
     terminal::put(&format!("{}\n", server.address()))?;

@@ -2,10 +2,10 @@
 //! asked for: a file is asked for by its place on the command line, never by a path.
 
 use std::fs::File;
-use std::io::{Cursor, Read as _};
+use std::io::{self, Cursor, Read as _};
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 
 use serde::Serialize;
@@ -19,6 +19,9 @@ use pylon::replay::{AirborneError, GivenTimes, WindowError};
 
 /// No model is longer, bytes.
 const LONGEST_MODEL: u64 = 4 << 20;
+/// Threads that the server starts before it listens. Where it can have none it panics in another of its own,
+/// and is deaf.
+const SERVER_THREADS: usize = 5;
 /// What lets the page fetch nothing; here it may ask this server.
 const FROM_DISK: &str = "connect-src 'none'";
 const FROM_HERE: &str = "connect-src 'self'";
@@ -120,10 +123,37 @@ impl Server {
             let request =
                 self.http.recv().map_err(|error| Failure::input(format!("the server ended: {error}")))?;
             let served = Arc::clone(&self.served);
-            // A long log must not hold the page up.
-            thread::spawn(move || served.answer(request));
+            let waiting = Arc::new(Mutex::new(Some(request)));
+            let answer = {
+                let waiting = Arc::clone(&waiting);
+                move || {
+                    let request = waiting.lock().unwrap_or_else(PoisonError::into_inner).take();
+                    if let Some(request) = request {
+                        served.answer(request);
+                    }
+                }
+            };
+            // A long log must not hold the page up; where the machine has no thread left, it does.
+            if thread::Builder::new().spawn(answer).is_err()
+                && let Some(request) = waiting.lock().unwrap_or_else(PoisonError::into_inner).take()
+            {
+                self.served.answer(request);
+            }
         }
     }
+}
+
+/// Refuses a machine that has not as many threads left as a server takes, one for an answer among them.
+pub fn check_threads() -> Result<(), Failure> {
+    let threads = SERVER_THREADS + 1;
+    let gate = Mutex::new(());
+    let started: io::Result<()> = thread::scope(|scope| {
+        // Closed until all of them are there.
+        let _closed = gate.lock().unwrap_or_else(PoisonError::into_inner);
+        let wait = || drop(gate.lock().unwrap_or_else(PoisonError::into_inner));
+        (0..threads).try_for_each(|_| thread::Builder::new().spawn_scoped(scope, wait).map(drop))
+    });
+    started.map_err(|error| Failure::input(format!("the studio needs {threads} threads: {error}")))
 }
 
 impl Served {
@@ -200,8 +230,8 @@ impl Served {
         };
         match self.flying.fly(log, &text, times) {
             Ok(json) => Answer::text(200, "application/json", json),
-            Err(NotFlown::Busy) => Answer::plain(409, "another flight is flying"),
-            Err(NotFlown::Failed(why)) => Answer::plain(422, &why),
+            Err(why @ NotFlown::Busy) => Answer::plain(409, &why.to_string()),
+            Err(why) => Answer::plain(422, &why.to_string()),
         }
     }
 

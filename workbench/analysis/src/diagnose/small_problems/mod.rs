@@ -10,6 +10,7 @@ mod search;
 mod unexplained;
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use executor::Inline;
 use kf_core::effect::{Clock, EffectId, Regressor};
@@ -97,7 +98,7 @@ impl Small {
 
     /// As [`Self::candidate`], with what nature allows of the coefficient.
     fn candidate_in(mut self, id: EffectId, range: [f64; 2], of: impl Fn(usize) -> f64) -> Self {
-        self.series.columns.push(on_baro((0..self.series.len()).map(of)));
+        self.series.columns.push(Arc::new(on_baro((0..self.series.len()).map(of))));
         let regressor = Regressor { id, time_constant_s: 0.0, since: Clock::Launch };
         self.candidates.push(Candidate { regressor, smoothing_s: 0.0 });
         self.bounds.push(Bounds { range, scale: 0.0 });

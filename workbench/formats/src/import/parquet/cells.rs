@@ -10,7 +10,7 @@ use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader};
 use parquet::file::reader::{ChunkReader, Length};
 use parquet::file::serialized_reader::SerializedPageReader;
 
-use super::error::{ChunkError, GroupError, ParquetError};
+use super::error::{ChunkError, FooterError, GroupError, ParquetError};
 use super::footer::{Footer, Group, Kind, Leaf};
 use super::pages;
 use crate::import::mapping::cell::{Cell, cell};
@@ -36,12 +36,11 @@ impl<'a> Cells<'a> {
     /// [`ParquetError`].
     pub fn new(file: &'a [u8]) -> Result<Self, ParquetError> {
         let footer = Footer::read(file)?;
-        let wrong = |what: String| ParquetError::Footer { what };
         let metadata = contained(|| ParquetMetaDataReader::decode_metadata(footer.bytes))
-            .map_err(|panicked| wrong(panicked.to_string()))?
-            .map_err(|error| wrong(error.to_string()))?;
+            .map_err(FooterError::from)?
+            .map_err(FooterError::from)?;
         if metadata.file_metadata().schema_descr().num_columns() != footer.leaves.len() {
-            return Err(wrong("its tree of columns is none".to_owned()));
+            return Err(FooterError::Damaged("its tree of columns is none").into());
         }
         Ok(Self { file, footer, metadata })
     }

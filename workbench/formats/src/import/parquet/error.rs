@@ -4,7 +4,7 @@ use executor::contained::Panicked;
 use thiserror::Error;
 
 /// Why a Parquet file could not be read; displays as one line, without the file's name.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ParquetError {
     /// The end is missing, where all that is in it is listed.
@@ -18,12 +18,9 @@ pub enum ParquetError {
     Encrypted,
     /// The list of columns is damaged.
     #[error(
-        "Parquet whose list of columns is damaged ({what}): nothing of it can be read, so copy or export it again"
+        "Parquet whose list of columns is damaged ({0}): nothing of it can be read, so copy or export it again"
     )]
-    Footer {
-        /// What is wrong with it.
-        what: String,
-    },
+    Footer(#[from] FooterError),
     /// It says that it has more than there can be in so few bytes.
     #[error(
         "Parquet of {bytes} bytes that says it has {rows} rows of {columns} columns, expected at most {most} cells in so few \
@@ -48,6 +45,20 @@ pub enum ParquetError {
         /// What is missing.
         what: &'static str,
     },
+}
+
+/// What is wrong with a list of columns.
+#[derive(Debug, Error)]
+pub enum FooterError {
+    /// It contradicts itself.
+    #[error("{0}")]
+    Damaged(&'static str),
+    /// The decoder refuses it.
+    #[error(transparent)]
+    Decode(#[from] parquet::errors::ParquetError),
+    /// The decoder panics on it.
+    #[error(transparent)]
+    Panicked(#[from] Panicked),
 }
 
 /// Why a group of a column's rows could not be read.

@@ -1,6 +1,6 @@
 //! What is at a Parquet file's end: its columns, its groups of rows, and where in the file they are.
 
-use super::error::ParquetError;
+use super::error::{FooterError, ParquetError};
 use super::thrift::{Reader, Value};
 
 /// What a Parquet file begins and ends with.
@@ -98,8 +98,8 @@ fn bytes(file: &[u8]) -> Result<&[u8], ParquetError> {
     Ok(before.get(start..).unwrap_or_default())
 }
 
-fn damaged(what: &str) -> ParquetError {
-    ParquetError::Footer { what: what.to_owned() }
+fn damaged(what: &'static str) -> ParquetError {
+    FooterError::Damaged(what).into()
 }
 
 impl<'a> Footer<'a> {

@@ -22,7 +22,7 @@ use super::{ImportError, Importer};
 use flight_data::{Column, Flight, MAX_TIME_S, Note};
 
 use error::GroupError;
-pub use error::ParquetError;
+pub use error::{FooterError, ParquetError};
 
 /// The key of the file's metadata that says whose it is.
 const OWN: &str = "pylon-flight";
