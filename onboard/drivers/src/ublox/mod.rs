@@ -164,10 +164,10 @@ impl<Port: Read + ReadReady + Write + WriteReady> Ublox<Port> {
         } else {
             0
         };
-        if received.solution {
-            if let Some(last_us) = self.last_solution_us.replace(now_us) {
-                self.interval_us = now_us.saturating_sub(last_us);
-            }
+        if received.solution
+            && let Some(last_us) = self.last_solution_us.replace(now_us)
+        {
+            self.interval_us = now_us.saturating_sub(last_us);
         }
         // Until it is configured nothing need come, and a missing acknowledgement is the link's error.
         if received.solution || !self.link.is_configured() {
