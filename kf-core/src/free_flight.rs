@@ -354,20 +354,7 @@ impl FreeFlight {
         if is_good {
             self.move_reference(departure_m);
         }
-        if self.reference.is_disputed() {
-            self.settle_dispute(time_us);
-        }
         is_good
-    }
-
-    #[inline(never)]
-    fn settle_dispute(&mut self, time_us: u64) {
-        let stands_by = |watch: &Watch| {
-            watch.can_testify(time_us, self.silent_after_us) && watch.is_within_bound(watch.testimony.error_m)
-        };
-        if self.watches.iter().any(stands_by) {
-            self.reference.settle();
-        }
     }
 
     /// The reference has moved by so much, metres, and what was said of it with it.
@@ -407,7 +394,7 @@ impl FreeFlight {
 
     /// Whether an error is not to be held against the sensor at that place.
     #[inline]
-    fn may_be_the_references(&self, place: usize, time_us: u64, error_m: f32) -> bool {
+    fn may_be_the_references(&mut self, place: usize, time_us: u64, error_m: f32) -> bool {
         let (own, other) = match (&self.watches, place) {
             ([slave, baro], 0) => (slave, baro),
             ([slave, baro], _) => (baro, slave),
@@ -419,6 +406,7 @@ impl FreeFlight {
             return true;
         }
         if own.is_within_bound(error_m) {
+            self.reference.settle();
             return false;
         }
         let can_testify = other.can_testify(time_us, self.silent_after_us);

@@ -34,6 +34,10 @@ const MEMORY_S: f32 = 300.0;
 /// nobody. What is left of a fault with that taken off is within any bound, which is three.
 const WANDER_SIGMAS: f32 = 2.0;
 
+/// The altitude may have left the climb rate's integral by so many times that for it to be known by how much: what is forgotten of it in five
+/// seconds, a sixtieth of the memory, is within a fix's own errors then, at four sigmas.
+const KNOWN_WANDERS: f32 = 120.0;
+
 /// How far the reference may be off: by anything between nothing and what its other word makes of it, and by a fix's own errors beyond
 /// that.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,9 +60,6 @@ pub(crate) struct ReferenceCheck {
     gate_m2_per_s: f32,
     /// How far the altitude may leave the climb rate's integral by itself, metres.
     wander_m: f32,
-    /// The altitude may have left it by so much, metres, for that to be known: what is forgotten of it in `lost_after_us` is within a fix's own
-    /// errors then.
-    known_m: f32,
     lost_after_us: u64,
     standing: Standing,
 }
@@ -138,8 +139,6 @@ impl ReferenceCheck {
             gate_m2: multiplier2 * 2.0 * reference.sigma_m * reference.sigma_m,
             gate_m2_per_s: multiplier2 * climb_m2_per_s,
             wander_m: WANDER_SIGMAS * reference.sigma_m,
-            known_m: libm::sqrtf(2.0) * config.monitor.multiplier * reference.sigma_m * MEMORY_S
-                / reference.lost_after_s,
             lost_after_us: microseconds(reference.lost_after_s),
             standing: Standing {
                 good_us: 0,
@@ -160,7 +159,7 @@ impl ReferenceCheck {
 
     /// At launch, or at a good fix, with the reference as it is: so many metres from its mean over the calibration, by its climb rate.
     fn begin(&mut self, time_us: u64, left_m: f32) {
-        let is_beyond = left_m.is_finite() && left_m.abs() > self.known_m;
+        let is_beyond = left_m.is_finite() && left_m.abs() > KNOWN_WANDERS * self.wander_m;
         let left_m = if is_beyond { f32::NAN } else { left_m };
         let is_excess = left_m.is_finite() && left_m.abs() > self.wander_m;
         let excess_m = if is_excess { left_m.abs() - self.wander_m } else { 0.0 };
@@ -227,8 +226,11 @@ impl ReferenceCheck {
     }
 
     /// A sensor stands by what is the reference now.
+    #[inline]
     pub(crate) const fn settle(&mut self) {
-        self.standing.left_m = f32::INFINITY;
+        if self.is_disputed() {
+            self.standing.left_m = f32::INFINITY;
+        }
     }
 
     /// Fixes have been refused for so long that what they were carried on from is worth nothing.
