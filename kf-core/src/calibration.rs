@@ -638,38 +638,37 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         let duration_s = self.start_us.map_or(0.0, |start_us| seconds_between(start_us, time_us));
         let unseen_m2 = square(config.reference.sigma_m)
             * mean_variance_factor(duration_s, config.reference.correlation_time_s);
-        let mut is_spread_credible = true;
+        let mut are_credible = true;
         let mut sensors = [SensorLatch::default(); SENSORS];
         for ((latch, sensor), residuals) in sensors.iter_mut().zip(Sensor::ALL).zip(&self.residuals) {
             let summary = residuals.summary();
             let bias_variance_m2 = self.estimator.bias_variance_m2(sensor);
             let residual_variance_m2 = summary.map_or(0.0, |summary| summary.variance);
+            let spread_m2 = residual_variance_m2 + 2.0 * unseen_m2;
             let variance_m2 = match config.monitor.sigma {
-                SigmaSource::Residual => residual_variance_m2 + 2.0 * unseen_m2,
+                SigmaSource::Residual => spread_m2,
                 SigmaSource::Covariance => bias_variance_m2,
                 SigmaSource::Datasheet => square(config.sensors[sensor.index()].sigma_m),
             };
             // A residual spread ten times as far as the model has it is not of that sensor: a bound made of it would call anything trusted.
             let modelled_m2 =
                 square(config.sensors[sensor.index()].sigma_m) + square(config.reference.sigma_m);
-            let is_its_own = residual_variance_m2 <= gate::LARGEST_SPREAD * modelled_m2;
-            is_spread_credible &= is_its_own;
             let bias_m = self.estimator.bias_m(sensor);
-            let bound_m2 = square(config.monitor.multiplier) * variance_m2;
-            // Its readings lay, on average, further from that bias than the bound has it: the reference was on another level when the bias
-            // was estimated, and a bound about it promises nothing.
-            let is_contradicted = config.monitor.reference_check
-                && summary.is_some_and(|summary| square(summary.mean - bias_m) > bound_m2);
-            let calibrated = summary.is_some()
-                && !is_contradicted
-                && (is_its_own || config.monitor.sigma != SigmaSource::Residual);
+            let multiplier2 = square(config.monitor.multiplier);
+            // If its readings lay, on average, further from the bias than their spread allows, the reference was on another level when that was
+            // estimated.
+            let is_its_own = residual_variance_m2 <= gate::LARGEST_SPREAD * modelled_m2
+                && summary.is_none_or(|summary| square(summary.mean - bias_m) <= multiplier2 * spread_m2);
+            are_credible &= is_its_own;
+            let calibrated =
+                summary.is_some() && (is_its_own || config.monitor.sigma != SigmaSource::Residual);
             *latch = SensorLatch {
                 bias_m,
                 bias_variance_m2,
                 readings: summary.map_or(0, |summary| summary.count),
                 residual_variance_m2,
                 mean_variance_m2: summary.map_or(0.0, |summary| summary.mean_variance),
-                bound_m2: if calibrated { bound_m2 } else { 0.0 },
+                bound_m2: if calibrated { multiplier2 * variance_m2 } else { 0.0 },
             };
         }
         let mut failed = FailedChecks::default();
@@ -679,7 +678,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         failed.note(Check::SensorsAlive, sensors_alive);
         let is_fresh = tracker.is_fresh(time_us) && !self.reference_was_lost;
         failed.note(Check::ReferenceFresh, is_fresh);
-        let is_consistent = is_spread_credible && self.is_consistent(config, duration_s);
+        let is_consistent = are_credible && self.is_consistent(config, duration_s);
         failed.note(Check::ReadingsConsistent, is_consistent);
 
         let biases = Sensor::ALL.map(|sensor| self.estimator.bias_m(sensor));

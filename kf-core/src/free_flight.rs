@@ -392,7 +392,7 @@ impl FreeFlight {
         Some(WatchedError { error_m: corrected_m, moving_average_m })
     }
 
-    /// Whether an error is not to be held against the sensor at that place.
+    /// Whether an error is not to be held against the sensor at that place. One within its bound settles what was disputed of the reference.
     #[inline]
     fn may_be_the_references(&mut self, place: usize, time_us: u64, error_m: f32) -> bool {
         let (own, other) = match (&self.watches, place) {

@@ -84,7 +84,7 @@ pub struct Counters {
     pub launch_repeats: u32,
     /// Times that the mission went on from a snapshot.
     pub restarts: u32,
-    /// Times that a launch was suspected and was none.
+    /// Times that a launch was suspected and was none. Bounces of one parting, each within 20 ms of the one before, are one.
     pub launch_suspicions: u32,
     /// Readings in free flight that were not judged, because their error may be the reference's.
     pub readings_unjudged: u32,

@@ -13,9 +13,8 @@
 //! - A receiver that contradicts itself has two words: an altitude that has left its own climb rate may be as wrong as that, and a
 //!   fix that was refused may be right and what was carried on wrong. An error counts only if the sensor is beyond its bound by both, or
 //!   the other sensor, calibrated before the two lay apart, is within its own by the reference and beyond it by the other word.
-//!
-//! - A receiver that contradicted itself until it was lost, or by hundreds of metres, is the reference for want of a better. Until a sensor stands
-//!   by it no sensor is blamed by it alone: a single one is `unmonitored`.
+//! - A receiver that contradicted itself until it was lost, or by hundreds of metres, is the reference for want of a better: it is disputed. Until
+//!   a sensor is within its bound by it, an error that no other sensor can be asked about is not judged.
 //!
 //! The limits: where the receiver gives no climb rate, or was silent until it was lost, nobody tells two sensors that fail alike from a reference
 //! that drifts; they are `unmonitored`, not flagged, and a single sensor is blamed for the reference. Where it gives one, altitude and climb rate that lie
@@ -34,8 +33,8 @@ const MEMORY_S: f32 = 300.0;
 /// nobody. What is left of a fault with that taken off is within any bound, which is three.
 const WANDER_SIGMAS: f32 = 2.0;
 
-/// The altitude may have left the climb rate's integral by so many times that for it to be known by how much: what is forgotten of it in five
-/// seconds, a sixtieth of the memory, is within a fix's own errors then, at four sigmas.
+/// Beyond so many times that wander nobody knows by how much the altitude has left the climb rate's integral: what is forgotten of it in five
+/// seconds, a sixtieth of the memory, is more than a fix's own errors explain (four sigmas).
 const KNOWN_WANDERS: f32 = 120.0;
 
 /// How far the reference may be off: by anything between nothing and what its other word makes of it, and by a fix's own errors beyond

@@ -516,6 +516,27 @@ fn a_single_sensor_that_fails_is_flagged_as_soon_as_without_the_check() {
     assert!((5.0..6.0).contains(&seen.flags_s[1][1].unwrap()), "{:?}", seen.flags_s);
 }
 
+/// The receiver jumps by 25 m, and all readings of the inertial altitude, which is tied to it, come after that: its bias is of the level before.
+#[test]
+fn an_altitude_whose_readings_contradict_its_bias_is_not_monitored_and_named() {
+    for (jump_m, is_monitored) in [(0.0, true), (25.0, false)] {
+        let mission = fly::<0, 4, 0>(
+            &config(true),
+            |k, input| {
+                if k >= 3_000 {
+                    add_to_fix(input, jump_m);
+                }
+                let slave_m = input.imu_slave_altitude_m.filter(|_| k >= 4_500);
+                input.imu_slave_altitude_m = slave_m.map(|altitude_m| altitude_m + jump_m);
+            },
+            |_, _| {},
+        );
+        let latched = mission.latch().unwrap().sensors[SLAVE];
+        assert_eq!(latched.bound_m2 > 0.0, is_monitored, "{latched:?}");
+        assert_eq!(failed(&mission).contains(&"readings_consistent"), !is_monitored, "{jump_m}");
+    }
+}
+
 /// A receiver is off by 3 km from 7 s before the launch on, which the captive gate refuses until the reference is lost. It is the reference after that,
 /// and says nothing of a sensor until one stands by it.
 #[test]
