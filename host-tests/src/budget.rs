@@ -271,8 +271,13 @@ impl Budgets {
         checks.iter().filter_map(line).collect()
     }
 
-    fn image(&self, name: &str, image: &Image, flash_bytes: u64) -> [Check; 2] {
+    fn image(&self, name: &str, image: &Image, flash_bytes: u64) -> [Check; 3] {
         [
+            Check::at_most(
+                format!("{name}: names files of cargo's registry"),
+                u32::from(image.names_registry),
+                0_u32,
+            ),
             Check::at_most(format!("{name}: flash, bytes"), image.flash_bytes, flash_bytes),
             Check::at_most(
                 format!("{name}: static RAM, bytes"),

@@ -14,6 +14,8 @@ mod hil;
 mod improvement;
 mod monitor_curves;
 mod mutants;
+#[path = "../../workbench/emulate/src/registry_paths.rs"]
+mod registry_paths;
 mod schemas;
 mod setup;
 mod site;

@@ -5,6 +5,8 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::registry_paths;
+
 /// The flight computer's target.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
 
@@ -68,5 +70,6 @@ pub fn build_workbench() -> Command {
 pub fn firmware_build(binary: &str, features: &str) -> Command {
     let mut build = cargo(["build", "--package", "firmware", "--bin", binary, "--features", features]);
     build.args(["--profile", "firmware", "--target", TARGET, "--target-dir", "target/flight-computer"]);
+    build.env("CARGO_ENCODED_RUSTFLAGS", registry_paths::compiler_flags());
     build
 }

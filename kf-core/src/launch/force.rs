@@ -143,6 +143,11 @@ impl Force {
         self.departed_us
     }
 
+    /// Since when it has been below its captive mean, if it still is. Gusts may end a near free fall, but not this.
+    pub(super) fn below_since_us(&self) -> Option<u64> {
+        self.departed_us.filter(|_| self.side == Side::Below)
+    }
+
     /// Since when it has been near free fall without interruption.
     pub(super) const fn falling_since_us(&self) -> Option<u64> {
         self.falling_us

@@ -11,6 +11,7 @@ use model::{Model, codegen};
 use super::error::FlyError;
 use super::made_of;
 use super::old_images::prune;
+use super::registry_paths;
 
 /// The flight computer's target.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
@@ -154,7 +155,10 @@ pub fn build(program: Program, model: &Model, planted: Option<PlantedError>) -> 
     let board = program.features(model);
     let planted_name = planted.map_or("", PlantedError::name);
     let image = images.join(format!("{}-{board}-{fingerprint:016x}-{planted_name}.elf", program.binary()));
-    let settings = [&[&*compiler, &generated, program.package()], program.settings()].concat();
+    let flags = registry_paths::compiler_flags();
+    let named_flags = flags.to_string_lossy();
+    let made_by = [&*compiler, &generated, program.package(), &*named_flags];
+    let settings = [&made_by[..], program.settings()].concat();
     let key = made_of::key(&root, &settings).map_err(FlyError::io(root.display().to_string()))?;
     if made_of::is_current(&image, &key) {
         return Ok(image);
@@ -184,9 +188,10 @@ pub fn build(program: Program, model: &Model, planted: Option<PlantedError>) -> 
         .env_remove("PYLON_TELEMETRY_BAUD")
         .env_remove("PYLON_MUTATE");
     // A host's flags (of a coverage run, say) are not the target's.
-    for variable in ["RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "CARGO_TARGET_DIR", "CARGO_BUILD_TARGET"] {
+    for variable in ["RUSTFLAGS", "CARGO_TARGET_DIR", "CARGO_BUILD_TARGET"] {
         cargo.env_remove(variable);
     }
+    cargo.env("CARGO_ENCODED_RUSTFLAGS", flags);
     if let Some(planted) = planted {
         cargo.env("PYLON_MUTATE", planted.name());
     }

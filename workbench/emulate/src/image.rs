@@ -22,6 +22,8 @@ pub struct Image {
     pub static_ram_bytes: u64,
     /// Where the RAM begins that a reset leaves alone on the boards that fly a record (`memory.x`), if the image has one.
     pub retained_start: Option<u64>,
+    /// Whether a constant names a file of cargo's registry, and so the home directory of whoever has built the image.
+    pub names_registry: bool,
     /// Names of all symbols, demangled.
     pub symbols: Vec<String>,
 }
@@ -50,6 +52,8 @@ impl Image {
             // Initial values of variables lie in flash and in RAM.
             if section.kind() != SectionKind::UninitializedData {
                 image.flash_bytes += section.size();
+                let name = b"/registry/src/";
+                image.names_registry |= section.data()?.windows(name.len()).any(|window| window == name);
             }
         }
         for symbol in file.symbols() {

@@ -17,6 +17,7 @@ mod log;
 mod made_of;
 mod old_images;
 mod record;
+mod registry_paths;
 mod starts;
 
 use std::fs;

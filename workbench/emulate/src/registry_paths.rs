@@ -1,0 +1,28 @@
+//! Where cargo keeps the dependencies' sources, left out of an image: a panic's message names its file, and each name would take the
+//! length of the builder's home directory from the flash. Without it an image is the same whoever builds it.
+
+use std::env;
+use std::ffi::OsString;
+use std::fs;
+use std::path::PathBuf;
+
+/// The compiler's flags for it, as `CARGO_ENCODED_RUSTFLAGS` takes them.
+pub fn compiler_flags() -> OsString {
+    let home = env::var_os("CARGO_HOME")
+        .map(PathBuf::from)
+        .or_else(|| env::var_os("HOME").map(|home| PathBuf::from(home).join(".cargo")));
+    let entries = home.and_then(|home| fs::read_dir(home.join("registry/src")).ok());
+    let mut registries: Vec<PathBuf> =
+        entries.into_iter().flatten().flatten().map(|entry| entry.path()).collect();
+    registries.sort();
+    let mut flags = OsString::new();
+    for registry in registries {
+        if !flags.is_empty() {
+            flags.push("\x1f");
+        }
+        flags.push("--remap-path-prefix=");
+        flags.push(registry);
+        flags.push("=");
+    }
+    flags
+}
