@@ -142,7 +142,7 @@ fn a_fix_right_after_another_says_no_more_than_that() {
     }
 }
 
-/// A receiver that jumps for a second, or says what can not be, leaves nothing in the channel.
+/// A receiver that jumps for a second, or says what cannot be, leaves nothing in the channel.
 #[test]
 fn a_jump_of_the_receiver_is_not_followed() {
     let flight = Flight::new(8, None);

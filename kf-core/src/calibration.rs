@@ -323,7 +323,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         if let Some(fix) = fix {
             if !self.has_altitude {
                 self.has_altitude = true;
-                // The configuration has already made an estimator once; a finite altitude can not
+                // The configuration has already made an estimator once; a finite altitude cannot
                 // make it fail.
                 if let Ok(estimator) = Estimator::new(config, fix.altitude_m) {
                     self.estimator = estimator;

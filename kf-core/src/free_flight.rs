@@ -95,7 +95,7 @@ impl Correction {
     }
 }
 
-/// What of a second correction can not be had again from configuration and latch.
+/// What of a second correction cannot be had again from configuration and latch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[expect(clippy::large_enum_variant, reason = "there is no heap to box the window on")]
 enum KeptCorrection {
@@ -186,7 +186,7 @@ impl Watch {
     }
 }
 
-/// What of a watch can not be had again from configuration and latch.
+/// What of a watch cannot be had again from configuration and latch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct KeptWatch {
     monitor: KeptMonitor,
@@ -195,7 +195,7 @@ pub(crate) struct KeptWatch {
     testimony: Testimony,
 }
 
-/// What of free flight can not be had again from configuration and latch. It is read part by part.
+/// What of free flight cannot be had again from configuration and latch. It is read part by part.
 pub(crate) type KeptFreeFlight = (Standing, [Option<KeptWatch>; WATCHED.len()]);
 
 /// The sensors that fly free. There is no room kept for one that does not: a watch is over half a kilobyte.

@@ -44,7 +44,7 @@ pub struct Monitor {
     trust: Trust,
 }
 
-/// What of a monitor can not be had again from its bound, window and sensor.
+/// What of a monitor cannot be had again from its bound, window and sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct KeptMonitor {
     average: KeptAverage,

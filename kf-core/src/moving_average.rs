@@ -82,7 +82,7 @@ pub struct MovingAverage {
     bin_us: u64,
 }
 
-/// What of a moving average can not be had again from its window.
+/// What of a moving average cannot be had again from its window.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct KeptAverage {
     open: Bin,

@@ -1,6 +1,6 @@
 //! The named checks that decide how a calibration is labelled.
 //!
-//! A launch can not be refused: a calibration that fails checks is latched as such.
+//! A launch cannot be refused: a calibration that fails checks is latched as such.
 
 /// A check of the calibration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

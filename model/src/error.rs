@@ -1,4 +1,4 @@
-//! Why a model can not be used.
+//! Why a model cannot be used.
 
 use std::io;
 use std::path::PathBuf;
@@ -7,12 +7,12 @@ use thiserror::Error;
 
 use crate::formula::FormulaError;
 
-/// A model that can not be used; displays as one line, but for a formula, which is shown with carets under the place.
+/// A model that cannot be used; displays as one line, but for a formula, which is shown with carets under the place.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ModelError {
     /// The file could not be read.
-    #[error("can not be read: {0}")]
+    #[error("cannot be read: {0}")]
     Io(#[source] io::Error),
     /// The text is not a model's TOML.
     #[error("row {row}, column {column}: {message}")]
@@ -136,7 +136,7 @@ pub enum ModelError {
         /// Effects that are states.
         estimated: usize,
     },
-    /// A value that its key can not have.
+    /// A value that its key cannot have.
     #[error("{key} is {found}, expected {expected}")]
     Value {
         /// The key, with its tables.

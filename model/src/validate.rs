@@ -35,7 +35,7 @@ impl Model {
     /// Checks every value; [`Model::parse`] and [`Model::mission_config`] have done so already.
     ///
     /// # Errors
-    /// The first value, in file order, that its key can not have.
+    /// The first value, in file order, that its key cannot have.
     pub fn validate(&self) -> Result<(), ModelError> {
         not_negative("settling_s", self.settling_s)?;
         if let SecondCorrection::Kalman { wander_m_per_sqrt_s } = self.second_correction {

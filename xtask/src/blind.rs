@@ -145,9 +145,9 @@ fn write_page(marks: &Marks, text: &str) -> anyhow::Result<()> {
 /// Puts a table into a page.
 fn write_to(path: &str, marks: &Marks, text: &str) -> anyhow::Result<()> {
     let page = workspace::root().join(path);
-    let old = fs::read_to_string(&page).with_context(|| format!("{path} can not be read"))?;
+    let old = fs::read_to_string(&page).with_context(|| format!("{path} cannot be read"))?;
     fs::write(&page, replaced(path, &old, marks, text)?)
-        .with_context(|| format!("{path} can not be written"))?;
+        .with_context(|| format!("{path} cannot be written"))?;
     eprintln!("wrote {path}");
     Ok(())
 }
@@ -168,7 +168,7 @@ fn built(program: &str, echo: bool) -> anyhow::Result<Command> {
 fn emptied(name: &str) -> anyhow::Result<PathBuf> {
     let folder = workspace::target_folder().join(name);
     if folder.exists() {
-        fs::remove_dir_all(&folder).with_context(|| format!("{} can not be emptied", folder.display()))?;
+        fs::remove_dir_all(&folder).with_context(|| format!("{} cannot be emptied", folder.display()))?;
     }
     Ok(folder)
 }
@@ -214,7 +214,7 @@ fn environment(others: &Others, echo: bool) -> anyhow::Result<PathBuf> {
 /// Both tables, with the command that makes them.
 fn tables(trials: u64, seed: u64, ours: &str, theirs: &str) -> String {
     let mut text = String::new();
-    // Writing to a string can not fail.
+    // Writing to a string cannot fail.
     let _ = write!(
         text,
         "`cargo xtask baselines {trials} --seed {seed} --write`\n\n```text\n{}\n```\n\n{}\n",

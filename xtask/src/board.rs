@@ -43,7 +43,7 @@ image that runs";
 /// Builds the flight computer's image for the real board with a model, writes it and starts it.
 ///
 /// # Errors
-/// `probe-rs` or a probe is missing; the model can not be read; the image does not build or does not arrive.
+/// `probe-rs` or a probe is missing; the model cannot be read; the image does not build or does not arrive.
 pub fn flash(model: &str, barometer: Barometer, probe: Option<&str>, echo: bool) -> anyhow::Result<()> {
     check_probe(echo)?;
     setup::provide(Need::Target, echo)?;

@@ -114,7 +114,7 @@ fn listen(
     let mut line = Vec::new();
     loop {
         line.clear();
-        // A stream that can not be read any more has ended; the exit status tells the rest.
+        // A stream that cannot be read any more has ended; the exit status tells the rest.
         if !matches!(reader.read_until(b'\n', &mut line), Ok(1..)) {
             return;
         }

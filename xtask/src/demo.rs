@@ -89,9 +89,9 @@ impl Demo {
         let (flight, pictures) = (folder.join("paper-reconstruction.csv"), folder.join("pictures"));
         if folder.exists() {
             fs::remove_dir_all(&folder)
-                .with_context(|| format!("{} can not be emptied", folder.display()))?;
+                .with_context(|| format!("{} cannot be emptied", folder.display()))?;
         }
-        fs::create_dir_all(&folder).with_context(|| format!("{} can not be made", folder.display()))?;
+        fs::create_dir_all(&folder).with_context(|| format!("{} cannot be made", folder.display()))?;
 
         self.simulate(SCENARIO, &flight)?;
         let mut fly = self.pylon("fly");
@@ -132,7 +132,7 @@ impl Demo {
         write.args([&first, &second]).arg("--model").arg(&model).arg("-o").arg(&report);
         self.run("writing a report of both flights with the improved model", write)?;
         let page =
-            fs::read_to_string(&report).with_context(|| format!("{} can not be read", report.display()))?;
+            fs::read_to_string(&report).with_context(|| format!("{} cannot be read", report.display()))?;
         if !page.contains("data-chart=\"ladder-2\"") || !page.contains(*effect) {
             bail!("{} does not show how the error fell on the second flight", report.display());
         }
@@ -175,7 +175,7 @@ fn folder() -> PathBuf {
 
 /// The pictures in a folder, by name.
 fn drawn(folder: &PathBuf) -> anyhow::Result<Vec<PathBuf>> {
-    let files = fs::read_dir(folder).with_context(|| format!("{} can not be read", folder.display()))?;
+    let files = fs::read_dir(folder).with_context(|| format!("{} cannot be read", folder.display()))?;
     let mut pictures: Vec<_> = files.flatten().map(|file| file.path()).collect();
     pictures.retain(|path| path.extension().is_some_and(|extension| extension == "svg"));
     pictures.sort();

@@ -31,7 +31,7 @@ pub struct Arguments {
 /// Builds the workbench and lets it fly; the exit status is its own.
 ///
 /// # Errors
-/// The workbench or the target can not be had, or it was ended by a signal.
+/// The workbench or the target cannot be had, or it was ended by a signal.
 pub fn run(arguments: &Arguments, echo: bool) -> anyhow::Result<ExitCode> {
     for need in [Need::Npm, Need::Target] {
         setup::provide(need, echo)?;

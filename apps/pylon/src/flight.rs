@@ -40,7 +40,7 @@ impl ReadError {
 #[non_exhaustive]
 pub enum Problem {
     /// The file could not be opened or read.
-    #[error("can not be read: {0}")]
+    #[error("cannot be read: {0}")]
     Io(#[from] io::Error),
     /// It is no flight's CSV, or one with an error in it.
     #[error(transparent)]

@@ -9,7 +9,7 @@ use thiserror::Error;
 /// An output file that was not written. Nothing of it is left behind, and a file of that name that
 /// was there before is as it was.
 #[derive(Debug, Error)]
-#[error("{}: can not be written: {reason}", path.display())]
+#[error("{}: cannot be written: {reason}", path.display())]
 pub struct OutputError {
     /// The file that was to be written.
     pub path: PathBuf,
@@ -39,7 +39,7 @@ pub struct Prepared {
 
 #[derive(Debug)]
 enum Kind {
-    /// What is written to is no regular file (`/dev/stdout`, a pipe), so it can not be replaced: the text waits here.
+    /// What is written to is no regular file (`/dev/stdout`, a pipe), so it cannot be replaced: the text waits here.
     Device(Vec<u8>),
     /// A file with a temporary name in the directory of `target`, or without any.
     File { target: PathBuf, temporary: Temporary },
@@ -342,7 +342,7 @@ mod tests {
         };
         let fresh = directory.path().join("fresh.csv");
         let message = write_atomically(&fresh, fail).unwrap_err().to_string();
-        assert!(message.ends_with("fresh.csv: can not be written: disk full"), "{message}");
+        assert!(message.ends_with("fresh.csv: cannot be written: disk full"), "{message}");
         assert!(names(directory.path()).is_empty());
 
         let old = directory.path().join("old.csv");
@@ -418,7 +418,7 @@ mod tests {
         fs::write(&file, "old").unwrap();
         fs::set_permissions(&file, fs::Permissions::from_mode(0o444)).unwrap();
         let refused = write_atomically(&file, |out| out.write_all(b"new")).unwrap_err().to_string();
-        assert!(refused.ends_with("ours.toml: can not be written: it is read-only"), "{refused}");
+        assert!(refused.ends_with("ours.toml: cannot be written: it is read-only"), "{refused}");
         fs::set_permissions(&file, fs::Permissions::from_mode(0o644)).unwrap();
         fs::hard_link(&file, directory.path().join("theirs.toml")).unwrap();
         let refused = write_atomically(&file, |out| out.write_all(b"new")).unwrap_err().to_string();

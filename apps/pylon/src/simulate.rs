@@ -13,7 +13,7 @@ use crate::output_file::{OutputError, prepare, write_atomically};
 /// Why there is no simulated flight; displays as one line.
 #[derive(Debug, Error)]
 pub enum SimulateError {
-    /// The scenario's file can not be read.
+    /// The scenario's file cannot be read.
     #[error("{}: cannot read the scenario: {source}", file.display())]
     Unreadable {
         /// The file.
@@ -24,7 +24,7 @@ pub enum SimulateError {
     /// The scenario makes no sense.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
-    /// The scenario makes sense, but the aircraft can not fly it.
+    /// The scenario makes sense, but the aircraft cannot fly it.
     #[error("{scenario}: {reason}")]
     Motion {
         /// The scenario's file or name.
@@ -33,7 +33,7 @@ pub enum SimulateError {
         #[source]
         reason: MotionError,
     },
-    /// An output file can not be written.
+    /// An output file cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
 }

@@ -45,7 +45,7 @@ impl<'a> Survey<'a> {
     /// scores are done.
     ///
     /// # Errors
-    /// [`LadderError`], for the first flight that can not be flown.
+    /// [`LadderError`], for the first flight that cannot be flown.
     pub fn ladder(
         &self,
         model: &Model,

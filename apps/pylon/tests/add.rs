@@ -247,7 +247,7 @@ fn a_preset_is_never_changed_and_starts_a_file_of_ones_own() {
     assert!(refused.contains("default is a preset") && refused.contains("-o ours.toml"), "{refused}");
     let refused = refusal(directory, &from("ours.toml"));
     assert!(
-        refused.contains("ours.toml: can not be read") && refused.contains("touch ours.toml"),
+        refused.contains("ours.toml: cannot be read") && refused.contains("touch ours.toml"),
         "{refused}"
     );
     stdout(directory, &[from("default").as_slice(), &["-o", "ours.toml"]].concat());

@@ -206,8 +206,8 @@ fn files_that_are_no_flight_are_refused() {
     assert!(
         refused("version.csv", b"# pylon-flight: 2\n").contains("version '2'; this program reads version 1")
     );
-    assert!(refusal(directory.path(), &["compare", "absent.csv"]).contains("absent.csv: can not be read"));
-    assert!(refusal(directory.path(), &["compare", "."]).contains("can not be read"));
+    assert!(refusal(directory.path(), &["compare", "absent.csv"]).contains("absent.csv: cannot be read"));
+    assert!(refusal(directory.path(), &["compare", "."]).contains("cannot be read"));
 }
 
 #[test]
@@ -392,7 +392,7 @@ fn an_open_quote_a_leaping_clock_utf_16_and_a_folder_that_is_not_are_said_as_suc
     assert!(text.contains("in 400 rows, from 0 s to 399 s"), "{text}");
 
     let said = refusal(path, &["export", "leap.csv", "--format", "parquet", "-o", "none/x.parquet"]);
-    assert!(said.ends_with("none/x.parquet: can not be written: folder none does not exist\n"), "{said}");
+    assert!(said.ends_with("none/x.parquet: cannot be written: folder none does not exist\n"), "{said}");
 }
 
 /// A copy looks like the best of all barometers.

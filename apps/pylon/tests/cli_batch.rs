@@ -146,9 +146,9 @@ fn a_folder_is_every_log_in_it_and_a_pattern_what_it_matches() {
         (&["diagnose", "logs/***"], "logs/***: no pattern of files: "),
         (
             &["diagnose", "made.csv", "--hold-out", "none.csv"],
-            "none.csv: can not be read: there is no such file",
+            "none.csv: cannot be read: there is no such file",
         ),
-        (&["compare", "logs"], "logs: can not be read: it is a folder, expected one file"),
+        (&["compare", "logs"], "logs: cannot be read: it is a folder, expected one file"),
         (
             &["add", "baro.lag", "--model", "m.toml", "--from", "empty"],
             "empty: no log among the 0 files of this folder",

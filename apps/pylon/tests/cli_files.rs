@@ -156,7 +156,7 @@ fn a_model_keeps_its_mode_and_a_read_only_one_its_text() {
         assert_eq!(output.status.code(), Some(2));
         String::from_utf8(output.stderr).unwrap()
     };
-    assert!(line.contains("ours.toml: can not be written: it is read-only"), "{line}");
+    assert!(line.contains("ours.toml: cannot be written: it is read-only"), "{line}");
     assert_eq!(fs::read_to_string(&model).unwrap(), "");
     set(0o600);
     stdout(directory.path(), &arguments);

@@ -59,7 +59,7 @@ fn a_fault_that_can_not_be_is_one_line_and_status_2() {
     Recipe { captive_s: 14.0, free_s: 3.0, ..Recipe::default() }.write(directory.path());
     for (arguments, said) in [
         (&["--fault", "baro melted 3..4"][..], "fault 'melted', expected one of stuck-low"),
-        (&["--fault", "gps stuck-low 3..4"], "gps can not be stuck-low"),
+        (&["--fault", "gps stuck-low 3..4"], "gps cannot be stuck-low"),
         (&["--fault", "baro reset 99"], "fault at 99 s, and the flight goes from 0.000 s to 16.980 s"),
         (&["--fault", "baro reset 3", "--ideal-sensors"], "cannot be used with"),
     ] {

@@ -96,7 +96,7 @@ fn what_is_wrong_is_said_in_one_line_and_nothing_is_written() {
     let import = |log: &'static str, mapping: &'static str| {
         refusal(path, &["import", log, "--mapping", mapping, "-o", "flight.csv"])
     };
-    assert!(import("log.csv", "none.toml").starts_with("error: none.toml: can not be read: "));
+    assert!(import("log.csv", "none.toml").starts_with("error: none.toml: cannot be read: "));
     assert!(import("log.csv", "wrong.toml").starts_with("error: wrong.toml: line 3: unknown field `colum`"));
     assert!(import("log.csv", "other.toml").starts_with("error: other.toml: "));
     assert!(import("binary", "good.toml").contains("error: binary: it is not text"));

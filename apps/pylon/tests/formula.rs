@@ -158,7 +158,7 @@ fn json(directory: &Path, arguments: &[&str]) -> Value {
     serde_json::from_str(&stdout(directory, arguments)).unwrap()
 }
 
-/// Found, learned, and gone; and refused where it can not fly.
+/// Found, learned, and gone; and refused where it cannot fly.
 #[test]
 fn a_law_of_ones_own_is_found_learned_and_taken_off() {
     let directory = tempfile::tempdir().unwrap();

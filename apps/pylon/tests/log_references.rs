@@ -136,7 +136,7 @@ fn gliders_logs_are_read_as_aerofiles_reads_them() {
         let ours = imported(&flight);
         // A pressure altitude that is the receiver's own, or none, is said and not taken for a barometer's.
         reference.retain(|name, _| ours.contains_key(name) || name != "baro_alt_m");
-        // In hundredths of km/h; aerofiles has the numbers as they stand, as has a flight whose unit can not be told.
+        // In hundredths of km/h; aerofiles has the numbers as they stand, as has a flight whose unit cannot be told.
         if name == "igclib_new_zealand.igc" {
             let speeds = reference.remove("igc_tas").unwrap();
             let in_mps = speeds.into_iter().map(|(time_s, value)| (time_s, value / 360.0)).collect();

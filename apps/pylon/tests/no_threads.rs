@@ -32,7 +32,7 @@ fn limited(directory: &Path, program: &str, arguments: &[&str]) -> Command {
     command
 }
 
-/// Why the limit can not be had here, if so: without it this test would show nothing.
+/// Why the limit cannot be had here, if so: without it this test would show nothing.
 fn why_not(directory: &Path, program: &str) -> Option<String> {
     // A shell that can start no other process has no thread to start either. `timeout`: some try for a while.
     let forks = limited(directory, "sh", &["-c", "(exit 3) & wait $!"]).output();
@@ -43,7 +43,7 @@ fn why_not(directory: &Path, program: &str) -> Option<String> {
     }
     let version = limited(directory, program, &["--version"]).output().unwrap();
     (!version.status.success())
-        .then(|| format!("another user can not run {program}: {}", String::from_utf8_lossy(&version.stderr)))
+        .then(|| format!("another user cannot run {program}: {}", String::from_utf8_lossy(&version.stderr)))
 }
 
 /// A flight with a column so wide that its file is read in parts (from 8 MB on two cores).
@@ -102,7 +102,7 @@ fn without_a_thread_every_command_gives_what_it_gives_with_them() {
         assert!(alone.stdout == together.stdout, "{arguments:?}");
         assert!(page_alone == page_together, "{arguments:?}");
     }
-    // A server of several threads can not be one of one.
+    // A server of several threads cannot be one of one.
     let studio = limited(directory, program, &["studio", "--no-browser", "--port", "0"]).output().unwrap();
     assert_eq!(studio.status.code(), Some(2));
     let error = text(&studio.stderr);

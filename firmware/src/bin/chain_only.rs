@@ -3,7 +3,7 @@
 //!
 //! It is never run. `budgets.toml` says which symbols must not be in it: what is linked here is what a tick needs, and a
 //! panic that a driver can reach would be among it. The receiver's driver is left out: the crate `ublox` (0.10, its
-//! `parser/buffer.rs` and the fields of `nav_pvt/proto27.rs`) checks bounds that hold but that the compiler can not prove.
+//! `parser/buffer.rs` and the fields of `nav_pvt/proto27.rs`) checks bounds that hold but that the compiler cannot prove.
 #![no_std]
 #![no_main]
 
@@ -27,7 +27,7 @@ use kf_core::strapdown;
 // The vector table needs every interrupt of the chip.
 use stm32f4xx_hal as _;
 
-/// A bus that delivers whatever the compiler can not foresee.
+/// A bus that delivers whatever the compiler cannot foresee.
 struct Unknown;
 
 impl ErrorType for Unknown {

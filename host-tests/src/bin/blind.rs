@@ -55,7 +55,7 @@ struct Dumped<'a> {
 fn main() -> anyhow::Result<()> {
     let arguments = Arguments::parse();
     if let Some(folder) = &arguments.dump {
-        fs::create_dir_all(folder).with_context(|| format!("{} can not be made", folder.display()))?;
+        fs::create_dir_all(folder).with_context(|| format!("{} cannot be made", folder.display()))?;
     }
     let bar = ProgressBar::new(arguments.trials)
         .with_message("blind trials")

@@ -27,7 +27,7 @@ fn main() -> anyhow::Result<()> {
     let (text, picture) = page(arguments.seed, arguments.launches as usize);
     for (name, content) in [("monitor-rules.md", text), ("monitor-rules.svg", picture)] {
         let path = arguments.folder.join(name);
-        fs::write(&path, content).with_context(|| format!("{} can not be written", path.display()))?;
+        fs::write(&path, content).with_context(|| format!("{} cannot be written", path.display()))?;
         println!("wrote {}", path.display());
     }
     Ok(())

@@ -93,7 +93,7 @@ pub fn improvement(
 fn oracle(injected: &[Effect]) -> String {
     let mut text = String::new();
     for effect in injected {
-        // Writing to a string can not fail.
+        // Writing to a string cannot fail.
         let _ =
             writeln!(text, "[[effect]]\nid = \"{}\"\ncoefficient = {}", effect.id.name(), effect.coefficient);
         if let Some(time_constant_s) = effect.time_constant_s {

@@ -40,7 +40,7 @@ const RIGHTLY: f32 = 0.6;
 pub enum Invariant {
     /// No launch without separation.
     Launch,
-    /// A separation is seen, whatever a single fault does to anything but the wire: one that is shorted or can not be read hides
+    /// A separation is seen, whatever a single fault does to anything but the wire: one that is shorted or cannot be read hides
     /// it, as `kf_core::launch` says.
     Seen,
     /// A latch called good has each bias within 4 of its own sigmas of the clean run's.

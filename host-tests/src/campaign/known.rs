@@ -56,7 +56,7 @@ impl Known {
     /// Reads the list.
     ///
     /// # Errors
-    /// The file can not be read, or is no such list.
+    /// The file cannot be read, or is no such list.
     pub fn load(file: &Path) -> anyhow::Result<Self> {
         let text = std::fs::read_to_string(file).with_context(|| file.display().to_string())?;
         toml::from_str(&text).with_context(|| file.display().to_string())
@@ -65,7 +65,7 @@ impl Known {
     /// Writes the list.
     ///
     /// # Errors
-    /// The file can not be written.
+    /// The file cannot be written.
     pub fn save(&self, file: &Path) -> anyhow::Result<()> {
         let text = format!(
             "# What the fault campaign of the test command is known to break (docs/fault-campaign.md explains the classes). The test fails\n\

@@ -60,7 +60,7 @@ impl Matrix {
     pub fn table(&self) -> String {
         let mut text = String::from("| fault |");
         for phase in Phase::ALL {
-            // Writing to a string can not fail.
+            // Writing to a string cannot fail.
             let _ = write!(text, " {} |", phase.name());
         }
         let _ = writeln!(text, "\n|---|{}", "---|".repeat(Phase::ALL.len()));

@@ -90,7 +90,7 @@ impl Case {
             tick: plan.separation() + random.random_range(1_800..4_000.min(plan.ticks() - plan.separation())),
             sign: if random.random_bool(0.5) { 1.0 } else { -1.0 },
         });
-        // An altitude that the flight computer integrates itself can not step.
+        // An altitude that the flight computer integrates itself cannot step.
         let failure = failure.map(|failure| match (failure.sensor, plan.own_unit) {
             (Sensor::ImuSlave, None) => Failure { kind: FailureKind::Drift, ..failure },
             _ => failure,
@@ -186,7 +186,7 @@ impl Case {
                 let report = computer.restart(wire(faults, tick, input.launch), dip)?;
                 away = None;
                 watched.take_restart(report);
-                // A cold start's clock begins anew on the board; a chip's model can not go back in time.
+                // A cold start's clock begins anew on the board; a chip's model cannot go back in time.
                 now_us = report.map_or(0, |report| report.resumed_us).max(now_us);
                 let pause_us = report.map_or(0, |report| report.pause_us);
                 paused_until = tick + (pause_us / TICK_US) as usize;

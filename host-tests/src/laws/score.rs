@@ -87,7 +87,7 @@ pub fn table(trials: &[Trial]) -> String {
     }
     text += "\nby what was hidden: among the five, first\n";
     for (kind, [among, first]) in &score.kinds {
-        // Writing to a string can not fail.
+        // Writing to a string cannot fail.
         let _ = writeln!(text, "  {kind:<32} {:>3} and {:>3} of {}", among.hits, first.hits, among.of);
     }
     text

@@ -55,7 +55,7 @@ fn about(real: &Real) -> String {
     format!("{} pieces of {} logs", real.launches.len(), real.used.len())
 }
 
-// Writing to a string can not fail, here and below.
+// Writing to a string cannot fail, here and below.
 fn text(panels: &[Panel], development: &Real, unseen: &Real, seed: u64, launches: usize) -> String {
     let mut text = String::new();
     let _ = write!(

@@ -72,7 +72,7 @@
 //! sinks otherwise than under the pylon, until when nothing is calibrated and no sensor is said to be watched. Without a receiver, or with no
 //! unit from the start, a release is the likelier reading, for it is to happen in every flight: a launch, and `launch_confirmed` fails.
 //!
-//! A wire that is shorted closed, or can not be read, hides a release that is no fall: it is then captive for ever, and no sensor is said to be
+//! A wire that is shorted closed, or cannot be read, hides a release that is no fall: it is then captive for ever, and no sensor is said to be
 //! watched. To call silence and a change a launch there would make one of a data link that dies while its ship manoeuvres.
 //!
 //! # What calibration sees
@@ -128,7 +128,7 @@ pub struct LaunchConfig {
     pub departure_sigmas: f32,
     /// Messages are silent after so many of their own mean intervals.
     pub silent_intervals: u16,
-    /// How long an open wire that nothing confirms, a wire that can not be read, or a sign of the force that nothing confirms, is left
+    /// How long an open wire that nothing confirms, a wire that cannot be read, or a sign of the force that nothing confirms, is left
     /// undecided, seconds.
     pub undecided_s: f32,
     /// Specific force below which it is near free fall, g.
@@ -567,7 +567,7 @@ impl LaunchDetector {
         self.character.has_changed() || self.climb.has_fallen(since_us)
     }
 
-    /// `says_nothing`: the wire is broken or can not be read; otherwise it reads closed.
+    /// `says_nothing`: the wire is broken or cannot be read; otherwise it reads closed.
     #[inline(never)]
     fn judge_without(&mut self, now_us: u64, says_nothing: bool) -> Verdict {
         self.has_departed = false;

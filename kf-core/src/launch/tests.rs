@@ -561,7 +561,7 @@ fn a_stuck_wire_needs_a_fall_and_silence() {
     assert_eq!(launch.by, Confirmation::StuckWire);
 }
 
-/// A wire that reads closed, or can not be read, and no messages: the accelerometer's fall has to be the climb rate's.
+/// A wire that reads closed, or cannot be read, and no messages: the accelerometer's fall has to be the climb rate's.
 #[test]
 fn without_messages_only_a_fall_of_force_and_climb_rate_shows_a_launch() {
     for is_open in [Some(false), None] {
@@ -583,7 +583,7 @@ fn without_messages_only_a_fall_of_force_and_climb_rate_shows_a_launch() {
     }
 }
 
-/// Without fixes a closed wire holds, and one that can not be read does not.
+/// Without fixes a closed wire holds, and one that cannot be read does not.
 #[test]
 fn without_fixes_a_fall_does_not_overrule_a_closed_wire() {
     for (is_open, by) in [(Some(false), None), (None, Some(Confirmation::FreeFall))] {

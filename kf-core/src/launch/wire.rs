@@ -20,7 +20,7 @@ pub(super) enum Reading {
         /// For longer than the debounce.
         is_settled: bool,
     },
-    /// Nothing: it is broken, or can not be read.
+    /// Nothing: it is broken, or cannot be read.
     Nothing,
 }
 

@@ -133,7 +133,7 @@ pub enum StrapdownError {
     /// In free flight there is no reference, unless a gap is being mended.
     Launched,
     /// The altitude is off what the channel has by more than its uncertainty explains. After ten seconds of such fixes
-    /// alone the tie begins anew.
+    /// alone, or as long as the tie has lasted if that is less, it begins anew.
     Outlier,
     /// There is no inertial sample yet that shows where down is.
     NoVertical,

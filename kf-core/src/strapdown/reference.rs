@@ -63,9 +63,9 @@ impl VerticalChannel {
             let (since_us, count) = self.outlying.unwrap_or((time_us, 0));
             let count = (count + 1).min(2 * OUTLIERS);
             self.outlying = Some((since_us, count));
-            // A single fix is no more than those that contradict it.
-            let has_lasted =
-                seconds_between(since_us, time_us) > LONGEST_OUTLIER_S || self.anchor.elapsed_s() <= 0.0;
+            // Fixes are outweighed by those that contradict them for longer than they have lasted themselves.
+            let outweighs_s = LONGEST_OUTLIER_S.min(self.anchor.elapsed_s());
+            let has_lasted = seconds_between(since_us, time_us) > outweighs_s;
             if count >= OUTLIERS && has_lasted {
                 // It is the reference that has moved, or the channel: either way what there was is no tie.
                 self.anchor = Memory::default();

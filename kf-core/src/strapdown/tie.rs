@@ -5,7 +5,7 @@
 //! covariance knows how long it was since the last fix: after a gap the next one weighs more, and of a burst each weighs
 //! less. Its gains are those of an observer that is stable whatever the times of the fixes are: between fixes and at
 //! each of them `e' P^-1 e` of the error `e` does not grow. The covariance is kept as `U D U'` (G. J. Bierman, "Factorization Methods
-//! for Discrete Sequential Estimation", Academic Press 1977, chapter V), so rounding can not make it negative.
+//! for Discrete Sequential Estimation", Academic Press 1977, chapter V), so rounding cannot make it negative.
 
 use serde::{Deserialize, Serialize};
 

@@ -12,7 +12,7 @@ pub(super) fn cross(a: Vector, b: Vector) -> Vector {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// `a - b`. (Written out, as [`scaled`] and [`sum`] are: of a closure that takes an axis the compiler can not see that the
+/// `a - b`. (Written out, as [`scaled`] and [`sum`] are: of a closure that takes an axis the compiler cannot see that the
 /// axis is one.)
 pub(super) const fn difference([a, b, c]: Vector, [x, y, z]: Vector) -> Vector {
     [a - x, b - y, c - z]

@@ -12,7 +12,7 @@
 //! bias in body axes, `C` body to navigation axes, `f` specific force. Heading and the bias about the vertical show
 //! but weakly in the accelerations of straight flight, so the track is measured too: heading and crab angle, which is a state, as
 //! wind and trim do not change fast. Every fix is fed back once it is measured, so the states are zero between fixes. A
-//! horizontal bias of the accelerometer can not be told from a tilt in straight flight, and is taken for one; so is the Coriolis
+//! horizontal bias of the accelerometer cannot be told from a tilt in straight flight, and is taken for one; so is the Coriolis
 //! acceleration (4 mm/s^2 at 28 m/s), which is not in the model.
 //!
 //! One fix a second is used. The update is spread over the nineteen samples after it: no tick bears all of it.

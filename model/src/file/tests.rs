@@ -259,7 +259,7 @@ fn unknown_names_come_with_the_nearest_known() {
     assert!(message("[gps]\nsigma_m = \"2\"").starts_with("row 2, column 11: invalid type: string \"2\""));
     assert!(message("[gps\n").starts_with("row 1, column"));
     let error = Model::read(Path::new("/no/such.toml")).unwrap_err().to_string();
-    assert!(error.starts_with("/no/such.toml: can not be read: "), "{error}");
+    assert!(error.starts_with("/no/such.toml: cannot be read: "), "{error}");
 }
 
 #[test]
@@ -417,7 +417,7 @@ fn an_error_leads_to_its_cause() {
     assert!(missing.to_string().ends_with(&format!("missing.toml: {unread}")), "{missing}");
     let cause = unread.source().and_then(|cause| cause.downcast_ref::<std::io::Error>()).unwrap();
     assert_eq!(cause.kind(), std::io::ErrorKind::NotFound);
-    assert_eq!(unread.to_string(), format!("can not be read: {cause}"));
+    assert_eq!(unread.to_string(), format!("cannot be read: {cause}"));
 
     let syntax = Model::parse("settling_s = ").unwrap_err();
     assert!(syntax.source().unwrap().is::<Box<toml::de::Error>>(), "{syntax}");

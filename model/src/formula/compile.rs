@@ -437,7 +437,7 @@ impl Compiler<'_> {
             }
             (Function::LowPass | Function::Delay, [x, time]) => self.in_time(function, x, time),
             (_, [x]) => self.unary(function, x, span),
-            _ => Err(self.error(span, format!("{name} can not be called like this"))),
+            _ => Err(self.error(span, format!("{name} cannot be called like this"))),
         }
     }
 
@@ -534,7 +534,7 @@ impl Compiler<'_> {
             Function::AtCalibration => self.remember(|at| Op::AtCalibration { at, mask, of: TOP }),
             Function::AtLaunch => self.remember(|at| Op::AtLaunch { at, of: TOP }),
             Function::Min | Function::Max | Function::Clamp | Function::LowPass | Function::Delay => {
-                return Err(self.error(span, format!("{} can not be called like this", function.name())));
+                return Err(self.error(span, format!("{} cannot be called like this", function.name())));
             }
         }
         Ok(Part { dimension, constant: None, signals: part.signals })

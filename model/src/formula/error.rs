@@ -3,7 +3,7 @@
 use std::fmt;
 use std::ops::Range;
 
-/// A formula that can not be used. Displays as what is wrong, then the formula with carets under the place.
+/// A formula that cannot be used. Displays as what is wrong, then the formula with carets under the place.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FormulaError {
     /// What is wrong.

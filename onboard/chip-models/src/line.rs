@@ -49,7 +49,7 @@ impl Line {
         }
     }
 
-    /// Gives the device a byte to send. One whose buffer is full drops what it can not send, and that is counted.
+    /// Gives the device a byte to send. One whose buffer is full drops what it cannot send, and that is counted.
     pub fn send(&mut self, byte: u8) {
         if self.outgoing.push_back(byte).is_err() {
             self.unsent_bytes = self.unsent_bytes.saturating_add(1);

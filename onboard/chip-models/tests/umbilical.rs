@@ -52,7 +52,7 @@ fn every_altitude_arrives_as_it_was_sent_and_other_messages_are_passed_over() {
     assert_eq!((counts.other_bytes, counts.bad_frames, counts.superseded), (5 * 21, 0, 0));
 }
 
-/// What has not begun can not fall silent; what has is complained about once a second.
+/// What has not begun cannot fall silent; what has is complained about once a second.
 #[test]
 fn silence_is_a_fault_while_attached_and_none_after_launch() {
     let mut bench = Bench::new();

@@ -144,7 +144,7 @@ where
     Vehicle: VehicleLink,
     Launch: LaunchDiscrete,
 {
-    /// A failed poll counts as a fault and as no sample; while the umbilical can not be read it is what it last was.
+    /// A failed poll counts as a fault and as no sample; while the umbilical cannot be read it is what it last was.
     ///
     /// Ticks with a fix or a pressure are the most expensive, so the mother ship's messages wait for the next tick. Her altitude is then taken a
     /// tick (5 ms) later, and the launch's decision learns of her silence that much later. They do not wait if the last tick was expensive

@@ -6,7 +6,7 @@
 pub enum ExitStatus {
     /// The record was flown to its end, whatever was in it; the summary says what was wrong with it.
     Finished = 0,
-    /// There is no record to fly, or it can not be opened.
+    /// There is no record to fly, or it cannot be opened.
     NoInput = 10,
     /// The record does not start with a header of this version of the format.
     NoHeader = 11,
@@ -14,7 +14,7 @@ pub enum ExitStatus {
     OtherModel = 12,
     /// The mission refused its configuration.
     Configuration = 13,
-    /// The results can not be written.
+    /// The results cannot be written.
     NoOutput = 14,
     /// The firmware panicked: a bug.
     Panic = 101,

@@ -61,7 +61,7 @@ pub struct Slot<'a> {
 /// Brings the copy at `place`, 0 or 1, into ordinary memory and checks it there.
 ///
 /// # Errors
-/// [`Refusal`]: why it can not be believed.
+/// [`Refusal`]: why it cannot be believed.
 #[inline(never)]
 pub fn read_slot<'a>(
     memory: &impl WordMemory,
@@ -127,7 +127,7 @@ impl SlotOrder {
         Self { newest_first, refused: [first.err(), second.err()], sequence: sequence.unwrap_or(0) }
     }
 
-    /// Keeps a payload in the place of the older copy or of one that can not be believed; the other stays as it is until this
+    /// Keeps a payload in the place of the older copy or of one that cannot be believed; the other stays as it is until this
     /// one is whole.
     ///
     /// # Errors

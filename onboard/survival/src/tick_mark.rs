@@ -29,7 +29,7 @@ impl Flight {
     }
 }
 
-/// When the last tick was, and what a snapshot from before it can not have.
+/// When the last tick was, and what a snapshot from before it cannot have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TickMark {
     /// The mission's time, microseconds.

@@ -59,7 +59,7 @@ impl<'de> Deserialize<'de> for DiagnoseResult {
 mod tests {
     use super::*;
 
-    /// A reader that finds no version can not know what the other keys mean.
+    /// A reader that finds no version cannot know what the other keys mean.
     #[test]
     fn a_result_has_one_version_whether_or_not_the_flights_were_diagnosed() {
         let failed = DiagnoseResult {

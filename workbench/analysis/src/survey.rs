@@ -78,7 +78,7 @@ impl<'a> Survey<'a> {
         Ok((comparison, traces))
     }
 
-    /// Looks at a flight that is held out. One that can not be flown is left to the ladder, which says why.
+    /// Looks at a flight that is held out. One that cannot be flown is left to the ladder, which says why.
     pub fn hold_out(
         &mut self,
         flight: &NamedFlight<'a>,
@@ -119,7 +119,7 @@ impl<'a> Survey<'a> {
     }
 
     /// Which revision the replay's own model is, and missions of the others that fly over the same ticks. One
-    /// that can not fly is left to the ladder.
+    /// that cannot fly is left to the ladder.
     fn scorings(&self, replay: &Replay<'_>) -> (Option<usize>, Others) {
         let mut own = None;
         let mut others = Vec::new();

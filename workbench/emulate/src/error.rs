@@ -123,7 +123,7 @@ pub enum FlyError {
         /// The image.
         path: String,
     },
-    /// The model can not be flown.
+    /// The model cannot be flown.
     #[error(transparent)]
     Model(#[from] ModelError),
     /// The host's mission refuses the model, or its launch detector its limits.
@@ -131,7 +131,7 @@ pub enum FlyError {
     Mission(#[from] ReplayError),
     /// A gap of more than an hour, or a time near the end of the clock.
     #[error(
-        "the flight has a gap of {gap_s:.0} s after {after_s:.3} s: it can not be flown on chips, tick by tick, but with ideal \
+        "the flight has a gap of {gap_s:.0} s after {after_s:.3} s: it cannot be flown on chips, tick by tick, but with ideal \
          sensors"
     )]
     Gap {
@@ -141,7 +141,7 @@ pub enum FlyError {
         after_s: f64,
     },
     /// More rows than a flight record counts.
-    #[error("the flight has more than 2^32 rows: a flight record can not hold it")]
+    #[error("the flight has more than 2^32 rows: a flight record cannot hold it")]
     TooManyRows,
     /// A tick that no frame holds.
     #[error("a tick is too long for a frame of the flight record")]
@@ -158,7 +158,7 @@ pub enum FlyError {
     /// The barometer's noise, as the flight shows it, is not finite.
     #[error("the barometer's noise: {0}")]
     BarometerNoise(#[source] NormalError),
-    /// The planned faults can not be followed.
+    /// The planned faults cannot be followed.
     #[error(transparent)]
     Fault(#[from] FaultError),
     /// The flight ended otherwise than at the end of the record.

@@ -20,7 +20,7 @@ pub struct PlannedFault {
     pub end_s: Option<f64>,
 }
 
-/// A plan that can not be followed.
+/// A plan that cannot be followed.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum FaultError {
@@ -33,8 +33,8 @@ pub enum FaultError {
     /// There is no such fault.
     #[error("fault '{0}', expected one of {FAULTS}{near}", near = nearest(_0, fault_names()))]
     Fault(String),
-    /// The chip can not have it.
-    #[error("{chip} can not be {fault}: {chip} can be {can}")]
+    /// The chip cannot have it.
+    #[error("{chip} cannot be {fault}: {chip} can be {can}")]
     Impossible {
         /// The chip.
         chip: &'static str,
@@ -251,7 +251,7 @@ mod tests {
             ("baro broken 1..2", "fault 'broken', expected one of stuck-low"),
             (
                 "gps stuck-low 1..2",
-                "gps can not be stuck-low: gps can be frozen, offset, unplugged, refuses, silent, held",
+                "gps cannot be stuck-low: gps can be frozen, offset, unplugged, refuses, silent, held",
             ),
             ("barro reset 1", "(is it 'baro'?)"),
             ("IMU reset 1", "(is it 'imu'?)"),

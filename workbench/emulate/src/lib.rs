@@ -222,7 +222,7 @@ pub fn fly_inputs(
 /// Flies a flight on chips with and without the faults, on the host alone, and says what they did.
 ///
 /// # Errors
-/// As [`fly_on_host`], and a fault that can not be.
+/// As [`fly_on_host`], and a fault that cannot be.
 pub fn consequence(
     inputs: impl Iterator<Item = TickInput> + Clone,
     model: &Model,
@@ -387,7 +387,7 @@ pub fn fly_struck(record: &[u8], model: &Model, strikes: &[Strike]) -> Result<Ra
 /// As [`fly_struck`], of ticks on chips with faults of theirs.
 ///
 /// # Errors
-/// As [`fly_struck`], and a fault that can not be.
+/// As [`fly_struck`], and a fault that cannot be.
 pub fn fly_struck_on_chips(
     inputs: impl Iterator<Item = TickInput> + Clone,
     model: &Model,

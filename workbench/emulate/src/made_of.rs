@@ -24,7 +24,7 @@ const SOURCES: &[&str] = &[
 /// A hash over those files (names and bytes) and over `settings`: the compiler, the options, the model's source.
 ///
 /// # Errors
-/// A file can not be read.
+/// A file cannot be read.
 pub fn key(root: &Path, settings: &[&str]) -> io::Result<String> {
     let mut hasher = DefaultHasher::new();
     settings.hash(&mut hasher);
@@ -61,7 +61,7 @@ pub fn is_current(image: &Path, key: &str) -> bool {
     let current = image.is_file() && fs::read_to_string(&file).is_ok_and(|found| found == key);
     if current {
         for used in [image, &file] {
-            // A time that can not be set only lets the image be pruned sooner.
+            // A time that cannot be set only lets the image be pruned sooner.
             let _ = File::open(used).and_then(|file| file.set_modified(SystemTime::now()));
         }
     }
@@ -71,7 +71,7 @@ pub fn is_current(image: &Path, key: &str) -> bool {
 /// To be called before the image is replaced: until [`keep`] it has no key.
 ///
 /// # Errors
-/// The old key can not be removed.
+/// The old key cannot be removed.
 pub fn forget(image: &Path) -> io::Result<()> {
     match fs::remove_file(key_file(image)) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
@@ -82,7 +82,7 @@ pub fn forget(image: &Path) -> io::Result<()> {
 /// Writes the key down, once the image is in its place.
 ///
 /// # Errors
-/// It can not be written.
+/// It cannot be written.
 pub fn keep(image: &Path, key: &str) -> io::Result<()> {
     fs::write(key_file(image), key)
 }

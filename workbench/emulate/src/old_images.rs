@@ -13,7 +13,7 @@ const YOUNG: Duration = Duration::from_secs(3_600);
 /// Removes all but the newest files of a folder.
 ///
 /// # Errors
-/// The folder can not be read. A file that can not be removed stays.
+/// The folder cannot be read. A file that cannot be removed stays.
 pub fn prune(folder: &Path, now: SystemTime) -> io::Result<()> {
     let mut files = Vec::new();
     for entry in fs::read_dir(folder)? {

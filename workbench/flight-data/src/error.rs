@@ -7,7 +7,7 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum CsvProblem {
     /// The row of column names is no row of a CSV.
-    #[error("can not be read: {0}")]
+    #[error("cannot be read: {0}")]
     Names(#[source] csv::Error),
     /// There is nothing in it.
     #[error("the file is empty; expected a flight (first line '# pylon-flight: 1')")]
@@ -25,7 +25,7 @@ pub enum CsvProblem {
         /// What the line says.
         found: String,
     },
-    /// A header line with a value that it can not have.
+    /// A header line with a value that it cannot have.
     #[error("row {row}: header key '{key}' is '{found}', expected {expected}")]
     HeaderValue {
         /// Line in the file.
@@ -180,7 +180,7 @@ fn ask(name: &Option<String>) -> String {
     name.as_ref().map_or_else(String::new, |name| format!(" (is it '{name}'?)"))
 }
 
-/// A flight that can not be written as CSV, since what was written could not be read again.
+/// A flight that cannot be written as CSV, since what was written could not be read again.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum FlightError {
@@ -203,7 +203,7 @@ pub enum FlightError {
         found: f64,
     },
     /// A name or header text that would read back as something else.
-    #[error("{what} '{text}' can not stand in a flight's header: {reason}")]
+    #[error("{what} '{text}' cannot stand in a flight's header: {reason}")]
     Text {
         /// What the text is.
         what: &'static str,

@@ -1,4 +1,4 @@
-//! Why a flight can not be replayed.
+//! Why a flight cannot be replayed.
 
 use kf_core::estimator::ConfigError;
 use model::ModelError;
@@ -10,7 +10,7 @@ use super::quiet::Calmest;
 use super::window::WindowError;
 use flight_data::{AltitudeDatum, CsvProblem};
 
-/// Why a flight can not be replayed; displays as one line, without the flight's name.
+/// Why a flight cannot be replayed; displays as one line, without the flight's name.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ReplayError {

@@ -33,7 +33,7 @@ pub struct GivenAirborne {
     pub landing_s: Option<f64>,
 }
 
-/// A take-off and a landing that can not be used.
+/// A take-off and a landing that cannot be used.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum AirborneError {

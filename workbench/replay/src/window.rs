@@ -16,7 +16,7 @@ pub struct CalibrationWindow {
     pub end_s: f64,
 }
 
-/// A window that can not be used.
+/// A window that cannot be used.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum WindowError {

@@ -25,7 +25,7 @@ use flight_data::Flight;
 /// Simulates a scenario.
 ///
 /// # Errors
-/// [`MotionError`] when the aircraft can not fly the plan: it meets sea level or stalls.
+/// [`MotionError`] when the aircraft cannot fly the plan: it meets sea level or stalls.
 pub fn simulate(scenario: &Scenario, seed: u64) -> Result<(Flight, Truth), MotionError> {
     let trajectory = motion::fly(scenario, seed)?;
     let effects = record::Effects::of(scenario, &trajectory);

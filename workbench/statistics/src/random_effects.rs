@@ -8,7 +8,7 @@ use super::standard_normal::standard_normal;
 
 /// Chance of naming any outlier among estimates that all belong together.
 const FALSE_ALARM: f64 = 0.05;
-/// Fewer estimates can not say of one that it differs: without it two are left, and of two neither is the odd one.
+/// Fewer estimates cannot say of one that it differs: without it two are left, and of two neither is the odd one.
 const FEWEST: usize = 4;
 /// More flights than this that do not belong with the others are a question to the others.
 const MOST_OUTLIERS: usize = 6;

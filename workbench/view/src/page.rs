@@ -95,7 +95,7 @@ fn push_cell(html: &mut String, start: &str, align: Align, cell: &Cell) {
     html.extend(["</", start.split(' ').next().unwrap_or(start), ">"]);
 }
 
-/// A text that can not begin an element or a character reference.
+/// A text that cannot begin an element or a character reference.
 fn push_text(html: &mut String, text: &str) {
     for letter in text.chars() {
         match letter {

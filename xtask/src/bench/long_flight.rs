@@ -32,7 +32,7 @@ pub fn scenario(hours: u32) -> String {
     );
     for _ in 0..hours * ROUNDS {
         for (manoeuvre, duration_s, wanted) in ROUND {
-            // Writing to a string can not fail.
+            // Writing to a string cannot fail.
             let _ = write!(
                 text,
                 "\n[[free_flight]]\nmanoeuvre = \"{manoeuvre}\"\nduration_s = {duration_s}.0\n{wanted}\n"

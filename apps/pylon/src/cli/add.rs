@@ -93,7 +93,7 @@ fn time_constant(text: &str) -> Result<f32, String> {
     }
 }
 
-/// Why an effect can not be learned from a flight.
+/// Why an effect cannot be learned from a flight.
 #[derive(Debug, Error)]
 enum NotUsable {
     /// The effect's regressor needs columns that the flight does not have.
@@ -104,7 +104,7 @@ enum NotUsable {
         /// The columns, with commas between them.
         lacking: String,
     },
-    /// It can not be replayed.
+    /// It cannot be replayed.
     #[error(transparent)]
     Replay(#[from] ReplayError),
 }
@@ -162,7 +162,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if !addition.concerns.is_empty() && !arguments.force {
         return Err(refused(&addition));
     }
-    // The result is printed before the model gets its name: where it can not be printed, nothing was changed.
+    // The result is printed before the model gets its name: where it cannot be printed, nothing was changed.
     let written = prepare(&output, |out| out.write_all(addition.text.as_bytes()))?;
     if arguments.json {
         terminal::put_json(&addition)?;
@@ -223,7 +223,7 @@ fn model(arguments: &Arguments) -> Result<(String, PathBuf, Model), Failure> {
         } else {
             String::new()
         };
-        Failure::input(format!("{name}: can not be read: {error}{hint}"))
+        Failure::input(format!("{name}: cannot be read: {error}{hint}"))
     })?;
     // From the file once more, for the errors with its name.
     let before = load::model(name)?;

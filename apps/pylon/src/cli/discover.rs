@@ -110,7 +110,7 @@ fn readable(file: &Path) -> Result<String, Failure> {
         } else {
             String::new()
         };
-        Failure::input(format!("{}: can not be read: {error}{hint}", file.display()))
+        Failure::input(format!("{}: cannot be read: {error}{hint}", file.display()))
     })
 }
 

@@ -75,7 +75,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         };
         let Some(picture) = Picture::of(*effect) else {
             return Err(Failure::input(format!(
-                "{}: not in the simulator, so it can not be drawn",
+                "{}: not in the simulator, so it cannot be drawn",
                 effect.name()
             )));
         };

@@ -22,7 +22,7 @@ pub struct ModelLock {
 /// locked anew under its name.
 pub fn lock_model(path: &Path) -> Result<ModelLock, Failure> {
     let in_file =
-        |error: std::io::Error| Failure::input(format!("{}: can not be locked: {error}", path.display()));
+        |error: std::io::Error| Failure::input(format!("{}: cannot be locked: {error}", path.display()));
     loop {
         let file = File::open(path).map_err(in_file)?;
         match file.try_lock() {

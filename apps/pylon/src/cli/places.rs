@@ -32,7 +32,7 @@ impl Places {
     /// shell has not expanded it) what it matches. What is no log is left out of a folder, but not of a pattern.
     ///
     /// # Errors
-    /// A folder without a log, a pattern that matches nothing, a folder that can not be listed.
+    /// A folder without a log, a pattern that matches nothing, a folder that cannot be listed.
     pub fn find(given: &[PathBuf]) -> Result<Self, Failure> {
         let mut places = Self::default();
         for path in given {
@@ -51,10 +51,10 @@ impl Places {
     fn take_folder(&mut self, folder: &Path) -> Result<(), Failure> {
         let mut found = Vec::new();
         list(folder, &mut found)
-            .map_err(|error| Failure::input(format!("{}: can not be listed: {error}", folder.display())))?;
+            .map_err(|error| Failure::input(format!("{}: cannot be listed: {error}", folder.display())))?;
         found.sort();
         let (logs, others): (Vec<_>, Vec<_>) = while_busy("looking for logs", || {
-            // One that can not be read is named with the reason when it is opened.
+            // One that cannot be read is named with the reason when it is opened.
             found.into_iter().partition(|file| import::is_known(file).unwrap_or(true))
         });
         if logs.is_empty() {

@@ -92,7 +92,7 @@ impl Drop for Counter {
     }
 }
 
-/// Runs something whose end can not be foreseen; after a second a spinner says what is going on.
+/// Runs something whose end cannot be foreseen; after a second a spinner says what is going on.
 pub fn while_busy<T>(what: &'static str, work: impl FnOnce() -> T) -> T {
     while_telling(|| what.to_owned(), work)
 }

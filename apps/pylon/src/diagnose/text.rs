@@ -10,7 +10,7 @@ use analysis::diagnose::{CandidateFacts, Diagnosis, Glitch, SensorDiagnosis, Sen
 /// Candidates that are listed beside the chosen ones.
 const OTHERS: usize = 5;
 
-/// Writing a line to a string, which can not fail.
+/// Writing a line to a string, which cannot fail.
 macro_rules! put {
     ($out:expr, $($arguments:tt)*) => {{
         let _ = writeln!($out, $($arguments)*);

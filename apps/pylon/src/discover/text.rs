@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use analysis::discover::{Discovery, FoundLaw, Why, id};
 
-/// Writing a line to a string, which can not fail.
+/// Writing a line to a string, which cannot fail.
 macro_rules! put {
     ($out:expr, $($arguments:tt)*) => {{
         let _ = writeln!($out, $($arguments)*);
@@ -52,7 +52,7 @@ pub fn text(discovery: &Discovery, command: &str) -> String {
     if !discovery.unnamed.is_empty() {
         put!(
             out,
-            "Left out, because a formula can not name them (letters, digits and _ only): {}.",
+            "Left out, because a formula cannot name them (letters, digits and _ only): {}.",
             discovery.unnamed.join(", ")
         );
     }

@@ -15,7 +15,7 @@ use crate::flight::{Flight, Note, Problem, ReadError};
 /// Why a log could not be read by a mapping, or no mapping be drafted; displays as one line.
 #[derive(Debug, Error)]
 pub enum MappedError {
-    /// The log can not be read, or can not be turned.
+    /// The log cannot be read, or cannot be turned.
     #[error(transparent)]
     Read(#[from] ReadError),
     /// The log is no table that can be used.

@@ -117,6 +117,6 @@ mod tests {
         let error = import_file(&csv).unwrap_err().to_string();
         assert!(error.ends_with("flight.igc: it is a flight already, expected a log of another program"));
         let error = open(&directory.path().join("none")).unwrap_err().to_string();
-        assert!(error.contains("can not be read"), "{error}");
+        assert!(error.contains("cannot be read"), "{error}");
     }
 }

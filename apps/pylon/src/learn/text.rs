@@ -6,7 +6,7 @@ use view::Table;
 
 use analysis::learn::{Addition, FlightChange, JudgedOn, Ladder, SensorScore};
 
-/// Writing a line to a string, which can not fail.
+/// Writing a line to a string, which cannot fail.
 macro_rules! put {
     ($out:expr, $($arguments:tt)*) => {{
         let _ = writeln!($out, $($arguments)*);

@@ -6,7 +6,7 @@ use super::{AirborneTime, Overview, SensorState};
 use crate::flight::AltitudeDatum;
 use crate::replay::clock;
 
-/// Writing a line to a string, which can not fail.
+/// Writing a line to a string, which cannot fail.
 macro_rules! put {
     ($out:expr, $($arguments:tt)*) => {{
         let _ = writeln!($out, $($arguments)*);

@@ -25,7 +25,7 @@ use crate::output_file::{OutputError, write_atomically};
 #[non_exhaustive]
 pub enum PlotError {
     /// The directory could not be made.
-    #[error("{}: can not be made a directory: {reason}", directory.display())]
+    #[error("{}: cannot be made a directory: {reason}", directory.display())]
     Directory {
         /// The directory.
         directory: PathBuf,
@@ -34,7 +34,7 @@ pub enum PlotError {
         reason: std::io::Error,
     },
     /// A figure could not be drawn.
-    #[error("{figure}: can not be drawn: {reason}")]
+    #[error("{figure}: cannot be drawn: {reason}")]
     Drawing {
         /// The figure's file name.
         figure: &'static str,

@@ -57,8 +57,8 @@ fn a_run_that_fails_says_why_in_one_line_and_leaves_nothing() {
         ("ground.toml", "f.csv", "t.toml", "below sea level at"),
         ("typo.toml", "f.csv", "t.toml", "typo.toml:16: unknown field `bais_m`; did you mean `bias_m`?"),
         ("none.toml", "f.csv", "t.toml", "none.toml: cannot read the scenario: "),
-        ("short.toml", "no/f.csv", "t.toml", "no/f.csv: can not be written: "),
-        ("short.toml", "f.csv", "no/t.toml", "no/t.toml: can not be written: "),
+        ("short.toml", "no/f.csv", "t.toml", "no/f.csv: cannot be written: "),
+        ("short.toml", "f.csv", "no/t.toml", "no/t.toml: cannot be written: "),
     ] {
         let error = run(&at(scenario), &at(output), &at(truth)).unwrap_err().to_string();
         assert!(error.contains(expected) && !error.contains('\n'), "{error}");

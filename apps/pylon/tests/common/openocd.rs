@@ -2,7 +2,7 @@
 //! files and the exit status that OpenOCD would give it. It understands the very arguments that are given to OpenOCD and no
 //! others, and fails as OpenOCD fails.
 //!
-//! What it can not stand in for: the probe, the flash, the reset, the clocks, and how long anything takes.
+//! What it cannot stand in for: the probe, the flash, the reset, the clocks, and how long anything takes.
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt as _;

@@ -316,7 +316,7 @@ pub(crate) fn given(Times { window, airborne }: Times) -> GivenTimes {
     }
 }
 
-/// A flight, ready to be flown by a model; one that can not be calibrated as it is.
+/// A flight, ready to be flown by a model; one that cannot be calibrated as it is.
 pub(crate) fn replay<'a>(
     open: &'a OpenFlight,
     model: &ModelText,

@@ -46,7 +46,7 @@ test("a plan is suggested, changed, and what it would tell follows", async () =>
   await planned(page);
   const swept = await sigma(page, "baro.propwash");
   assert.ok(swept < 0.95 * level, `${level} level, ${swept} with a sweep`);
-  // What can not be flown is said, and the last plan that could stays.
+  // What cannot be flown is said, and the last plan that could stays.
   await page.getByLabel("Speed sweep: ±").fill("90");
   await page.locator(".plan-problem").waitFor();
   assert.match(await page.locator(".plan-problem").textContent(), /90: expected 1 to/);

@@ -14,7 +14,7 @@ const MEMORY_MB = 192;
 /** The log: two bytes of text a value, several in memory. */
 const LOG_MB = 60;
 
-/** In the page, before its script: the engine's module gets a memory that can not grow beyond so many pages of 64 kB. */
+/** In the page, before its script: the engine's module gets a memory that cannot grow beyond so many pages of 64 kB. */
 function limitMemory(pages) {
   const compile = WebAssembly.compile.bind(WebAssembly);
   WebAssembly.compile = async (source) => {

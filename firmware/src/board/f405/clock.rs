@@ -29,7 +29,7 @@ pub fn tree(is_internal: bool) -> Config {
 }
 
 /// Counts the core's cycles, for what a tick costs, and microseconds, for when something is. The cycle counter stands still while
-/// some cores sleep: it can not say how long nothing was done.
+/// some cores sleep: it cannot say how long nothing was done.
 #[derive(Clone, Copy)]
 pub struct CostClock;
 

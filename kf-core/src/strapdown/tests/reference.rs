@@ -51,6 +51,25 @@ fn a_first_fix_that_is_wrong_is_outweighed_by_the_next_five() {
     assert!(rig.channel.is_aligned() && errors(&rig)[0].abs() < 0.1, "{:?}", errors(&rig));
 }
 
+/// Nor are the first few, which one error may have made: they are outweighed once others have contradicted them for longer than they have lasted.
+#[test]
+fn first_fixes_that_are_wrong_are_outweighed_by_as_many_again() {
+    for wrong_ticks in [120, 400] {
+        let rig = rested(40, |tick| {
+            tick.is_multiple_of(40).then_some(if tick <= wrong_ticks { 3_000.0 } else { 1_000.0 })
+        });
+        let longest_s = 40.0 - 2.0 * wrong_ticks as f32 / SECOND as f32 - 0.5;
+        assert!(rig.channel.anchor.elapsed_s() > longest_s, "{}", rig.channel.anchor.elapsed_s());
+        assert!(rig.channel.is_aligned() && errors(&rig)[0].abs() < 0.1, "{:?}", errors(&rig));
+    }
+    // A tie that has lasted for longer than ten seconds is not outweighed by five.
+    let rig = rested(40, |tick| {
+        let is_wrong = (30 * SECOND..35 * SECOND).contains(&tick);
+        tick.is_multiple_of(40).then_some(if is_wrong { 3_000.0 } else { 1_000.0 })
+    });
+    assert!(rig.channel.anchor.elapsed_s() > 30.0 && errors(&rig)[0].abs() < 0.1, "{:?}", errors(&rig));
+}
+
 /// The one that the gains by 1/step^2 blew up: a metre off, 5 ms after another.
 #[test]
 fn one_more_fix_at_once_says_nothing_of_the_climb() {

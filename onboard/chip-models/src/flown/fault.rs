@@ -136,7 +136,7 @@ pub enum Fault {
     Open,
     /// Wire: it reads closed: shorted.
     Shorted,
-    /// Wire: it can not be read.
+    /// Wire: it cannot be read.
     Unreadable,
     /// Wire: it opens and closes at random, whatever it is. Each state lasts between nothing and twice its mean; shorter than
     /// a tick, and the tick sees one of them.

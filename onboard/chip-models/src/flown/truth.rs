@@ -43,7 +43,7 @@ pub struct TruthCounts {
     pub after_launch: u32,
     /// Ticks whose time lies before the last one's, or beyond any flight's: for the chips no time has passed.
     pub impossible_times: u32,
-    /// Faults that the chip can not have.
+    /// Faults that the chip cannot have.
     pub impossible_faults: u32,
 }
 

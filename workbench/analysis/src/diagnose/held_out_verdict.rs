@@ -1,6 +1,6 @@
 //! Whether an effect predicts what it was not learned from worse than no effect does, beyond chance.
 //!
-//! The raw rms error can not decide it: it is mostly the reference's slow wander, which goes with any regressor by
+//! The raw rms error cannot decide it: it is mostly the reference's slow wander, which goes with any regressor by
 //! chance, so that a small true effect often makes it larger. The likelihood knows the wander (
 //! [`Evidence`]). Twice its logarithm gains `G = c (2 s - c i)` by the coefficient c: it falls where what was held
 //! out, fitted by itself, comes to less than half of c. With V the score's variance (Newey and West's, and at least
@@ -12,7 +12,7 @@
 //!
 //! The test is one-sided at 5 %: an effect is called harmful below z = -1.645. A true one, whatever its size, is
 //! called so in at most 5 %, and in `P(z < -1.645 - |c| i / (2 sqrt(V)))`; one that does not act in
-//! `P(z < -1.645 + |c| i / (2 sqrt(V)))`. Where that is less than 95 % the test can not tell, and says so.
+//! `P(z < -1.645 + |c| i / (2 sqrt(V)))`. Where that is less than 95 % the test cannot tell, and says so.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -72,7 +72,7 @@ impl HeldOutVerdict {
         let mut by_others = Vec::with_capacity(folds.stretches.len());
         for stretch in &folds.stretches {
             let information = all.information - stretch.information;
-            // What only this stretch shows can not be predicted from the others.
+            // What only this stretch shows cannot be predicted from the others.
             let known = information > 0.0 && stretch.information > 0.0;
             let coefficient = if known { (all.score - stretch.score) / information } else { 0.0 };
             gain += coefficient * (2.0 * stretch.score - coefficient * stretch.information);

@@ -98,7 +98,7 @@ const TIME_ORDER: f64 = 0.7;
 /// gone, the sensor's own propeller and angle of attack are new.
 const WHITE_ORDER: f64 = 0.7;
 /// Correlation time of the slow wander, seconds: that of a flight's weather and of a receiver's constellation, which a wander of
-/// minutes can not take the part of.
+/// minutes cannot take the part of.
 const SLOW_S: f64 = 1200.0;
 /// Of a factor that is held at one.
 const HELD: f64 = 0.02;

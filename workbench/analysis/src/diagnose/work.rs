@@ -208,7 +208,7 @@ fn facts(named: &NamedReplay<'_>, epochs: &Epochs) -> DiagnosedFlight {
 const MADE: &str = "the UAV's inertial altitude is made here from its accelerometer and gyro: until the launch it follows the \
     reference, and after it drifts without bound, so that its errors say nothing that the fitted noise could be told from";
 
-/// Effects on sensors that the flights have, whose signals they have not; and those on an altitude that can not be judged.
+/// Effects on sensors that the flights have, whose signals they have not; and those on an altitude that cannot be judged.
 fn untested(candidates: &[Candidate], flights: &[NamedReplay<'_>], epochs: &[Epochs]) -> Vec<Untested> {
     let is_made = flights.iter().any(|named| named.replay.makes_inertial_altitude());
     let mut untested: Vec<Untested> = Vec::new();

@@ -8,7 +8,7 @@ use super::discovery::FoundLaw;
 /// How far beyond what was found nature is taken to keep the coefficient, either way.
 const PLAUSIBLE: f64 = 3.0;
 
-/// Why a model's text can not take a definition.
+/// Why a model's text cannot take a definition.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum DefinitionError {
     /// It is not TOML.

@@ -27,7 +27,7 @@ pub struct Discovery {
     pub signals: Vec<String>,
     /// Of these, columns of no known unit: they count as plain numbers.
     pub without_unit: Vec<String>,
-    /// Columns that a formula can not name, which were left out.
+    /// Columns that a formula cannot name, which were left out.
     pub unnamed: Vec<String>,
     /// Laws that were scored.
     pub scored: u64,
@@ -111,7 +111,7 @@ pub struct FoundLaw {
     pub size_m: f64,
     /// Effects that were found without the law and that it takes the place of.
     pub instead_of: Vec<Name>,
-    /// Laws and effects that it can not be told from on these flights, with the correlation of both.
+    /// Laws and effects that it cannot be told from on these flights, with the correlation of both.
     pub equal_to: Vec<Equal>,
     /// What to fly to tell it from these, in words; empty where nothing is known that would.
     pub advice: String,

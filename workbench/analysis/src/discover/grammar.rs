@@ -164,7 +164,7 @@ impl Factor {
             Operator::LowPass(time_s) => format!("lowpass({name}, {}[s])", number(time_s)),
             Operator::Delay(time_s) => format!("delay({name}, {}[s])", number(time_s)),
         };
-        // Writing to a string can not fail.
+        // Writing to a string cannot fail.
         let _ = match self.power {
             Power::One => write!(text, "{inner}"),
             Power::Two => write!(text, "{inner}^2"),
@@ -197,7 +197,7 @@ impl Term {
             negative if self.constant < 0.0 => format!("({negative})"),
             positive => positive,
         };
-        // Writing to a string can not fail.
+        // Writing to a string cannot fail.
         let _ = match self.kind {
             TermKind::Above => write!(text, "step({name} > {constant})"),
             TermKind::Beyond => write!(text, "step(abs({name}) > {constant})"),

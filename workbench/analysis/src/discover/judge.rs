@@ -236,7 +236,7 @@ fn catalogue(bench: &Bench<'_>, one: &Fitted) -> Alike {
     Alike::None
 }
 
-/// Effects of the catalogue that a law can not be told from, and the column of each.
+/// Effects of the catalogue that a law cannot be told from, and the column of each.
 fn effects_alike(bench: &Bench<'_>, one: &Fitted) -> (Vec<Equal>, Vec<usize>) {
     let series = bench.with_columns(bench.problem.flights, &[(one.subject, &one.column)]);
     let problem = bench.problem_of(&series);

@@ -37,7 +37,7 @@ fn held_out(laws: &[Chosen<'_>], parts: usize) -> [f64; STRETCHES] {
             let of = |k: usize| -> f64 { law.stretches.iter().map(|stretch| stretch[k]).sum() };
             let [own_score, own_information] = law.stretches[left_out];
             let (score, information) = (of(0) - own_score, of(1) - own_information);
-            // What only the stretch left out shows can not be learned from the others.
+            // What only the stretch left out shows cannot be learned from the others.
             if information <= 1e-9 * of(1) {
                 continue;
             }

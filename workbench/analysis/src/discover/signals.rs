@@ -77,7 +77,7 @@ pub struct Signals {
     pub signals: Vec<Signal>,
     /// By flight.
     pub flights: Vec<Blocks>,
-    /// Columns that a formula can not name.
+    /// Columns that a formula cannot name.
     pub unnamed: Vec<String>,
     /// Columns of no known unit, which count as plain numbers.
     pub without_unit: Vec<String>,

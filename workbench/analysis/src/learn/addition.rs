@@ -149,7 +149,7 @@ impl Addition {
     pub const VERSION: u32 = 1;
 }
 
-/// Why an effect can not be added at all.
+/// Why an effect cannot be added at all.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum AddError {
@@ -180,13 +180,13 @@ pub enum AddError {
     /// The filter refused.
     #[error(transparent)]
     Learn(#[from] LearnError),
-    /// The text can not be changed.
+    /// The text cannot be changed.
     #[error(transparent)]
     Document(#[from] DocumentError),
     /// It is no model, or would not be one with the effect.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// A flight can not be flown.
+    /// A flight cannot be flown.
     #[error("{file}: {error}")]
     Replay {
         /// The flight.
@@ -457,7 +457,7 @@ pub(super) const fn held_out_name(judged_on: JudgedOn) -> &'static str {
     }
 }
 
-/// What a test that can not tell leaves open.
+/// What a test that cannot tell leaves open.
 fn untold(judged_on: JudgedOn, verdict: &HeldOutVerdict) -> Option<String> {
     (!verdict.can_tell && !verdict.is_worse).then(|| {
         format!(

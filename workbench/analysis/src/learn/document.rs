@@ -5,7 +5,7 @@ use thiserror::Error;
 use time::Date;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, TableLike, Value, value};
 
-/// Why a model's text can not be changed.
+/// Why a model's text cannot be changed.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum DocumentError {
     /// It is not TOML.

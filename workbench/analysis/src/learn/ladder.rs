@@ -53,7 +53,7 @@ pub struct RevisionFlight {
     pub sensors: Scores,
 }
 
-/// A flight that can not be flown.
+/// A flight that cannot be flown.
 #[derive(Debug, Error)]
 #[error("{file}: {reason}")]
 pub struct LadderError {
@@ -72,7 +72,7 @@ pub(crate) fn numbers(model: &Model) -> impl Iterator<Item = u32> {
 /// Flies every revision of a model over every flight; `progress` is told how many of these are done.
 ///
 /// # Errors
-/// [`LadderError`], for the first flight that can not be flown.
+/// [`LadderError`], for the first flight that cannot be flown.
 pub fn ladder(
     model: &Model,
     flights: &[NamedFlight<'_>],
@@ -84,7 +84,7 @@ pub fn ladder(
 /// As [`ladder`], by somebody's scores.
 ///
 /// # Errors
-/// [`LadderError`], for the first flight that can not be flown.
+/// [`LadderError`], for the first flight that cannot be flown.
 pub fn ladder_by(
     scorer: &mut Scorer<'_>,
     model: &Model,

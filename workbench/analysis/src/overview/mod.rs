@@ -42,7 +42,7 @@ pub struct Overview {
     /// Which part of it is analysed.
     #[serde(flatten, deserialize_with = "crate::json::whole")]
     pub usage: Usage,
-    /// The share of it that a diagnosis works on, which needs no calibration; null where it can not be analysed.
+    /// The share of it that a diagnosis works on, which needs no calibration; null where it cannot be analysed.
     pub diagnosed_share: Option<f64>,
     /// Every time in the air.
     pub airborne: Vec<AirborneTime>,
@@ -54,7 +54,7 @@ pub struct Overview {
     pub calibration: Option<String>,
     /// From when to when it is calibrated, seconds; null for a flight with a launch, or where nothing can be calibrated.
     pub calibration_window_s: Option<[f64; 2]>,
-    /// Why it can not be analysed, if it can not.
+    /// Why it cannot be analysed, if it cannot.
     pub refused: Option<String>,
     /// What is wrong with the barometer for all of the log, if anything is.
     pub barometer_fault: Option<String>,

@@ -24,7 +24,7 @@ pub enum ImportError {
         /// The file.
         file: String,
     },
-    /// Parquet that can not be read.
+    /// Parquet that cannot be read.
     #[cfg(feature = "parquet")]
     #[error(transparent)]
     Parquet(#[from] super::parquet::ParquetError),

@@ -58,7 +58,7 @@ impl Importer for Mcap {
 /// Goes through the records (<https://mcap.dev/spec>): a byte that says what it is, its length in eight bytes, and so many bytes.
 /// The crate's own readers subtract without looking where a damaged chunk's lengths contradict each other.
 ///
-/// What can not be read goes to `damage`.
+/// What cannot be read goes to `damage`.
 fn records(mut bytes: &[u8], damage: &mut Vec<String>, take: &mut dyn FnMut(Record<'_>)) {
     while let Some((head, rest)) = bytes.split_first_chunk::<9>() {
         let [kind, length @ ..] = *head;

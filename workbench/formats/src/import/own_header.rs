@@ -21,7 +21,7 @@ pub fn own_header(keys: impl IntoIterator<Item = (String, String)>) -> Header {
     header
 }
 
-/// Puts a column in under its name, which may be damaged: with one that a flight's CSV can not have, or has already, it is left out and said.
+/// Puts a column in under its name, which may be damaged: with one that a flight's CSV cannot have, or has already, it is left out and said.
 pub fn put_column(flight: &mut Flight, name: &str, column: Column) -> Option<Note> {
     let has =
         |name: &str| name == "time_s" || flight.channels.iter().any(|(channel, _)| channel.name() == name);

@@ -5,7 +5,7 @@
 //! its apogee falls as freely, but did before; a multicopter whose motors fail does too, so its motors must be off, where that is
 //! recorded. An aerobatic aircraft that is pushed over to weightlessness looks the same.
 //!
-//! What this can not find: a winged vehicle that its wings carry by a third or more from the first second on. It needs a `launch` column.
+//! What this cannot find: a winged vehicle that its wings carry by a third or more from the first second on. It needs a `launch` column.
 
 use flight_data::{Channel, Column, Flight};
 
@@ -32,7 +32,7 @@ const BEGUN_S: f64 = 0.5;
 const BEGUN_RATIO: f64 = 2.3;
 /// Heights at either end of the fall are medians over this much around, seconds: single wild ones are none.
 const AROUND_S: f64 = 0.15;
-/// Of a barometer that is slower than this the beginning of a fall can not be seen, seconds between samples.
+/// Of a barometer that is slower than this the beginning of a fall cannot be seen, seconds between samples.
 const SLOWEST_S: f64 = 0.1;
 /// A motor that turns without carrying: autopilots' arming speeds are up to a tenth.
 const IDLE: f64 = 0.1;

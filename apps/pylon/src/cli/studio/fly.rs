@@ -22,7 +22,7 @@ pub enum NotFlown {
     /// Another flight is flying.
     #[error("another flight is flying")]
     Busy,
-    /// The model can not be used.
+    /// The model cannot be used.
     #[error(transparent)]
     Model(#[from] ModelError),
     /// `pylon fly` could not be started.

@@ -1,6 +1,6 @@
 //! Who is served: pages that this start of the server gave out itself, to this machine.
 //!
-//! Any page that a user has open may send requests to a loopback port. What it can not do is read the token of this start, or choose the
+//! Any page that a user has open may send requests to a loopback port. What it cannot do is read the token of this start, or choose the
 //! `Host` and `Origin` that its browser sends.
 
 use std::fmt::Write as _;

@@ -60,7 +60,7 @@ impl ModelFile {
             } else {
                 String::new()
             };
-            Failure::input(format!("{}: can not be read: {error}{hint}", self.path.display()))
+            Failure::input(format!("{}: cannot be read: {error}{hint}", self.path.display()))
         })?;
         Ok(self.served(text))
     }

@@ -29,7 +29,7 @@ pub fn page() -> Result<String, Failure> {
 fn read(file: &Path) -> Result<String, Failure> {
     fs::read_to_string(file).map_err(|error| {
         Failure::input(format!(
-            "{}: the studio's page can not be read: {error}; `cargo xtask site` builds it in the checkout, and {VARIABLE} names it",
+            "{}: the studio's page cannot be read: {error}; `cargo xtask site` builds it in the checkout, and {VARIABLE} names it",
             file.display()
         ))
     })

@@ -91,7 +91,7 @@ impl Server {
     ) -> Result<Self, Failure> {
         let http =
             tiny_http::Server::http(SocketAddr::from((Ipv4Addr::LOCALHOST, port))).map_err(|error| {
-                Failure::input(format!("port {port} of this machine can not be listened at: {error}"))
+                Failure::input(format!("port {port} of this machine cannot be listened at: {error}"))
             })?;
         let address =
             http.server_addr().to_ip().ok_or_else(|| Failure::input("the server has no address"))?;
@@ -213,7 +213,7 @@ impl Served {
         let Some(file) = self.logs.get(place) else { return Answer::plain(404, "no such flight was named") };
         match File::open(file) {
             Ok(log) => Answer { status: 200, media: "application/octet-stream", body: Body::File(log) },
-            Err(error) => Answer::plain(500, &format!("{}: can not be read: {error}", file.display())),
+            Err(error) => Answer::plain(500, &format!("{}: cannot be read: {error}", file.display())),
         }
     }
 

@@ -18,7 +18,7 @@ use super::words::Words;
 use super::{Comparison, CrossCheckFacts, SensorComparison};
 use view::text::printable;
 
-/// Writing a line to a string, which can not fail.
+/// Writing a line to a string, which cannot fail.
 macro_rules! put {
     ($out:expr, $($arguments:tt)*) => {{
         let _ = writeln!($out, $($arguments)*);

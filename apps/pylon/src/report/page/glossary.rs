@@ -24,7 +24,7 @@ const WORDS: &[(&str, &str)] = &[
         "doubtful, untrustworthy",
         "the error has exceeded the alarm limit; after that, its moving average has too.",
     ),
-    ("unmonitored", "there is no reference, so the sensor can not be judged."),
+    ("unmonitored", "there is no reference, so the sensor cannot be judged."),
     (
         "effect",
         "a physical cause that adds a coefficient times something measured (its regressor) to what a sensor reads.",

@@ -46,7 +46,7 @@ pub fn offers(around: &Circumstances) -> Vec<Offer> {
     ]
 }
 
-/// Refuses what can not be planned.
+/// Refuses what cannot be planned.
 pub fn check(plan: &FlightPlan, around: &Circumstances) -> Result<(), Refused> {
     let between = |what: &str, value: f64, least: f64, most: f64| {
         if (least..=most).contains(&value) {

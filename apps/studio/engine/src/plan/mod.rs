@@ -50,7 +50,7 @@ pub fn planned(
             let all = offers.len() as u64;
             for (done, offer) in offers.iter_mut().enumerate() {
                 progress("flying each manoeuvre", done as u64, all);
-                // One that can not be flown there is no suggestion.
+                // One that cannot be flown there is no suggestion.
                 let alone = planning.plan(vec![offer.leg]);
                 offer.gain = planning.flown(&alone).ok().map(|flown| gain(&flown.outlook));
             }

@@ -79,7 +79,7 @@ pub struct Closed {
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Opened {
     /// What `pylon open --json` says: the format, take-off, landing, launch, what is used and what not and why, the sensors,
-    /// the notes of the importer; `refused` says why it can not be analysed, where it can not.
+    /// the notes of the importer; `refused` says why it cannot be analysed, where it cannot.
     pub overview: Overview,
     /// The vehicle, with what tells it from another of its type: flights are grouped by it.
     pub vehicle: String,

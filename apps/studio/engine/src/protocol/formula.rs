@@ -47,7 +47,7 @@ pub struct FormulaProblem {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct FormulaChecked {
-    /// Why it can not be used.
+    /// Why it cannot be used.
     pub problem: Option<FormulaProblem>,
     /// It as a definition.
     pub definition: Option<Defined>,

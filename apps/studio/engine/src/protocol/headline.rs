@@ -9,7 +9,7 @@ use serde::Serialize;
 pub enum Tone {
     /// All is well, or got better.
     Good,
-    /// Something is missing or can not be told.
+    /// Something is missing or cannot be told.
     Caution,
     /// A sensor is not to be trusted, or nothing explains it.
     Bad,

@@ -94,7 +94,7 @@ pub struct Offer {
     pub least: f64,
     /// The largest.
     pub most: f64,
-    /// What it would tell by itself; null where that was not asked, or it can not be flown there.
+    /// What it would tell by itself; null where that was not asked, or it cannot be flown there.
     pub gain: Option<Gain>,
 }
 

@@ -858,7 +858,7 @@ signals: Array<string>,
  */
 without_unit: Array<string>, 
 /**
- * Columns that a formula can not name, which were left out.
+ * Columns that a formula cannot name, which were left out.
  */
 unnamed: Array<string>, 
 /**
@@ -1338,7 +1338,7 @@ evidence: number, };
  */
 export type FormulaChecked = { 
 /**
- * Why it can not be used.
+ * Why it cannot be used.
  */
 problem: FormulaProblem | null, 
 /**
@@ -1469,7 +1469,7 @@ size_m: number,
  */
 instead_of: Array<string>, 
 /**
- * Laws and effects that it can not be told from on these flights, with the correlation of both.
+ * Laws and effects that it cannot be told from on these flights, with the correlation of both.
  */
 equal_to: Array<Equal>, 
 /**
@@ -1896,7 +1896,7 @@ least: number,
  */
 most: number, 
 /**
- * What it would tell by itself; null where that was not asked, or it can not be flown there.
+ * What it would tell by itself; null where that was not asked, or it cannot be flown there.
  */
 gain: Gain | null, };
 
@@ -1932,7 +1932,7 @@ sample: string, };
 export type Opened = { 
 /**
  * What `pylon open --json` says: the format, take-off, landing, launch, what is used and what not and why, the sensors,
- * the notes of the importer; `refused` says why it can not be analysed, where it can not.
+ * the notes of the importer; `refused` says why it cannot be analysed, where it cannot.
  */
 overview: Overview, 
 /**
@@ -2010,7 +2010,7 @@ launch_s: number | null,
  */
 drop_s: number | null, 
 /**
- * The share of it that a diagnosis works on, which needs no calibration; null where it can not be analysed.
+ * The share of it that a diagnosis works on, which needs no calibration; null where it cannot be analysed.
  */
 diagnosed_share: number | null, 
 /**
@@ -2034,7 +2034,7 @@ calibration: string | null,
  */
 calibration_window_s: [number, number] | null, 
 /**
- * Why it can not be analysed, if it can not.
+ * Why it cannot be analysed, if it cannot.
  */
 refused: string | null, 
 /**

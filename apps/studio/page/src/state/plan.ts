@@ -15,7 +15,7 @@ export const plan = signal<FlightPlan | null>(null);
 export const planned = signal<Planned | null>(null);
 /** What can be chosen, the best first. */
 export const offers = signal<ReadonlyArray<Offer>>([]);
-/** Why the plan as it stands can not be flown. */
+/** Why the plan as it stands cannot be flown. */
 export const planProblem = signal<string | null>(null);
 /** Whether what is shown is of the plan before. */
 export const isPlanning = signal(false);

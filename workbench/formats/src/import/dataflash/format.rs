@@ -131,7 +131,7 @@ pub struct Message<'a> {
 }
 
 impl Message<'_> {
-    /// The number in a field, by its place among the layout's, in the unit of its letter; `None` for text and what can not
+    /// The number in a field, by its place among the layout's, in the unit of its letter; `None` for text and what cannot
     /// be read.
     pub fn number(&self, layout: &Layout, index: usize) -> Option<f64> {
         let field = layout.fields.get(index)?;

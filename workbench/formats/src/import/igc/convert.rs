@@ -344,7 +344,7 @@ impl Converter {
     fn keep_plain(&mut self, code: &str, name: &str, raw: Column, why: &UnitUnknown) {
         let plain = raw_name(code);
         self.note(format!(
-            "no {name}: the unit of {code} can not be told ({why}); its plain numbers are kept as {plain}"
+            "no {name}: the unit of {code} cannot be told ({why}); its plain numbers are kept as {plain}"
         ));
         self.put_signal(&plain, raw);
     }

@@ -91,7 +91,7 @@ impl Clock {
 }
 
 impl Log {
-    /// Reads a log; what can not be read is counted.
+    /// Reads a log; what cannot be read is counted.
     #[must_use]
     pub fn read(text: &[u8]) -> Self {
         let rows = lines(text).filter(|line| matches!(line.first(), Some(b'B' | b'K'))).count();

@@ -23,7 +23,7 @@ pub enum Fault {
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum TableError {
-    /// What is wrong with any log: it is empty, in UTF-16, or Parquet that can not be read.
+    /// What is wrong with any log: it is empty, in UTF-16, or Parquet that cannot be read.
     #[error(transparent)]
     Log(#[from] ImportError),
     /// It is no text.

@@ -48,7 +48,7 @@ impl<'a> Cells<'a> {
     /// Gives each cell of a column that has one, with its row. Numbers may be infinite or none (NaN).
     ///
     /// # Errors
-    /// Where it can not be read, and why, by group of rows. The cells of the others are given.
+    /// Where it cannot be read, and why, by group of rows. The cells of the others are given.
     pub fn column(&self, place: usize, take: &mut dyn FnMut(usize, Cell)) -> Result<(), Vec<GroupError>> {
         let mut problems = Vec::new();
         let mut first_row = 0;

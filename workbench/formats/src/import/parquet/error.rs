@@ -94,7 +94,7 @@ pub enum ChunkError {
     /// The values are encoded in a way that is not read.
     #[error("its values are encoded in a way that is not read (number {0})")]
     Encoding(i64),
-    /// A page can not have so many bytes.
+    /// A page cannot have so many bytes.
     #[error("a page of {values} values is said to have {bytes} bytes")]
     PageSize {
         /// Its values.

@@ -33,7 +33,7 @@ pub struct Collected {
     pub dropouts: Vec<(u64, u16)>,
     /// Messages too short for their time.
     pub unstamped: usize,
-    /// Ids of topics that are of use and can not be read, with the reason.
+    /// Ids of topics that are of use and cannot be read, with the reason.
     pub unreadable: BTreeMap<u16, &'static str>,
     /// Fields that are called almost as one that is missing: topic, the missing one, and what is there.
     pub misspelt: Vec<(String, &'static str, String)>,
@@ -43,7 +43,7 @@ pub struct Collected {
 enum Plan {
     /// Nothing of it is of use.
     Unused,
-    /// It would be of use, and can not be read for this reason.
+    /// It would be of use, and cannot be read for this reason.
     Unreadable(&'static str),
     Values(Values),
 }

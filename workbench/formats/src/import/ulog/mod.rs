@@ -68,7 +68,7 @@ impl Importer for Ulog {
     }
 }
 
-/// What is lost with a definition: topics of which data come that can not be read.
+/// What is lost with a definition: topics of which data come that cannot be read.
 fn lost_topics(reader: &Reader<'_>, collected: &Collected) -> Vec<String> {
     let (mut unknown, mut undefined, mut of_another_length) = (Vec::new(), Vec::new(), Vec::new());
     for (id, count) in &reader.unsubscribed {
@@ -98,7 +98,7 @@ fn lost_topics(reader: &Reader<'_>, collected: &Collected) -> Vec<String> {
     for (id, why) in &collected.unreadable {
         let Some(subscription) = reader.subscriptions.get(id) else { continue };
         let count = collected.counts.get(id).copied().unwrap_or(0);
-        notes.push(format!("{} can not be read, {why}; messages left out: {count}", subscription.name()));
+        notes.push(format!("{} cannot be read, {why}; messages left out: {count}", subscription.name()));
     }
     for (topic, wanted, name) in &collected.misspelt {
         notes.push(format!(

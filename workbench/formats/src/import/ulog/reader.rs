@@ -69,7 +69,7 @@ pub struct Reader<'a> {
     pub interrupted: usize,
     /// Definitions that are none or contradict an earlier one.
     pub bad_definitions: usize,
-    /// Data that can not be read, by id: nothing subscribes it, or its format is not defined or of another length.
+    /// Data that cannot be read, by id: nothing subscribes it, or its format is not defined or of another length.
     pub unsubscribed: BTreeMap<u16, usize>,
     /// Flags that this reader does not know, if there are any.
     pub unknown_flags: bool,

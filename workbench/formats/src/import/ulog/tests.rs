@@ -384,7 +384,7 @@ fn a_flipped_bit_of_a_definition_costs_nothing_without_a_word() {
                 .filter(|text| !said_of_clean.iter().any(|said| said == text))
                 .collect();
             let is_said = added.iter().any(|text| {
-                ["left out", "damaged", "not used: the definition", "can not be read"]
+                ["left out", "damaged", "not used: the definition", "cannot be read"]
                     .iter()
                     .any(|words| text.contains(words))
             });
@@ -423,7 +423,7 @@ fn a_topic_that_is_lost_with_its_definition_is_named() {
         (
             place("timestamp;float[4] q"),
             b'T',
-            "vehicle_attitude can not be read, its definition has no timestamp; messages left out: 30",
+            "vehicle_attitude cannot be read, its definition has no timestamp; messages left out: 30",
         ),
         (
             place("float[4] q") + 6,
@@ -433,7 +433,7 @@ fn a_topic_that_is_lost_with_its_definition_is_named() {
         (
             place("vehicle_attitude") - 3,
             200,
-            "vehicle_attitude 201 can not be read, its instance is more than any autopilot has",
+            "vehicle_attitude 201 cannot be read, its instance is more than any autopilot has",
         ),
     ] {
         let notes = damaged(at, letter);
