@@ -560,12 +560,21 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
     pub(crate) fn follow_reference(
         &mut self,
         config: &MissionConfig<E>,
+        time_us: u64,
         fix: &AcceptedFix,
         tracker: &ReferenceTracker,
         has_settled: bool,
     ) {
         let counts = has_settled || tracker.last_fix().is_some_and(|fix| config.quality.accepts(fix));
+        let had_jumped = self.reference_level.has_jumped();
         self.reference_level.follow(&config.reference, fix, counts);
+        // Everything is against the first fix. If what it was on has not even lasted for the level's memory, that was no level.
+        let is_young = self
+            .start_us
+            .is_some_and(|start_us| seconds_between(start_us, time_us) < reference_level::BEFORE_S);
+        if is_young && !had_jumped && self.reference_level.has_jumped() {
+            self.restart(time_us);
+        }
     }
 
     /// How far the reference is from its mean over the calibration, which the biases are against, by its own climb rate, metres.

@@ -232,7 +232,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         let gps_rejection = gps_rejection.or(fix.and_then(|fix| self.check_fix(time_us, fix, carried)));
         if let (None, Some(fix)) = (&self.latch, &fix) {
             let has_settled = self.phase == Phase::Calibrating;
-            self.calibration.follow_reference(&self.config, fix, &self.tracker, has_settled);
+            self.calibration.follow_reference(&self.config, time_us, fix, &self.tracker, has_settled);
         }
         let reference_m = self.reference_m(time_us);
         let (readings_m, mut rejections) =

@@ -88,8 +88,7 @@ impl Demo {
         let folder = folder();
         let (flight, pictures) = (folder.join("paper-reconstruction.csv"), folder.join("pictures"));
         if folder.exists() {
-            fs::remove_dir_all(&folder)
-                .with_context(|| format!("{} cannot be emptied", folder.display()))?;
+            fs::remove_dir_all(&folder).with_context(|| format!("{} cannot be emptied", folder.display()))?;
         }
         fs::create_dir_all(&folder).with_context(|| format!("{} cannot be made", folder.display()))?;
 

@@ -12,7 +12,7 @@ use crate::reference::AcceptedFix;
 const NOW_S: f32 = 0.5;
 /// Memory of the level as it was, seconds. Of a jump the two come to be 0.65 apart; with eight times the shorter one, and so short that
 /// the receiver's wander and the climb rate's error hardly add to that.
-const BEFORE_S: f32 = 4.0;
+pub(super) const BEFORE_S: f32 = 4.0;
 /// A fix counts up to so many of its sigmas away: one or two that are off by kilometres make no level either.
 const CLIPPED_SIGMAS: f32 = 2.0;
 /// Beyond this many sigmas the levels are two: a Gaussian is once in 150,000 values, of which an hour has a thousand independent ones.

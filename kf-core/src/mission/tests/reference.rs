@@ -608,6 +608,22 @@ fn a_reference_that_jumps_in_captive_flight_degrades_the_calibration_by_name() {
     assert_eq!(failed_with(cold_start), [""; 0]);
 }
 
+/// Everything is measured against the first fix that counts. A receiver that is off at just that time, and no longer than a transient, is on
+/// another level for nobody: what was measured so far is begun anew.
+#[test]
+fn a_reference_that_is_off_as_the_calibration_begins_is_forgotten() {
+    for from_s in [1.9, 2.0] {
+        for jump_m in [10.0, -14.0] {
+            let failed = failed_with(|time_s, input| {
+                if (from_s..from_s + 0.6).contains(&time_s) {
+                    add_to_fix(input, jump_m);
+                }
+            });
+            assert!(!failed.contains(&"reference_converged"), "{from_s} {jump_m}: {failed:?}");
+        }
+    }
+}
+
 #[test]
 fn a_sensor_that_changes_its_level_while_the_reference_settles_degrades_the_calibration_by_name() {
     let failed = failed_with(|time_s, input| {
