@@ -241,8 +241,8 @@ mod tests {
 
     /// The same flight by a clock that shows another time at its beginning, and without what is before and after some seconds of it.
     fn by_another_clock(flight: &Flight, (from_s, to_s): (f64, f64), zero_s: f64) -> Flight {
-        let mut part = Flight::default();
-        part.channels = flight.channels.iter().map(|(channel, _)| (*channel, Column::default())).collect();
+        let channels = flight.channels.iter().map(|(channel, _)| (*channel, Column::default())).collect();
+        let mut part = Flight { channels, ..Flight::default() };
         for (row, time_s) in
             flight.time_s.iter().enumerate().filter(|(_, time_s)| (from_s..to_s).contains(*time_s))
         {
