@@ -559,4 +559,16 @@ mod tests {
         assert_eq!(block_s(&flight((0..9).map(|_| (500.0, 20.0))), &quality()), 5.0);
         assert_eq!(median(&mut [5.0, 1.0, 3.0, 2.0, 4.0]), Some(3.0));
     }
+
+    /// Blocks that follow each other have no gap between them.
+    #[test]
+    fn a_missing_block_is_a_gap() {
+        let of = |indices: &[u64]| {
+            let block =
+                |index: &u64| Block { index: *index, altitude_m: 0.0, climb_rate_mps: None, speed_mps: None };
+            is_gapless(&indices.iter().map(block).collect::<Vec<_>>())
+        };
+        assert!(of(&[4, 5, 6]) && of(&[7]) && of(&[]));
+        assert!(!of(&[4, 6, 7]) && !of(&[4, 5, 7]));
+    }
 }

@@ -306,7 +306,7 @@ mod tests {
         let mut twice = Flight::default();
         let mut baro = Column::default();
         for (row, time_s) in once.time_s.iter().enumerate() {
-            for cell in [once.channels[0].1.get(row), Some(3_000.0), Some(0.0)] {
+            for cell in [once.channels[0].1.get(row), Some(0.0), Some(0.0)] {
                 twice.time_s.push(*time_s);
                 baro.push(cell);
             }
