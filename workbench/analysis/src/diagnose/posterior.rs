@@ -369,3 +369,60 @@ impl Posterior {
         self.sets.iter().filter(|(set, _)| of(set)).map(|(_, probability)| probability).sum()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Sets of columns of three effects: of a lag two columns, of a scale and a drift one each.
+    fn posterior() -> Posterior {
+        let effects = [
+            (1, EffectId::BaroLag),
+            (2, EffectId::BaroLag),
+            (5, EffectId::BaroScale),
+            (8, EffectId::BaroDrift),
+        ];
+        Posterior {
+            sets: vec![
+                (vec![2], 0.5),
+                (vec![5], 0.2),
+                (vec![1, 8], 0.15),
+                (vec![5, 8], 0.1),
+                (Vec::new(), 0.05),
+            ],
+            effects: effects.into_iter().collect(),
+        }
+    }
+
+    /// The best set is the first; an effect acts with the probability of all sets that have any of its columns.
+    #[test]
+    fn an_effect_acts_in_the_sets_that_have_it() {
+        let found = posterior();
+        assert_eq!(found.best(), [2]);
+        for (effect, wanted) in
+            [(EffectId::BaroLag, 0.65), (EffectId::BaroScale, 0.3), (EffectId::BaroDrift, 0.25)]
+        {
+            assert!((found.inclusion(effect) - wanted).abs() < 1e-12, "{}", effect.name());
+        }
+        assert_eq!(found.inclusion(EffectId::GpsLatency), 0.0);
+    }
+
+    /// Of the sets without the lag, a scale is in those of 0.3 and a drift in one of 0.1; nothing is in that of 0.05.
+    #[test]
+    fn rivals_share_the_sets_without_the_chosen() {
+        let rivals = posterior().rivals(2, &[2], 7.0);
+        assert_eq!((rivals.column, rivals.explained), (2, 7.0));
+        assert!(
+            (rivals.acts.unwrap() - 0.65).abs() < 1e-12 && (rivals.empty - 0.05).abs() < 1e-12,
+            "{rivals:?}"
+        );
+        assert_eq!(rivals.others, [5, 8]);
+        let wanted = [0.3 / 0.65, 0.1 / 0.65];
+        assert!(
+            rivals.odds.iter().zip(wanted).all(|(odds, wanted)| (odds - wanted).abs() < 1e-12),
+            "{rivals:?}"
+        );
+        // Beside a chosen drift only the scale is another.
+        assert_eq!(posterior().rivals(2, &[2, 8], 7.0).others, [5]);
+    }
+}

@@ -363,14 +363,17 @@ mod tests {
     use super::*;
     use crate::discover::small_flights::{BARO, WHITE, WHITE_M, flight, noise, problem};
 
+    /// What is left of a column beside others.
+    fn rest(target: &[f64], columns: &[Vec<f64>]) -> DVector<f64> {
+        let target = DVector::from_column_slice(target);
+        let matrix = DMatrix::from_fn(target.len(), columns.len(), |row, column| columns[column][row]);
+        let solved = matrix.clone().svd(true, true).solve(&target, 1e-12).unwrap();
+        target - matrix * solved
+    }
+
     /// Least squares of some columns: what is left of the residual's square, and the last column's own square beside the others.
     fn least_squares(residual: &[f64], columns: &[Vec<f64>]) -> (f64, f64) {
-        let rest = |target: &[f64], columns: &[Vec<f64>]| {
-            let target = DVector::from_column_slice(target);
-            let matrix = DMatrix::from_fn(target.len(), columns.len(), |row, column| columns[column][row]);
-            let solved = matrix.clone().svd(true, true).solve(&target, 1e-12).unwrap();
-            (target - matrix * solved).norm_squared()
-        };
+        let rest = |target: &[f64], columns: &[Vec<f64>]| rest(target, columns).norm_squared();
         let (last, others) = columns.split_last().unwrap();
         (rest(residual, others) - rest(residual, columns), rest(last, others))
     }
@@ -444,6 +447,23 @@ mod tests {
                 let [product, whole] = sum(by_stretch[k].as_ref().unwrap());
                 assert!((product * product / whole / score.gain - 1.0).abs() < 1e-6, "{k} {product}");
                 assert!((whole / score.information - 1.0).abs() < 1e-6, "{k} {whole}");
+                // In a stretch it is the products of what is left of both there.
+                let (law, others) = all.split_last().unwrap();
+                let (left, own) = (rest(&residual, others), rest(law, others));
+                let is_in = |at: usize, stretch: usize| {
+                    let (flight, block) = if at < ends[1] { (0, at) } else { (1, at - ends[1]) };
+                    let count = ends[flight + 1] - ends[flight];
+                    let since = block.checked_sub(count / 3);
+                    since.map_or(STRETCHES, |since| since * STRETCHES / (count - count / 3)) == stretch
+                };
+                for stretch in 0..=STRETCHES {
+                    let there = || (0..residual.len()).filter(|at| is_in(*at, stretch));
+                    let product: f64 = there().map(|at| left[at] * own[at]).sum();
+                    let square: f64 = there().map(|at| own[at] * own[at]).sum();
+                    let [found_product, found_square] = by_stretch[k].as_ref().unwrap()[stretch];
+                    assert!((found_product * variance - product).abs() < 1e-6 * gain.sqrt(), "{k} {stretch}");
+                    assert!((found_square * variance - square).abs() < 1e-6 * information, "{k} {stretch}");
+                }
             }
         }
     }

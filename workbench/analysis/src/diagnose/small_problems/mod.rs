@@ -3,6 +3,7 @@
 
 mod free_flight_excess;
 mod judge;
+mod long_run;
 mod noise_prior;
 mod repeatability;
 mod rivals;
