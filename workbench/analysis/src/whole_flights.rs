@@ -351,3 +351,20 @@ fn a_set_that_can_not_be_told_apart_has_an_outlook() {
         }
     }
 }
+
+/// What is learned of one effect is learned beside the others that act: a static port's error beside a lag.
+#[test]
+fn an_effect_is_learned_beside_the_others_that_act() {
+    let both = |now: Moment| dynamic_pressure_m(-0.1)(now) - 0.8 * now.climb_mps;
+    let flights = [flight(true, 11, both)];
+    let model = Model::default();
+    let effect = model.effect_named("baro.dynamic_pressure").unwrap();
+    let wanted = WantedEffect { effect, time_constant_s: None, since: None };
+    let mut progress = || ControlFlow::Continue(());
+    let (_, problem) = study(&named(&flights, &model), &[], wanted, &mut progress, &Inline).unwrap();
+    let problem = problem.unwrap();
+    assert_eq!(problem.terms[0].regressor.id, effect);
+    assert!(problem.terms.len() >= 2, "{:?}", problem.terms);
+    let learned = learn(&problem).unwrap();
+    assert!((learned.coefficient + 0.1).abs() < 3.0 * learned.sigma && learned.sigma < 0.02, "{learned:?}");
+}

@@ -372,6 +372,7 @@ impl Posterior {
 
 #[cfg(test)]
 mod tests {
+    use super::super::small_problems::{NOISE, Small, problem, sine};
     use super::*;
 
     /// Sets of columns of three effects: of a lag two columns, of a scale and a drift one each.
@@ -424,5 +425,64 @@ mod tests {
         );
         // Beside a chosen drift only the scale is another.
         assert_eq!(posterior().rivals(2, &[2, 8], 7.0).others, [5]);
+    }
+
+    /// A flight in which a sine acts on the barometer by two, as the regressor of an effect whose formula is right to that share.
+    fn acted_on(id: EffectId, rough: f64) -> Small {
+        let mut small =
+            Small::new(400, 1).candidate(id, |block| sine(0, block)).error(|block| 2.0 * sine(0, block));
+        small.bounds[0].scale = rough;
+        small
+    }
+
+    /// The weight of the set of the one effect, and its coefficient with the variance that counts.
+    fn weight_of(id: EffectId, rough: f64) -> (f64, f64, f64) {
+        let small = acted_on(id, rough);
+        let (flights, suspects) = ([small.series.clone()], small.suspects());
+        let problem = problem(&flights);
+        let information = suspects.information(&problem, &NOISE);
+        let fit = NoiseFit { values: problem.prior.means(), noise: NOISE, twice_log_posterior: 0.0 };
+        let weigher = Weigher { suspects: &suspects, problem: &problem, scale: None, power: POWER };
+        let solution = information.solve(&suspects.positions(&[0])).unwrap();
+        let weight = weigher.log_weight(&information, &[0], &fit, false).unwrap();
+        (weight, solution.coefficients[0], solution.covariance[0] / POWER)
+    }
+
+    /// What is believed of a coefficient is compared with it as sure as it is: by its variance, the share that its formula makes wrong, and
+    /// what it is unsteady by. Nothing else of a weight depends on these.
+    #[test]
+    fn a_coefficient_counts_as_sure_as_it_is() {
+        let (lag, coefficient, variance) = weight_of(EffectId::BaroLag, 0.0);
+        let belief = |id| CoefficientPrior::of(id, [-10.0, 10.0]);
+        for rough in [0.05, 0.5] {
+            let wanted = belief(EffectId::BaroLag)
+                .log_density(coefficient, variance + (rough * coefficient).powi(2))
+                - belief(EffectId::BaroLag).log_density(coefficient, variance);
+            let found = weight_of(EffectId::BaroLag, rough).0 - lag;
+            assert!((found - wanted).abs() < 1e-6 && wanted != 0.0, "{rough} {found} {wanted}");
+        }
+        let unsteady = unsteadiness(EffectId::BaroScale, false);
+        let wanted = belief(EffectId::BaroScale).log_density(coefficient, variance + unsteady * unsteady)
+            - belief(EffectId::BaroLag).log_density(coefficient, variance);
+        let found = weight_of(EffectId::BaroScale, 0.0).0 - lag;
+        assert!((found - wanted).abs() < 1e-6, "{found} {wanted}");
+    }
+
+    /// A scale of two is more than the air makes: as an effect it explains what the air alone does not.
+    #[test]
+    fn a_large_scale_is_an_effect_and_not_the_air() {
+        let small = acted_on(EffectId::BaroScale, 0.0);
+        let (flights, suspects) = ([small.series.clone()], small.suspects());
+        let problem = problem(&flights);
+        let information = suspects.information(&problem, &NOISE);
+        let fit = NoiseFit { values: problem.prior.means(), noise: NOISE, twice_log_posterior: 0.0 };
+        let weigher = Weigher { suspects: &suspects, problem: &problem, scale: Some(0), power: POWER };
+        let [of_air, of_effect] =
+            [false, true].map(|has_scale| weigher.log_weight(&information, &[], &fit, has_scale).unwrap());
+        assert!(of_effect > of_air + 50.0, "{of_effect} {of_air}");
+        // Both are weighed, the set with the scale as one more effect.
+        let weighed = weigher.weigh(&information, &[], &fit);
+        let sets: Vec<Vec<usize>> = weighed.iter().map(|(_, weighed)| weighed.columns.clone()).collect();
+        assert_eq!(sets, [vec![], vec![0]]);
     }
 }

@@ -480,7 +480,7 @@ mod tests {
         for stretch in 0..=STRETCHES {
             let blocks = if stretch == STRETCHES { 0..100 } else { 100 + 20 * stretch..120 + 20 * stretch };
             let column = |at: usize| {
-                let sign = if at % 2 == 0 { 1.0 } else { -1.0 };
+                let sign = if at.is_multiple_of(2) { 1.0 } else { -1.0 };
                 if blocks.contains(&at) { sign } else { 0.0 }
             };
             let made = vec![(0..300).map(column).collect::<Vec<f64>>()];
