@@ -284,7 +284,8 @@ mod tests {
         }
     }
 
-    /// A coefficient counts if it and its sigma are numbers and the sigma is one; of an effect that is asked for; of several the first.
+    /// A coefficient counts if it and its sigma are numbers and the sigma is one; of an effect that is asked
+    /// for; of several the first.
     #[test]
     fn coefficients_are_those_that_can_be_pooled() {
         let candidates = vec![

@@ -51,8 +51,8 @@ fn moment(time_s: f64) -> Moment {
     }
 }
 
-/// A flight at 10 Hz with five fixes a second and an error of the barometer besides its bias and a noise of 0.2 m either way. `climb`: whether
-/// the receiver says the climb rate.
+/// A flight at 10 Hz with five fixes a second and an error of the barometer besides its bias and a noise of
+/// 0.2 m either way. `climb`: whether the receiver says the climb rate.
 fn flight(has_climb_rate: bool, seed: u32, error_m: impl Fn(Moment) -> f64) -> Flight {
     let mut random = noise(seed);
     let mut csv =
@@ -105,8 +105,9 @@ fn diagnosed(flights: &[Flight]) -> Diagnosis {
     diagnose(&named(flights, &Model::default()), &[], &mut progress, &Inline).unwrap()
 }
 
-/// A barometer that is right but for its bias has that bias, and errors of its noise alone; one that reads 40 m more from the launch on has
-/// an error of that, is found untrustworthy within seconds, and fails in all that is flown.
+/// A barometer that is right but for its bias has that bias, and errors of its noise alone; one that reads 40
+/// m more from the launch on has an error of that, is found untrustworthy within seconds, and fails in all
+/// that is flown.
 #[test]
 fn a_comparison_says_the_error_that_is_there() {
     let (right, _) = compared(&flight(true, 1, |_| 0.0));
@@ -149,7 +150,8 @@ fn a_comparison_says_the_error_that_is_there() {
     assert!(!format!("{traces:?}").is_empty());
 }
 
-/// A part of the dynamic pressure is identified with its coefficient, size and range; what it leaves are the noise's errors.
+/// A part of the dynamic pressure is identified with its coefficient, size and range; what it leaves are the
+/// noise's errors.
 #[test]
 fn a_static_ports_error_is_identified_with_its_coefficient() {
     let part = -0.1;
@@ -197,7 +199,8 @@ fn nothing_is_found_where_nothing_acts() {
     assert_ne!(unknown.verdict, Verdict::NoSignificantMisfit, "{unknown:?}");
 }
 
-/// A receiver that does not say the climb rate leaves the path itself to be estimated; the static port's error is found all the same.
+/// A receiver that does not say the climb rate leaves the path itself to be estimated; the static port's
+/// error is found all the same.
 #[test]
 fn without_a_climb_rate_the_same_is_found() {
     let found = diagnosed(&[flight(false, 4, dynamic_pressure_m(-0.1))]);
@@ -257,7 +260,7 @@ fn a_study_ends_in_the_wanted_effects_problem() {
     );
 }
 
-/// A law that no catalogue has is discovered: where the throttle is above a threshold, the barometer is off.
+/// A law that no catalogue has is discovered: the barometer is off by the cube of the throttle.
 #[test]
 fn a_law_that_nobody_wrote_down_is_discovered() {
     let flights = [flight(true, 6, |now| 12.0 * now.throttle * now.throttle * now.throttle)];
@@ -273,7 +276,8 @@ fn a_law_that_nobody_wrote_down_is_discovered() {
     assert!(after_m < 0.5 * before_m, "{best:?}");
 }
 
-/// A model that estimates the coefficient in flight has it at the launch, with the envelope that was calibrated in.
+/// A model that estimates the coefficient in flight has it at the launch, with the envelope that was
+/// calibrated in.
 #[test]
 fn an_estimated_coefficient_is_the_one_that_acts() {
     let text = "[[effect]]\nid = \"baro.dynamic_pressure\"\nsigma = 0.3\nestimate = true\n";
@@ -300,7 +304,8 @@ fn an_effect_by_formula_is_identified() {
     assert!(found.missing().chain(found.suspects()).any(|effect| effect == "baro.wash"), "{found:?}");
 }
 
-/// The same flight once more halves a coefficient's variance, as far as it is noise: what formulas and signals leave unsure stays.
+/// The same flight once more halves a coefficient's variance, as far as it is noise: what formulas and
+/// signals leave unsure stays.
 #[test]
 fn a_planned_flight_adds_its_information() {
     let flights = [flight(true, 9, dynamic_pressure_m(-0.1))];
@@ -325,10 +330,11 @@ fn a_planned_flight_adds_its_information() {
     }
 }
 
-/// Where two effects fit alike, the diagnosis names both, and says of a plan how far it would tell them apart.
+/// Where two effects fit alike, the diagnosis names both, and says of a plan how far it would tell them
+/// apart.
 #[test]
 fn a_set_that_can_not_be_told_apart_has_an_outlook() {
-    // The airspeed moves too little for its square to differ from itself; the throttle goes with it.
+    // A lag of the barometer: against one receiver it can not be told from a latency of that.
     let flights = [flight(true, 10, |now| -0.35 * now.climb_mps)];
     let model = Model::default();
     let mut progress = || ControlFlow::Continue(());

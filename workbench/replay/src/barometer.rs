@@ -168,8 +168,8 @@ mod tests {
         matches!(check(flight), Some(Fault::Copied { apart_m }) if (apart_m - 47.0).abs() <= 0.51)
     }
 
-    /// A copy that was rounded differs from the receiver by up to a step of either: one step where both have the same, the sum of both
-    /// where they have not. More is a barometer.
+    /// A copy that was rounded differs from the receiver by up to a step of either: one step where both have
+    /// the same, the sum of both where they have not. More is a barometer.
     #[test]
     fn a_copy_differs_by_its_rounding() {
         let climb_m = |row: usize| 400.0 + 0.37 * row as f32;
@@ -184,7 +184,8 @@ mod tests {
         assert!(check(&apart(0.3)).is_some() && check(&apart(1.0)).is_none());
     }
 
-    /// Nothing is said of fewer than twenty samples, nor where the receiver moves by less than 10 m: both may agree by chance.
+    /// Nothing is said of fewer than twenty samples, nor where the receiver moves by less than 10 m: both may
+    /// agree by chance.
     #[test]
     fn little_is_not_judged() {
         let copied = |rows: usize, range_m: f32| {

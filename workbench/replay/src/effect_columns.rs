@@ -114,8 +114,9 @@ mod tests {
         Model::parse(&text).unwrap().effect_named("baro.tried").unwrap()
     }
 
-    /// In a formula the speed over ground stands in for `airspeed_mps`, and not for the measured `tas_mps`; an accelerometer without a gyro
-    /// says the load factor, and roll and pitch need no heading. An effect of the catalogue has no such stand-in but for the airspeed.
+    /// In a formula the speed over ground stands in for `airspeed_mps`, and not for the measured `tas_mps`;
+    /// an accelerometer without a gyro says the load factor, and roll and pitch need no heading. An effect of
+    /// the catalogue has no such stand-in but for the airspeed.
     #[test]
     fn a_formula_has_its_own_stand_ins() {
         let speed = flight(",gps_vn_mps,gps_ve_mps,throttle", ",3,4,1");
@@ -133,8 +134,8 @@ mod tests {
         assert!(missing_columns(&level, EffectId::ImuAccelScale).contains(&"yaw_rad"));
     }
 
-    /// A column that only a formula knows is found by its name; where the flight has it not, the nearest are named, and where nothing says
-    /// its unit, that is said.
+    /// A column that only a formula knows is found by its name; where the flight has it not, the nearest are
+    /// named, and where nothing says its unit, that is said.
     #[test]
     fn columns_that_only_a_formula_knows_are_found_by_name_or_missed() {
         let text = "[[effect_definition]]\nid = \"baro.flap\"\non = \"baro\"\nregressor = \"flap * 1[m]\"\nplausible = [-1.0, 1.0]\n\

@@ -306,7 +306,8 @@ mod tests {
         assert_eq!([600.0, 601.0].map(|time_s| place(&found, time_s)), [Some(1), None]);
     }
 
-    /// A log of ten minutes on the ground and two flights of 300 s each, from 200 s and from 800 s on; it ends on the ground at 1,300 s.
+    /// A log of ten minutes on the ground and two flights of 300 s each, from 200 s and from 800 s on; it
+    /// ends on the ground at 1,300 s.
     fn two_flights() -> Flight {
         let height = |second: u16| match second {
             200..500 | 800..1_100 => 600.0,
@@ -329,8 +330,9 @@ mod tests {
         Extent::of(flight, GivenTimes { calibration, airborne }).map_err(|error| error.to_string())
     }
 
-    /// The user's window chooses the flight that it is before or in; one that reaches beyond that flight's landing is refused, and one
-    /// that ends just there is not. The first flight is used from the log's beginning, a later one from the landing before it.
+    /// The user's window chooses the flight that it is before or in; one that reaches beyond that flight's
+    /// landing is refused, and one that ends just there is not. The first flight is used from the log's
+    /// beginning, a later one from the landing before it.
     #[test]
     fn a_window_chooses_the_flight_and_ends_before_its_landing() {
         let flight = two_flights();

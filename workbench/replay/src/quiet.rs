@@ -447,7 +447,8 @@ mod tests {
         assert!(stretch.window.end_s - stretch.window.start_s >= 120.0, "{stretch}");
     }
 
-    /// Limits that differ from each other and from their sums: blocks of 5 s, heights within 10 m, speeds within 8 m/s.
+    /// Limits that differ from each other and from their sums: blocks of 5 s, heights within 10 m, speeds
+    /// within 8 m/s.
     fn quality() -> QualityConfig {
         QualityConfig {
             minimum_duration_s: 30.0,
@@ -462,8 +463,8 @@ mod tests {
         Some((stretch.window.start_s, stretch.window.end_s))
     }
 
-    /// The stretch before a take-off is the last one that is quiet: it ends at the take-off, lasts five minutes at most, and begins after
-    /// the time that it is looked for from.
+    /// The stretch before a take-off is the last one that is quiet: it ends at the take-off, lasts five
+    /// minutes at most, and begins after the time that it is looked for from.
     #[test]
     fn the_stretch_before_a_take_off_ends_there_and_begins_no_earlier_than_it_may() {
         let parked = flight((0..1_000).map(|_| (500.0, 0.0)));
@@ -479,7 +480,8 @@ mod tests {
         assert_eq!(before(&rough, 100.0, 1_000.0), None);
     }
 
-    /// Heights stay within half of the altitude's limit and speeds within twice the speed's: 10 m and 8 m/s here.
+    /// Heights stay within half of the altitude's limit and speeds within twice the speed's: 10 m and 8 m/s
+    /// here.
     #[test]
     fn quiet_is_half_the_altitudes_limit_and_twice_the_speeds() {
         let steps = |height_m: f32, speed_mps: f32| {
@@ -504,7 +506,8 @@ mod tests {
         assert_eq!(before(&flown, 160.0, 260.0), Some((160.0, 260.0)));
     }
 
-    /// Thirty seconds from the first row to the last are just enough, quiet or not; and so is a stretch that ends with the log's last fix.
+    /// Thirty seconds from the first row to the last are just enough, quiet or not; and so is a stretch that
+    /// ends with the log's last fix.
     #[test]
     fn thirty_seconds_are_just_enough() {
         let still = find_default(&flight((0..31).map(|_| (500.0, 0.0)))).unwrap();
@@ -516,8 +519,9 @@ mod tests {
         assert_eq!(find_default(&ends).unwrap().window, still.window);
     }
 
-    /// Where nothing is quiet, the calmest is one of the first half, however much calmer the second is; within a half it is the one with the
-    /// least change of height, and of two that are alike the first. It has no gap in it.
+    /// Where nothing is quiet, the calmest is one of the first half, however much calmer the second is;
+    /// within a half it is the one with the least change of height, and of two that are alike the first. It
+    /// has no gap in it.
     #[test]
     fn the_calmest_leaves_half_of_the_flight_to_be_watched() {
         let calmest = |flight: &Flight| match find(flight, &quality(), (100.0, 699.0)) {

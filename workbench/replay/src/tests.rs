@@ -375,7 +375,8 @@ fn altitudes_of_two_datums_are_not_compared() {
     assert!(typo.unwrap_err().to_string().contains("expected msl, ellipsoid or pressure"));
 }
 
-/// The doubt of a launch is what its column says, and holds until it says something else: 1 a suspicion, 2 a launch that nothing confirmed.
+/// The doubt of a launch is what its column says, and holds until it says something else: 1 a suspicion, 2 a
+/// launch that nothing confirmed.
 #[test]
 fn the_doubt_of_a_launch_is_its_columns() {
     let ticks = inputs(
@@ -386,7 +387,8 @@ fn the_doubt_of_a_launch_is_its_columns() {
     assert_eq!(doubts, [None, Suspected, Suspected, Unconfirmed, None]);
 }
 
-/// A fix without a count of satellites has none that is wrong; some of the accelerometer's cells alone are an incomplete sample.
+/// A fix without a count of satellites has none that is wrong; some of the accelerometer's cells alone are an
+/// incomplete sample.
 #[test]
 fn what_is_not_there_is_no_wrong_count_and_a_part_of_a_sample_is_incomplete() {
     let flight = read(
@@ -400,7 +402,8 @@ fn what_is_not_there_is_no_wrong_count_and_a_part_of_a_sample_is_incomplete() {
     assert_eq!(*inputs.counters(), wanted);
 }
 
-/// A column that only a formula of the model reads reaches the tick under the formula's number of it, in SI units.
+/// A column that only a formula of the model reads reaches the tick under the formula's number of it, in SI
+/// units.
 #[test]
 fn a_formulas_column_reaches_the_tick() {
     let flight = read("time_s,gps_alt_m,baro_alt_m,duct_degc,oil_c\n0,1,2,3,20\n1,1,2,3,\n");
@@ -415,7 +418,8 @@ fn a_formulas_column_reaches_the_tick() {
     assert_eq!(ticks[0].columns, wanted);
 }
 
-/// Inertial samples at 50 Hz are enough, and two that were lost of them do not matter: a log's times are rounded. No clock's zero does.
+/// Inertial samples at 50 Hz are enough, and two that were lost of them do not matter: a log's times are
+/// rounded. No clock's zero does.
 #[test]
 fn fifty_inertial_samples_a_second_are_enough() {
     let makes = |lost: usize, zero_s: f64| {
@@ -429,7 +433,8 @@ fn fifty_inertial_samples_a_second_are_enough() {
     assert!(!makes(4, 0.0) && !makes(60, 10_000.0));
 }
 
-/// What is analysed ends with the row at the landing; what is said of it is counted in rows and in shares of the log's time.
+/// What is analysed ends with the row at the landing; what is said of it is counted in rows and in shares of
+/// the log's time.
 #[test]
 fn rows_after_the_landing_are_counted_and_not_analysed() {
     let flight = noisy_flight(100, 0, false);
@@ -477,7 +482,8 @@ fn another_model_takes_the_same_part_of_the_flight() {
     assert!(!with_more.has_ticks_of(&replay));
 }
 
-/// Two replays have the same ticks if they are of one flight, from and to the same row, with the same barometer and nothing left out.
+/// Two replays have the same ticks if they are of one flight, from and to the same row, with the same
+/// barometer and nothing left out.
 #[test]
 fn ticks_are_the_same_for_the_same_part_of_the_same_flight() {
     let flight = noisy_flight(100, 0, false);
@@ -509,7 +515,8 @@ fn ticks_are_the_same_for_the_same_part_of_the_same_flight() {
     assert!(plain.wild().is_empty() && !diagnosed.has_ticks_of(&plain) && !plain.has_ticks_of(&diagnosed));
 }
 
-/// A diagnosis is not calibrated on a stretch in the air, which would cost what was flown before it; one on the ground is kept.
+/// A diagnosis is not calibrated on a stretch in the air, which would cost what was flown before it; one on
+/// the ground is kept.
 #[test]
 fn a_diagnosis_is_calibrated_on_the_ground_alone() {
     let flight = noisy_flight(100, 0, false);
@@ -543,7 +550,8 @@ fn a_launched_flight_is_used_as_a_whole() {
     assert!(replay.times_s().len() < 9_100, "it lands at 450 s");
 }
 
-/// A barometer that is stuck is left out where there is an inertial altitude beside it; alone it leaves nothing to compare.
+/// A barometer that is stuck is left out where there is an inertial altitude beside it; alone it leaves
+/// nothing to compare.
 #[test]
 fn a_stuck_barometer_is_left_out_or_refused() {
     let of = |inertial: &str| {
@@ -564,7 +572,8 @@ fn a_stuck_barometer_is_left_out_or_refused() {
     assert!(Replay::new(&sound, &Model::default(), None).unwrap().inputs().any(|tick| tick.baro.is_some()));
 }
 
-/// What a boxed mission remembers is the mission's own: its time, and a snapshot that another one goes on from.
+/// What a boxed mission remembers is the mission's own: its time, and a snapshot that another one goes on
+/// from.
 #[test]
 fn a_boxed_mission_is_restored_from_its_snapshot() {
     let flight = noisy_flight(40, 5, true);

@@ -369,8 +369,8 @@ mod tests {
         assert_eq!(rows(Channel::TasMps, STEP_S, &[f32::NAN, 3.0, f32::INFINITY]), Vec::<usize>::new());
     }
 
-    /// Noise of a known size: the sum of twelve uniform numbers has a standard deviation of one, and for 4,000 of them the spread is known to
-    /// within a few per cent.
+    /// Noise of a known size: the sum of twelve uniform numbers has a standard deviation of one, and for
+    /// 4,000 of them the spread is known to within a few per cent.
     fn white(count: usize, sigma: f64) -> Vec<Sample> {
         let mut seed = 11_u32;
         let mut normal = || {
@@ -382,7 +382,8 @@ mod tests {
         (0..count).map(|row| Sample { row, time_s: row as f64, value: 50.0 + sigma * normal() }).collect()
     }
 
-    /// What is said of a column's noise is its standard deviation, whatever it is and however steeply the column rises besides.
+    /// What is said of a column's noise is its standard deviation, whatever it is and however steeply the
+    /// column rises besides.
     #[test]
     fn noise_is_the_standard_deviation_of_a_value() {
         for sigma in [0.1, 1.0, 7.0] {
@@ -395,8 +396,8 @@ mod tests {
         assert_eq!(noise(Kind::Altitude, &white(2, 1.0)), 0.0);
     }
 
-    /// A jump is more than the largest rate makes in the time between and than twelve sigmas: an airspeed with a noise of a centimetre a
-    /// second that leaps by 6 m/s within 40 ms does so at 15 g.
+    /// A jump is more than the largest rate makes in the time between and than twelve sigmas: an airspeed
+    /// with a noise of a centimetre a second that leaps by 6 m/s within 40 ms does so at 15 g.
     #[test]
     fn small_leaps_of_a_quiet_column_are_jumps_too() {
         let mut cells: Vec<f32> = (0..2_000_u16).map(|row| 30.0 + 0.01 * f32::from(row % 3)).collect();
@@ -410,7 +411,8 @@ mod tests {
         assert_eq!(rows(Channel::TasMps, STEP_S, &last), [499]);
     }
 
-    /// As many cells as a hundredth of the column are wild, before the longest stretch or after it; one more is a level.
+    /// As many cells as a hundredth of the column are wild, before the longest stretch or after it; one more
+    /// is a level.
     #[test]
     fn a_hundredth_of_a_column_is_wild_on_either_side() {
         for from in [500, 8_500] {
@@ -422,7 +424,8 @@ mod tests {
         }
     }
 
-    /// A heading that goes on past half a turn begins anew there, which is no jump, however few cells are left after it.
+    /// A heading that goes on past half a turn begins anew there, which is no jump, however few cells are
+    /// left after it.
     #[test]
     fn a_heading_that_passes_the_turn_does_not_jump() {
         let heading = |row: u16| libm::remainder(2.9 + 0.001 * f64::from(row), core::f64::consts::TAU) as f32;
@@ -440,8 +443,9 @@ mod tests {
         assert_eq!(tamed(&flight).1, []);
     }
 
-    /// An altitude that is beyond both neighbours is wild if no 10 g make it: half of that times the one time and the other. 2 s each make
-    /// 200 m, above or below, by whatever clock; two in a row are as wild as one.
+    /// An altitude that is beyond both neighbours is wild if no 10 g make it: half of that times the one time
+    /// and the other. 2 s each make 200 m, above or below, by whatever clock; two in a row are as wild as
+    /// one.
     #[test]
     fn ten_g_bound_what_is_beyond_both_neighbours() {
         let found = |heights_m: &[f64], step_s: f64, noise: f64| {

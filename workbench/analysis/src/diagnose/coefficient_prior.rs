@@ -89,8 +89,9 @@ mod tests {
         }
     }
 
-    /// What sensors in flight mostly have: 1.5 s of lag or latency, 3 % of scale, 0.3 of the dynamic pressure, a drift of 5 mm/s, 10 m of
-    /// warming up; of what is not known a fifth of the largest that nature makes.
+    /// What sensors in flight mostly have: 1.5 s of lag or latency, 3 % of scale, 0.3 of the dynamic
+    /// pressure, a drift of 5 mm/s, 10 m of warming up; of what is not known a fifth of the largest that
+    /// nature makes.
     #[test]
     fn what_sensors_mostly_have_is_what_is_written_down() {
         let of = |effect| CoefficientPrior::of(effect, [-4.0, 2.0]).usual;

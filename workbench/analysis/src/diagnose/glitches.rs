@@ -139,7 +139,8 @@ mod tests {
         assert_eq!(split(fixes, &paths).1, []);
     }
 
-    /// A jump of the receiver is what the sensor did not move by; the sensor's own bend is looked for on either side of it.
+    /// A jump of the receiver is what the sensor did not move by; the sensor's own bend is looked for on
+    /// either side of it.
     #[test]
     fn a_jump_is_looked_at_on_either_side() {
         let fix = |(k, altitude_m): (u64, f64)| Fix { time_us: k * 200_000, altitude_m, climb_mps: None };

@@ -167,8 +167,8 @@ fn add_errors(
 mod tests {
     use super::*;
 
-    /// The error is the root of the mean square of one sensor's blocks, or of all; what is no number is no block. Where most of it is the
-    /// coefficients' own unsureness, it tells nothing.
+    /// The error is the root of the mean square of one sensor's blocks, or of all; what is no number is no
+    /// block. Where most of it is the coefficients' own unsureness, it tells nothing.
     #[test]
     fn errors_are_root_mean_squares() {
         let mut errors = HeldOut::default();

@@ -236,7 +236,8 @@ mod tests {
     /// Single precision of what is compared, in its own unit.
     const ROUNDING: f64 = 1e-3;
 
-    /// The steps go up to one within an eighth of the period, stay there for a quarter, and so down to minus one and back.
+    /// The steps go up to one within an eighth of the period, stay there for a quarter, and so down to minus
+    /// one and back.
     #[test]
     fn steps_stay_at_their_ends_for_a_quarter() {
         let eighths = [0.0, 1.0, 1.0, 1.0, 0.0, -1.0, -1.0, -1.0];
@@ -280,8 +281,9 @@ mod tests {
         }
     }
 
-    /// A point mass: the velocity is as long as the airspeed and points along the heading; the altitude is the climb rate's integral; a bank
-    /// turns by g tan(bank) / v; the lift carries the weight, the turn and the change of climb rate, and the angle of attack is what it takes.
+    /// A point mass: the velocity is as long as the airspeed and points along the heading; the altitude is
+    /// the climb rate's integral; a bank turns by g tan(bank) / v; the lift carries the weight, the turn and
+    /// the change of climb rate, and the angle of attack is what it takes.
     #[test]
     fn every_manoeuvre_is_a_point_masss() {
         for (number, manoeuvre) in MANOEUVRES.iter().enumerate() {
@@ -332,7 +334,8 @@ mod tests {
         }
     }
 
-    /// The throttle is half open in level cruise, and more where the aircraft accelerates, flies fast or is given power.
+    /// The throttle is half open in level cruise, and more where the aircraft accelerates, flies fast or is
+    /// given power.
     #[test]
     fn the_throttle_goes_with_speed_acceleration_and_power() {
         let throttle = |number: usize, tick: usize| {

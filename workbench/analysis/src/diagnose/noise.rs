@@ -263,7 +263,8 @@ mod tests {
         }
     }
 
-    /// The white noise of free flight is that of captive flight times its factor; what is not estimated stays.
+    /// The white noise of free flight is that of captive flight times its factor; what is not estimated
+    /// stays.
     #[test]
     fn free_flights_white_noise_is_a_factor_of_captive_flights() {
         let prior = prior();
@@ -280,8 +281,8 @@ mod tests {
         assert!((prior.noise(&values).sensors[2].wander.time_s - 13.0).abs() < 1e-12);
     }
 
-    /// A prior that holds a part at one believes in little else; of a sensor that is not there nothing can be held. The slow wander is a
-    /// parameter more.
+    /// A prior that holds a part at one believes in little else; of a sensor that is not there nothing can be
+    /// held. The slow wander is a parameter more.
     #[test]
     fn a_held_part_stays_where_it_is() {
         let prior = prior();

@@ -395,7 +395,8 @@ mod tests {
         }
     }
 
-    /// The best set is the first; an effect acts with the probability of all sets that have any of its columns.
+    /// The best set is the first; an effect acts with the probability of all sets that have any of its
+    /// columns.
     #[test]
     fn an_effect_acts_in_the_sets_that_have_it() {
         let found = posterior();
@@ -408,7 +409,8 @@ mod tests {
         assert_eq!(found.inclusion(EffectId::GpsLatency), 0.0);
     }
 
-    /// Of the sets without the lag, a scale is in those of 0.3 and a drift in one of 0.1; nothing is in that of 0.05.
+    /// Of the sets without the lag, a scale is in those of 0.3 and a drift in one of 0.1; nothing is in that
+    /// of 0.05.
     #[test]
     fn rivals_share_the_sets_without_the_chosen() {
         let rivals = posterior().rivals(2, &[2], 7.0);
@@ -427,7 +429,8 @@ mod tests {
         assert_eq!(posterior().rivals(2, &[2, 8], 7.0).others, [5]);
     }
 
-    /// A flight in which a sine acts on the barometer by two, as the regressor of an effect whose formula is right to that share.
+    /// A flight in which a sine acts on the barometer by two, as the regressor of an effect whose formula is
+    /// right to that share.
     fn acted_on(id: EffectId, rough: f64) -> Small {
         let mut small =
             Small::new(400, 1).candidate(id, |block| sine(0, block)).error(|block| 2.0 * sine(0, block));
@@ -448,8 +451,8 @@ mod tests {
         (weight, solution.coefficients[0], solution.covariance[0] / POWER)
     }
 
-    /// What is believed of a coefficient is compared with it as sure as it is: by its variance, the share that its formula makes wrong, and
-    /// what it is unsteady by. Nothing else of a weight depends on these.
+    /// What is believed of a coefficient is compared with it as sure as it is: by its variance, the share
+    /// that its formula makes wrong, and what it is unsteady by. Nothing else of a weight depends on these.
     #[test]
     fn a_coefficient_counts_as_sure_as_it_is() {
         let (lag, coefficient, variance) = weight_of(EffectId::BaroLag, 0.0);

@@ -72,7 +72,8 @@ pub(super) fn unsteadiness(effect: EffectId, has_climb_rate: bool) -> f64 {
 mod tests {
     use super::*;
 
-    /// Of all effects a scale alone is unsteady, as the air's temperature changes, and only where no climb rate tells it from the air.
+    /// Of all effects a scale alone is unsteady, as the air's temperature changes, and only where no climb
+    /// rate tells it from the air.
     #[test]
     fn only_a_scale_without_a_climb_rate_is_unsteady() {
         assert!(unsteadiness(EffectId::BaroScale, false) > 0.0);

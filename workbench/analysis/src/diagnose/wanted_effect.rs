@@ -96,7 +96,8 @@ mod tests {
         candidates.into_iter().map(facts).collect()
     }
 
-    /// Of the effect that is wanted the smoothed shapes go, and those of another clock; of the others nothing goes.
+    /// Of the effect that is wanted the smoothed shapes go, and those of another clock; of the others nothing
+    /// goes.
     #[test]
     fn only_what_is_wanted_of_the_effect_is_kept() {
         let lag = narrowed(EffectId::BaroLag, None, &[]);
@@ -107,7 +108,8 @@ mod tests {
         assert_eq!(warm_up.iter().filter(|(effect, ..)| *effect == EffectId::BaroLag).count(), 2);
     }
 
-    /// The times that are given take the place of the grid's, for each clock, side by side where the effect's columns were.
+    /// The times that are given take the place of the grid's, for each clock, side by side where the effect's
+    /// columns were.
     #[test]
     fn given_times_take_the_grids_place() {
         let found = narrowed(EffectId::BaroWarmUp, None, &[10.0, 20.0, 30.0]);

@@ -184,8 +184,9 @@ mod tests {
         tick
     }
 
-    /// What a gyro reads while the heading turns at 0.2 rad/s: level about the vertical axis alone, banked about pitch and yaw, nose up about
-    /// roll and yaw; a roll and a pitch rate by themselves about their own axes.
+    /// What a gyro reads while the heading turns at 0.2 rad/s: level about the vertical axis alone, banked
+    /// about pitch and yaw, nose up about roll and yaw; a roll and a pitch rate by themselves about their own
+    /// axes.
     #[test]
     fn body_rates_are_those_of_the_attitude() {
         let rates = |from: [f32; 3], rate: [f32; 3]| {
@@ -210,7 +211,8 @@ mod tests {
         }
     }
 
-    /// The blocks of a manoeuvre are those of the advice, from its first tick on, captive until its launch; what moves is at its places.
+    /// The blocks of a manoeuvre are those of the advice, from its first tick on, captive until its launch;
+    /// what moves is at its places.
     #[test]
     fn a_manoeuvres_blocks_are_the_advices() {
         let recorded: Vec<Vec<f64>> = (0..30)

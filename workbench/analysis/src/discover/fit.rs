@@ -294,8 +294,8 @@ mod tests {
         assert_eq!(centred(&vec![vec![4.0; 3]]), [0.0; 3]);
     }
 
-    /// Squares of free flight are taken about captive flight's mean, or their own where nothing is captive; what is missing counts nowhere.
-    /// The spread is the root of their mean over all flights.
+    /// Squares of free flight are taken about captive flight's mean, or their own where nothing is captive;
+    /// what is missing counts nowhere. The spread is the root of their mean over all flights.
     #[test]
     fn a_spread_is_about_captive_flight() {
         // Two blocks captive, four free.

@@ -371,14 +371,16 @@ mod tests {
         target - matrix * solved
     }
 
-    /// Least squares of some columns: what is left of the residual's square, and the last column's own square beside the others.
+    /// Least squares of some columns: what is left of the residual's square, and the last column's own square
+    /// beside the others.
     fn least_squares(residual: &[f64], columns: &[Vec<f64>]) -> (f64, f64) {
         let rest = |target: &[f64], columns: &[Vec<f64>]| rest(target, columns).norm_squared();
         let (last, others) = columns.split_last().unwrap();
         (rest(residual, others) - rest(residual, columns), rest(last, others))
     }
 
-    /// Two flights of different lengths and biases in which a known effect and a law act, with the columns of the law and of two others.
+    /// Two flights of different lengths and biases in which a known effect and a law act, with the columns of
+    /// the law and of two others.
     fn flights() -> (Vec<crate::diagnose::parts::Series>, Vec<Column>) {
         let mut random = noise(5);
         let mut made = Vec::new();
@@ -405,9 +407,9 @@ mod tests {
         [0, 1].map(|k| stretches.iter().map(|stretch| stretch[k]).sum())
     }
 
-    /// Under white noise a column gains what it lessens the sum of squares by, beside a bias in each flight and the effects that are known,
-    /// over the noise's variance; its information is what is left of its own square. The stretches add up to both. A column that is a
-    /// known one and a bias says nothing new.
+    /// Under white noise a column gains what it lessens the sum of squares by, beside a bias in each flight
+    /// and the effects that are known, over the noise's variance; its information is what is left of its own
+    /// square. The stretches add up to both. A column that is a known one and a bias says nothing new.
     #[test]
     fn a_score_is_what_a_column_takes_off_the_squares() {
         let (flights, columns) = flights();
@@ -468,8 +470,8 @@ mod tests {
         }
     }
 
-    /// Free flight is ten stretches of equal length, captive flight the last: a column that alternates in one tenth, which no bias
-    /// explains, has its information there alone.
+    /// Free flight is ten stretches of equal length, captive flight the last: a column that alternates in one
+    /// tenth, which no bias explains, has its information there alone.
     #[test]
     fn a_stretch_is_a_tenth_of_free_flight() {
         let mut random = noise(9);
@@ -493,7 +495,8 @@ mod tests {
         }
     }
 
-    /// A law on the reference is in all sensors' residuals with the other sign; one on a sensor in that one's.
+    /// A law on the reference is in all sensors' residuals with the other sign; one on a sensor in that
+    /// one's.
     #[test]
     fn a_subject_says_where_a_law_acts() {
         assert_eq!(Subject::Reference.spread(2.0), [-2.0; SENSORS]);

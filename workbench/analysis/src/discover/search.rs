@@ -399,7 +399,8 @@ mod tests {
         (0..KNOWN).map(|k| format!("known{k}")).chain(["flap".to_owned()]).collect()
     }
 
-    /// What a search finds where an error of the barometer, by airspeed, throttle and flaps, acts beside a bias and noise.
+    /// What a search finds where an error of the barometer, by airspeed, throttle and flaps, acts beside a
+    /// bias and noise.
     fn found(error_m: impl Fn(f64, f64, f64) -> f64) -> (Found, Vec<Name>) {
         let (blocks, mut random) = (recorded(), noise(3));
         let error = |block: &Vec<f64>| 7.0 + error_m(block[0], block[10], block[KNOWN]);
@@ -417,7 +418,8 @@ mod tests {
         found.0.laws[0].law.formula(&found.1)
     }
 
-    /// The law that acts is the best one, of as many parts as it has: a square, a product of two signals, a signal above a threshold.
+    /// The law that acts is the best one, of as many parts as it has: a square, a product of two signals, a
+    /// signal above a threshold.
     #[test]
     fn the_law_that_acts_is_found() {
         let square = found(|airspeed, _, _| 0.005 * airspeed * airspeed);
@@ -436,7 +438,8 @@ mod tests {
         assert!(laws.iter().all(|scored| scored.law.parts() <= square.0.parts));
     }
 
-    /// The merit is the gain less two ln 2 for each bit; and white noise has nothing that pays for a law's length.
+    /// The merit is the gain less two ln 2 for each bit; and white noise has nothing that pays for a law's
+    /// length.
     #[test]
     fn a_law_pays_for_its_bits() {
         let square = found(|airspeed, _, _| 0.005 * airspeed * airspeed).0;
@@ -461,8 +464,8 @@ mod tests {
         Signals { signals, ..Signals::default() }
     }
 
-    /// Every factor that can be made of a signal: ten operators by five powers, less the inverse of what comes near zero or was shifted, and
-    /// the root of what has both signs is its magnitude.
+    /// Every factor that can be made of a signal: ten operators by five powers, less the inverse of what
+    /// comes near zero or was shifted, and the root of what has both signs is its magnitude.
     #[test]
     fn every_factor_is_every_operator_and_power_that_can_be() {
         let count = |is_signed, is_away, quantiles: &[f64]| {
@@ -488,8 +491,8 @@ mod tests {
         assert_eq!(search.factors(), []);
     }
 
-    /// Every term: four kinds at each quantile, two more at each quantile of the magnitude where there are both signs, and of a heading the
-    /// phases over half a turn and over a quarter.
+    /// Every term: four kinds at each quantile, two more at each quantile of the magnitude where there are
+    /// both signs, and of a heading the phases over half a turn and over a quarter.
     #[test]
     fn every_term_is_every_kind_at_every_quantile() {
         let quantiles = || [vec![-1.0, 0.5, 2.0], vec![1.0, 1.5]];
@@ -502,8 +505,8 @@ mod tests {
         assert!(heading[..4].iter().all(|term| term.kind == TermKind::Cosine));
     }
 
-    /// A constant moves by quarters of its cell either way, a time by factors that part the grid's steps of three; each such law says that
-    /// it is off the grid.
+    /// A constant moves by quarters of its cell either way, a time by factors that part the grid's steps of
+    /// three; each such law says that it is off the grid.
     #[test]
     fn neighbours_are_quarters_of_a_cell_away() {
         let signals = search_of(vec![signal(true, false, false, [vec![0.0, 3.0, 8.0], vec![1.0, 17.0]])]);

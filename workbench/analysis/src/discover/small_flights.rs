@@ -1,4 +1,5 @@
-//! Small flights for the tests of the search: one sensor, a block a second, white noise that is known, and columns that were chosen.
+//! Small flights for the tests of the search: one sensor, a block a second, white noise that is known, and
+//! columns that were chosen.
 
 use std::sync::Arc;
 

@@ -196,8 +196,8 @@ mod tests {
 
     use super::*;
 
-    /// Errors of several flights are pooled by their ticks: of one at 3 m and three times as much at 1 m the mean square is 3. Of the
-    /// reference all sensors count.
+    /// Errors of several flights are pooled by their ticks: of one at 3 m and three times as much at 1 m the
+    /// mean square is 3. Of the reference all sensors count.
     #[test]
     fn errors_are_pooled_by_their_ticks() {
         let score = |rms_m, ticks| SensorScore { free_flight_rms_m: rms_m, ticks, ..SensorScore::default() };

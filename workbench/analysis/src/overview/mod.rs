@@ -187,7 +187,8 @@ fn launch_s(flight: &Flight) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// The launch is the first row whose cell says so; a column of zeros says none, and neither does one that is not there.
+    /// The launch is the first row whose cell says so; a column of zeros says none, and neither does one that
+    /// is not there.
     #[test]
     fn a_launch_is_the_first_that_is_said() {
         let of = |cells: &str| {

@@ -296,8 +296,8 @@ mod tests {
         column
     }
 
-    /// A minute and a half at a row a second, on a clock that shows 1,000 s at its beginning: it climbs at 1 m/s and moves by 3 m/s
-    /// north and 4 m/s east.
+    /// A minute and a half at a row a second, on a clock that shows 1,000 s at its beginning: it climbs at 1
+    /// m/s and moves by 3 m/s north and 4 m/s east.
     fn straight() -> Flight {
         let height = |row: usize| Some(500.0 + row as f32);
         Flight {
@@ -311,8 +311,8 @@ mod tests {
         }
     }
 
-    /// A block is so long that it has two and a half fixes, begins at a multiple of that from the log's first row, and is where the
-    /// velocity has brought it: 3 m north and 4 m east a second.
+    /// A block is so long that it has two and a half fixes, begins at a multiple of that from the log's first
+    /// row, and is where the velocity has brought it: 3 m north and 4 m east a second.
     #[test]
     fn the_place_is_the_velocity_times_the_time() {
         let found = Blocks::new(&straight()).unwrap();
@@ -327,8 +327,8 @@ mod tests {
         }
     }
 
-    /// Four blocks without a height are no gap: the velocity is taken to have gone on. After more the leg is another one, at whose
-    /// beginning the place is what it was.
+    /// Four blocks without a height are no gap: the velocity is taken to have gone on. After more the leg is
+    /// another one, at whose beginning the place is what it was.
     #[test]
     fn a_gap_of_more_than_four_blocks_begins_another_leg() {
         let with_gap = |lost: std::ops::Range<usize>| {
@@ -378,7 +378,8 @@ mod tests {
         assert_eq!(found.range_m(1_005.5, 1_006.0), 0.0, "none");
     }
 
-    /// Without a receiver the airspeed tells, from 8 m/s on: less may be wind on a parked aircraft. Without either nothing does.
+    /// Without a receiver the airspeed tells, from 8 m/s on: less may be wind on a parked aircraft. Without
+    /// either nothing does.
     #[test]
     fn an_airspeed_stands_in_from_the_speed_of_the_wind_on() {
         let with = |airspeed_mps: Option<f32>| {
@@ -393,7 +394,8 @@ mod tests {
         assert!(!with(Some(5.0)).has_speed() && !with(None).has_speed());
     }
 
-    /// A single wild block between two others shows the height and the speed of one of these; the ends show their own.
+    /// A single wild block between two others shows the height and the speed of one of these; the ends show
+    /// their own.
     #[test]
     fn a_wild_block_is_smoothed_away() {
         let with_wild = |wild: usize| {
@@ -430,7 +432,8 @@ mod tests {
         assert_eq!(median_interval_s(vec![3.0]), 0.0);
     }
 
-    /// Which sensor's heights are taken of a log of 600 s whose clock begins at 1,000 s, in which the receiver climbs by 600 m.
+    /// Which sensor's heights are taken of a log of 600 s whose clock begins at 1,000 s, in which the
+    /// receiver climbs by 600 m.
     fn taken(barometer_m: impl Fn(usize) -> Option<f32>, receiver_m: impl Fn(usize) -> f32) -> Heights {
         let flight = Flight {
             time_s: (0..600).map(|row| 1_000.0 + f64::from(row)).collect(),
@@ -443,8 +446,8 @@ mod tests {
         altitudes(&flight).unwrap().1
     }
 
-    /// The barometer's heights are taken if it moves by a fifth of what the receiver moves by or more, and is there for nine tenths of
-    /// the log or more. At rest neither moves, which is no fault.
+    /// The barometer's heights are taken if it moves by a fifth of what the receiver moves by or more, and is
+    /// there for nine tenths of the log or more. At rest neither moves, which is no fault.
     #[test]
     fn a_barometer_is_taken_that_moves_and_is_there() {
         let climb_m = |row: usize| 300.0 + row as f32;

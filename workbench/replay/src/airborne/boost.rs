@@ -146,8 +146,9 @@ mod tests {
         assert_eq!(boost(&flown(wild, |_| 0.0)), None);
     }
 
-    /// The boost begins where the height leaves a metre above the stand: by 19.6 m/s2 after 0.32 s. From there to two seconds later the
-    /// rocket rises to half of that times 2.32 s squared, 52.7 m; a sample is 50 ms, in which it rises by 2.3 m at the end.
+    /// The boost begins where the height leaves a metre above the stand: by 19.6 m/s2 after 0.32 s. From
+    /// there to two seconds later the rocket rises to half of that times 2.32 s squared, 52.7 m; a sample is
+    /// 50 ms, in which it rises by 2.3 m at the end.
     #[test]
     fn beginning_and_rise_are_those_of_a_steady_acceleration() {
         let found = boost(&flown(accelerated(19.6), |_| 0.5)).unwrap();
@@ -155,7 +156,8 @@ mod tests {
         assert!((found.rise_m - 52.7).abs() <= 2.0 * 2.3, "{found:?}");
     }
 
-    /// What comes back to the ground stands there again, which is no second beginning; nor is a drive to the rail, seconds before.
+    /// What comes back to the ground stands there again, which is no second beginning; nor is a drive to the
+    /// rail, seconds before.
     #[test]
     fn neither_a_landing_nor_a_drive_to_the_rail_moves_the_launch() {
         // Two seconds of thrust at the log's middle: 39 m at 39 m/s, back on the ground 9 s later.

@@ -239,7 +239,8 @@ mod tests {
         }
     }
 
-    /// The same flight by a clock that shows another time at its beginning, and without what is before and after some seconds of it.
+    /// The same flight by a clock that shows another time at its beginning, and without what is before and
+    /// after some seconds of it.
     fn by_another_clock(flight: &Flight, (from_s, to_s): (f64, f64), zero_s: f64) -> Flight {
         let channels = flight.channels.iter().map(|(channel, _)| (*channel, Column::default())).collect();
         let mut part = Flight { channels, ..Flight::default() };
@@ -254,9 +255,10 @@ mod tests {
         part
     }
 
-    /// A fall by g is a metre deep after 0.45 s and begins half a second before, by four fifths of g after 0.51 s: at 20 s, to a sample and
-    /// the noise. From there it falls by half of that times two seconds squared. No clock's zero, and nothing that was flown six seconds
-    /// before or is flown three seconds after, changes that.
+    /// A fall by g is a metre deep after 0.45 s and begins half a second before, by four fifths of g after
+    /// 0.51 s: at 20 s, to a sample and the noise. From there it falls by half of that times two seconds
+    /// squared. No clock's zero, and nothing that was flown six seconds before or is flown three seconds
+    /// after, changes that.
     #[test]
     fn beginning_and_depth_are_those_of_a_free_fall() {
         let climbing_first =
@@ -277,7 +279,8 @@ mod tests {
         assert!((found.from_s - 20.0).abs() <= 0.11, "{found:?}");
     }
 
-    /// Steady means five seconds, without a gap of a second, within two metres of a line but for one sample in twenty.
+    /// Steady means five seconds, without a gap of a second, within two metres of a line but for one sample
+    /// in twenty.
     #[test]
     fn what_was_not_steady_before_drops_from_nothing() {
         let flight = flown(dropped(0.0, 1.0), &[]);
@@ -320,8 +323,9 @@ mod tests {
         assert_eq!(drop(&slow), None);
     }
 
-    /// Motors that stopped three seconds before carried nothing; a parachute that opens after the first second comes too late to deny a
-    /// fall; and a drag of half a metre a second squared along every axis is within what a fall may have.
+    /// Motors that stopped three seconds before carried nothing; a parachute that opens after the first
+    /// second comes too late to deny a fall; and a drag of half a metre a second squared along every axis is
+    /// within what a fall may have.
     #[test]
     fn only_what_carried_at_the_time_of_the_fall_denies_it() {
         let falls = dropped(0.0, 1.0);

@@ -311,8 +311,8 @@ mod tests {
         move |since_s| if since_s > after_s { 200.0 + rise_m } else { 200.0 }
     }
 
-    /// Two tolerances within ten seconds are flight at any speed, one and a half within thirty at a speed that nobody walks at, two and a
-    /// half where no speed is known; no more than that is none.
+    /// Two tolerances within ten seconds are flight at any speed, one and a half within thirty at a speed
+    /// that nobody walks at, two and a half where no speed is known; no more than that is none.
     #[test]
     fn flight_moves_by_more_than_its_tolerance_in_height() {
         let is_flying = |speed_mps, after_s, rise_m| middle(speed_mps, step(after_s, rise_m)) == Kind::Flying;
@@ -328,7 +328,8 @@ mod tests {
         assert!(!is_flying(Some(5.0), -20, 100.0) && !is_flying(None, 20, 100.0));
     }
 
-    /// It stands where it is slow and where its height was the same, within one and a half tolerances, for five seconds before or after.
+    /// It stands where it is slow and where its height was the same, within one and a half tolerances, for
+    /// five seconds before or after.
     #[test]
     fn standing_is_slow_and_level_on_one_side_at_least() {
         let is_standing =
@@ -336,13 +337,15 @@ mod tests {
         let valley = |depth_m: f64| move |since_s: i32| if since_s == 0 { 0.0 } else { depth_m };
         assert!(is_standing(Some(1.0), &valley(8.5)) && !is_standing(Some(1.0), &valley(10.0)));
         assert!(!is_standing(Some(3.0), &valley(0.0)), "walking is not standing");
-        // Ten metres within the five seconds after it, none in those before; and the other way about. What was long ago tells nothing.
+        // Ten metres within the five seconds after it, none in those before; and the other way about. What
+        // was long ago tells nothing.
         let before = |since_s: i32| if since_s < -30 { 40.0 } else { step(2, 10.0)(since_s) };
         let after = |since_s: i32| if since_s > 30 { 40.0 } else { step(-3, 10.0)(since_s) };
         assert!(is_standing(Some(1.0), &before) && is_standing(None, &after));
     }
 
-    /// One block that is not clear parts no run of standing; two do, and so does one of flight or a gap in the log.
+    /// One block that is not clear parts no run of standing; two do, and so does one of flight or a gap in
+    /// the log.
     #[test]
     fn a_run_of_standing_bridges_one_unclear_block_and_no_gap() {
         use Kind::{Flying, Standing, Unclear};
@@ -360,7 +363,8 @@ mod tests {
         airborne(blocks).iter().map(|found| (since(found.take_off_s), since(found.landing_s))).collect()
     }
 
-    /// Twenty seconds on the ground are a landing at the height of another stand, within two tolerances, and none elsewhere.
+    /// Twenty seconds on the ground are a landing at the height of another stand, within two tolerances, and
+    /// none elsewhere.
     #[test]
     fn a_short_stand_is_a_landing_where_the_ground_is_known() {
         let with_stand = |height_m| {
@@ -372,8 +376,9 @@ mod tests {
         assert_eq!(flights(&with_stand(213.0)).len(), 1);
     }
 
-    /// Standing in the air for a minute and a half is a hover where the vehicle was lower at the same place, and no landing; at the end of
-    /// a log twenty seconds of it are one too. After minutes of hovering that nothing below is known of, it hovers on.
+    /// Standing in the air for a minute and a half is a hover where the vehicle was lower at the same place,
+    /// and no landing; at the end of a log twenty seconds of it are one too. After minutes of hovering that
+    /// nothing below is known of, it hovers on.
     #[test]
     fn a_hover_parts_no_flight() {
         let parked = (60, 200.0, Some(0.0));
@@ -386,7 +391,8 @@ mod tests {
         assert_eq!(flights(&blocks), [(Some(60.0), Some(540.0))]);
     }
 
-    /// Without a speed a minute at one height is ground within five tolerances of the lowest, and level flight above.
+    /// Without a speed a minute at one height is ground within five tolerances of the lowest, and level
+    /// flight above.
     #[test]
     fn without_a_speed_what_is_high_is_level_flight() {
         let over = |height_m| {
@@ -402,7 +408,8 @@ mod tests {
         assert_eq!([20.0, 30.0, 31.0, 100.0].map(over), [2, 2, 1, 1]);
     }
 
-    /// A run of ten blocks at a height and a place, after one block elsewhere that is `before_s` earlier and one that is `after_s` later.
+    /// A run of ten blocks at a height and a place, after one block elsewhere that is `before_s` earlier and
+    /// one that is `after_s` later.
     fn above(height_m: f64, before: (f64, f64), after: (f64, f64)) -> (Blocks, Run) {
         let mut blocks = stretches(1.0, &[(12, height_m, Some(0.0))]);
         for (place, (seconds, lower_m), direction) in [(0, before, -1.0), (11, after, 1.0)] {
@@ -414,7 +421,8 @@ mod tests {
         (blocks, run)
     }
 
-    /// There is air below what was lower by more than two tolerances at the same place within three minutes before or after.
+    /// There is air below what was lower by more than two tolerances at the same place within three minutes
+    /// before or after.
     #[test]
     fn air_is_below_where_it_was_lower_shortly_before_or_after() {
         let is_up = |before, after| {
@@ -430,8 +438,8 @@ mod tests {
         assert!(is_above_air(&blocks, &Run::new(&blocks, 1..12).unwrap()));
     }
 
-    /// Ground may rise by a metre a metre: 500 m away, 500 m and two tolerances lower are a mountain's side. Of another leg the place is
-    /// not known.
+    /// Ground may rise by a metre a metre: 500 m away, 500 m and two tolerances lower are a mountain's side.
+    /// Of another leg the place is not known.
     #[test]
     fn what_is_lower_far_away_is_ground_that_slopes() {
         let is_up = |height_m: f64, leg| {
@@ -462,7 +470,8 @@ mod tests {
         assert!(!goes_on(200.0, 600.0) && !goes_on(200.0, 700.0));
     }
 
-    /// The ground's height is the median of half a minute at the stand's beginning or end, whatever the blocks' length.
+    /// The ground's height is the median of half a minute at the stand's beginning or end, whatever the
+    /// blocks' length.
     #[test]
     fn the_height_of_the_ground_is_that_of_half_a_minute() {
         let blocks = log(2.0, (0..100).map(|place| (f64::from(place), Some(0.0))));
@@ -480,8 +489,8 @@ mod tests {
         assert_eq!(parted(&blocks, 1..9), [1..4, 4..9], "601 s");
     }
 
-    /// A stretch is a flight if it is fast for ten seconds, or off the ground by more than two tolerances for fifteen; it begins and ends
-    /// where it leaves the ground by more than one.
+    /// A stretch is a flight if it is fast for ten seconds, or off the ground by more than two tolerances for
+    /// fifteen; it begins and ends where it leaves the ground by more than one.
     #[test]
     fn a_flight_is_long_enough_off_the_ground_or_fast() {
         let of = |length_s: f64, count: usize, height_m: f64, speed_mps: f64| {

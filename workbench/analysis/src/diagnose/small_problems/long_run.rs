@@ -19,8 +19,9 @@ fn persistent(keep: f64, seed: u64) -> impl FnMut() -> f64 {
     }
 }
 
-/// Noise as the likelihood takes it for leaves scores that are not correlated: nothing is wider. An error that keeps its sign for some
-/// blocks, of which the noise knows nothing, makes the coefficient of a regressor that does so too less sure.
+/// Noise as the likelihood takes it for leaves scores that are not correlated: nothing is wider. An error
+/// that keeps its sign for some blocks, of which the noise knows nothing, makes the coefficient of a
+/// regressor that does so too less sure.
 #[test]
 fn scores_that_keep_their_sign_widen_the_error() {
     let count = 40;
@@ -39,14 +40,15 @@ fn scores_that_keep_their_sign_widen_the_error() {
     // With chance the ratio is above one at times, never below: it is cut off there.
     let white = mean(0.0);
     assert!((1.0..1.25).contains(&white), "{white}");
-    // Of two such sequences the products keep 0.36 of the one before: (1 + 0.36) / (1 - 0.36) is 2.1, of which the weights leave some.
-    // The error's own size is beside that: 1 m against the 0.3 m that the likelihood takes the noise for.
+    // Of two such sequences the products keep 0.36 of the one before: (1 + 0.36) / (1 - 0.36) is 2.1, of
+    // which the weights leave some. The error's own size is beside that: 1 m against the 0.3 m that the
+    // likelihood takes the noise for.
     let wide = mean(1.0);
     assert!(wide > 3.0 * white, "{wide}");
 }
 
-/// A long-run variance is the squares' sum, and of neighbours twice their product by a weight that falls to nothing beyond eight seconds:
-/// of a hundred ones it is nearly nine of each.
+/// A long-run variance is the squares' sum, and of neighbours twice their product by a weight that falls to
+/// nothing beyond eight seconds: of a hundred ones it is nearly nine of each.
 #[test]
 fn a_long_run_variance_has_the_neighbours_in_it() {
     assert_eq!(variance(&[2.0, 0.0, 0.0, -3.0], 100.0), 4.0 + 9.0);
