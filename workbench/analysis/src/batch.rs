@@ -259,3 +259,54 @@ fn vehicles(flights: &[FlightResult], units: &BTreeMap<Name, Name>) -> Vec<Vehic
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::CandidateFacts;
+
+    fn facts(effect: &str, coefficient: f64, sigma: f64) -> CandidateFacts {
+        CandidateFacts {
+            effect: effect.to_owned().into(),
+            coefficient,
+            sigma,
+            unit: "s".into(),
+            probability: None,
+            p_value: 0.5,
+            rms_before_m: None,
+            rms_after_m: None,
+            chosen: false,
+            time_constant_s: None,
+            smoothing_s: None,
+            since: None,
+            size_m: 0.0,
+            envelope_m: [0.0; 2],
+        }
+    }
+
+    /// A coefficient counts if it and its sigma are numbers and the sigma is one; of an effect that is asked
+    /// for; of several the first.
+    #[test]
+    fn coefficients_are_those_that_can_be_pooled() {
+        let candidates = vec![
+            facts("a.good", 1.5, 0.5),
+            facts("a.good", 9.0, 0.1),
+            facts("b.certain", 1.0, 0.0),
+            facts("c.none", f64::NAN, 1.0),
+            facts("d.unsure", 1.0, f64::INFINITY),
+            facts("e.unasked", 1.0, 1.0),
+        ];
+        let sensor = crate::diagnose::SensorDiagnosis {
+            missing: vec!["a.good".into()],
+            candidates,
+            ..crate::diagnose::SensorDiagnosis::default()
+        };
+        let diagnosis =
+            Diagnosis { sensors: BTreeMap::from([("baro".into(), sensor)]), ..Diagnosis::default() };
+        let asked = ["a.good", "b.certain", "c.none", "d.unsure"].map(|id| (Name::from(id), Name::from("s")));
+        let found = coefficients(&diagnosis, &BTreeMap::from(asked));
+        assert_eq!(found.keys().collect::<Vec<_>>(), ["a.good"]);
+        let good = found["a.good"];
+        assert_eq!((good.value, good.sigma, good.identified), (1.5, 0.5, true));
+    }
+}

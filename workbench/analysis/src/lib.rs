@@ -13,3 +13,5 @@ pub mod name;
 pub mod overview;
 pub mod progress;
 pub mod survey;
+#[cfg(test)]
+mod whole_flights;

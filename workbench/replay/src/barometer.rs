@@ -150,4 +150,60 @@ mod tests {
         assert_eq!(check(&Flight::default()), None);
         assert!(note(&flight(|_, altitude_m| altitude_m)).unwrap().text().contains("copied"));
     }
+
+    /// A flight of so many rows by the receiver's and the barometer's altitude in each.
+    fn pairs(rows: usize, receiver_m: impl Fn(usize) -> f32, baro_m: impl Fn(usize) -> f32) -> Flight {
+        let mut flight = Flight { time_s: (0..rows).map(|row| row as f64).collect(), ..Flight::default() };
+        let (mut receiver, mut baro) = (Column::default(), Column::default());
+        for row in 0..rows {
+            receiver.push(Some(receiver_m(row)));
+            baro.push(Some(baro_m(row)));
+        }
+        flight.set_channel(Channel::GpsAltM, receiver);
+        flight.set_channel(Channel::BaroAltM, baro);
+        flight
+    }
+
+    fn is_copy(flight: &Flight) -> bool {
+        matches!(check(flight), Some(Fault::Copied { apart_m }) if (apart_m - 47.0).abs() <= 0.51)
+    }
+
+    /// A copy that was rounded differs from the receiver by up to a step of either: one step where both have
+    /// the same, the sum of both where they have not. More is a barometer.
+    #[test]
+    fn a_copy_differs_by_its_rounding() {
+        let climb_m = |row: usize| 400.0 + 0.37 * row as f32;
+        assert!(is_copy(&pairs(300, climb_m, |row| (climb_m(row) + 47.0).round())));
+        assert!(is_copy(&pairs(300, |row| climb_m(row).floor(), |row| (climb_m(row) + 47.0).round())));
+        // Whole metres, of three neighbours: two steps apart.
+        let three = |row: usize| climb_m(row).floor() + 46.0 + (row % 3) as f32;
+        assert_eq!(check(&pairs(300, |row| climb_m(row).floor(), three)), None);
+        // Steps of 0.37 m and of 1 m are 1.37 m at most.
+        let apart =
+            |most_m: f32| pairs(300, climb_m, move |row| (climb_m(row) + most_m * (row % 2) as f32).round());
+        assert!(check(&apart(0.3)).is_some() && check(&apart(1.0)).is_none());
+    }
+
+    /// Nothing is said of fewer than twenty samples, nor where the receiver moves by less than 10 m: both may
+    /// agree by chance.
+    #[test]
+    fn little_is_not_judged() {
+        let copied = |rows: usize, range_m: f32| {
+            let climb_m = move |row: usize| 400.0 + range_m * row as f32 / (rows - 1) as f32;
+            check(&pairs(rows, climb_m, move |row| climb_m(row) + 47.0)).is_some()
+        };
+        assert!(copied(20, 64.0) && !copied(19, 64.0));
+        assert!(copied(300, 16.0) && !copied(300, 8.0));
+        // Of twenty samples the highest is the 98th of a hundred: just 10 m.
+        assert!(copied(20, 10.0));
+    }
+
+    /// Cells that are no number, of either, are not compared.
+    #[test]
+    fn cells_that_are_no_number_do_not_hide_a_copy() {
+        let climb_m = |row: usize| 400.0 + 0.5 * row as f32;
+        let often = |row: usize, value: f32| if row % 10 == 3 { f32::NAN } else { value };
+        assert!(is_copy(&pairs(300, |row| often(row, climb_m(row)), |row| climb_m(row) + 47.0)));
+        assert!(is_copy(&pairs(300, climb_m, |row| often(row, climb_m(row) + 47.0))));
+    }
 }

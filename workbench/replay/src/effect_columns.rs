@@ -99,4 +99,55 @@ mod tests {
             }
         }
     }
+
+    fn flight(names: &str, cells: &str) -> Flight {
+        parse(format!("# pylon-flight: 1\ntime_s,gps_alt_m,baro_alt_m{names}\n0,1,2{cells}\n").as_bytes())
+            .unwrap()
+            .0
+    }
+
+    /// The effect by that formula.
+    fn by_formula(regressor: &str) -> EffectId {
+        let text = format!(
+            "[[effect_definition]]\nid = \"baro.tried\"\non = \"baro\"\nregressor = \"{regressor}\"\nplausible = [-1.0, 1.0]\n"
+        );
+        Model::parse(&text).unwrap().effect_named("baro.tried").unwrap()
+    }
+
+    /// In a formula the speed over ground stands in for `airspeed_mps`, and not for the measured `tas_mps`;
+    /// an accelerometer without a gyro says the load factor, and roll and pitch need no heading. An effect of
+    /// the catalogue has no such stand-in but for the airspeed.
+    #[test]
+    fn a_formula_has_its_own_stand_ins() {
+        let speed = flight(",gps_vn_mps,gps_ve_mps,throttle", ",3,4,1");
+        assert_eq!(missing_columns(&speed, by_formula("airspeed_mps^2 / (2*g) * throttle")), [""; 0]);
+        assert_eq!(missing_columns(&speed, by_formula("tas_mps^2 / (2*g) * throttle")), ["tas_mps"]);
+        let bare = flight(",throttle", ",1");
+        assert_eq!(missing_columns(&bare, by_formula("airspeed_mps^2 / (2*g) * throttle")), ["tas_mps"]);
+        // The speed over ground stands in for nothing else.
+        assert_eq!(missing_columns(&speed, by_formula("airspeed_mps^2 / (2*g) * sin(aoa_rad)")), ["aoa_rad"]);
+        let accelerometer = flight(",accel_x_mps2,accel_y_mps2,accel_z_mps2", ",0,0,-9.8");
+        assert_eq!(missing_columns(&accelerometer, by_formula("load_factor * 1[m]")), [""; 0]);
+        assert_eq!(missing_columns(&accelerometer, EffectId::ImuAccelScale).len(), 6);
+        let level = flight(",roll_rad,pitch_rad", ",0,0");
+        assert_eq!(missing_columns(&level, by_formula("sin(roll_rad) * 1[m]")), [""; 0]);
+        assert!(missing_columns(&level, EffectId::ImuAccelScale).contains(&"yaw_rad"));
+    }
+
+    /// A column that only a formula knows is found by its name; where the flight has it not, the nearest are
+    /// named, and where nothing says its unit, that is said.
+    #[test]
+    fn columns_that_only_a_formula_knows_are_found_by_name_or_missed() {
+        let text = "[[effect_definition]]\nid = \"baro.flap\"\non = \"baro\"\nregressor = \"flap * 1[m]\"\nplausible = [-1.0, 1.0]\n\
+                    [[effect]]\nid = \"baro.flap\"\nsigma = 1.0\nestimate = true\n";
+        let model = Model::parse(text).unwrap();
+        let flown = flight(",gear,flap", ",7,5");
+        assert_eq!(column(&flown, "flap").unwrap().get(0), Some(5.0));
+        let said = column_notes(&flown, &model);
+        assert!(matches!(&said[..], [one] if one.starts_with("flap counts as a plain number")), "{said:?}");
+        let said = column_notes(&flight(",flaps,gear", ",5,7"), &model);
+        let words = "a formula of the model reads flap, which the flight has no column of (nearest: flaps, ";
+        assert!(matches!(&said[..], [one] if one.starts_with(words)), "{said:?}");
+        assert_eq!(column_notes(&flown, &Model::default()), [""; 0]);
+    }
 }

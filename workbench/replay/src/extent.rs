@@ -305,4 +305,65 @@ mod tests {
         found.airborne[1].landing_s = None;
         assert_eq!([600.0, 601.0].map(|time_s| place(&found, time_s)), [Some(1), None]);
     }
+
+    /// A log of ten minutes on the ground and two flights of 300 s each, from 200 s and from 800 s on; it
+    /// ends on the ground at 1,300 s.
+    fn two_flights() -> Flight {
+        let height = |second: u16| match second {
+            200..500 | 800..1_100 => 600.0,
+            _ => 300.0,
+        };
+        let (mut baro, mut receiver) = (flight_data::Column::default(), flight_data::Column::default());
+        for second in 0..=1_300 {
+            baro.push(Some(height(second)));
+            receiver.push(Some(height(second)));
+        }
+        let mut flight = Flight { time_s: (0..=1_300).map(f64::from).collect(), ..Flight::default() };
+        flight.set_channel(flight_data::Channel::GpsAltM, receiver);
+        flight.set_channel(flight_data::Channel::BaroAltM, baro);
+        flight
+    }
+
+    fn within(flight: &Flight, window: Option<(f64, f64)>, airborne: Option<&str>) -> Result<Extent, String> {
+        let calibration = window.map(|(start_s, end_s)| crate::CalibrationWindow { start_s, end_s });
+        let airborne = airborne.map(|text| text.parse().unwrap());
+        Extent::of(flight, GivenTimes { calibration, airborne }).map_err(|error| error.to_string())
+    }
+
+    /// The user's window chooses the flight that it is before or in; one that reaches beyond that flight's
+    /// landing is refused, and one that ends just there is not. The first flight is used from the log's
+    /// beginning, a later one from the landing before it.
+    #[test]
+    fn a_window_chooses_the_flight_and_ends_before_its_landing() {
+        let flight = two_flights();
+        let longest = within(&flight, None, None).unwrap();
+        assert_eq!((longest.airborne.len(), longest.chosen), (2, Some(0)), "of two that are alike the first");
+        let landings = [0, 1].map(|place| longest.airborne[place].landing_s.unwrap());
+        // A block of 2.5 s, and one beside it.
+        assert!((landings[0] - 500.0).abs() <= 5.0 && (landings[1] - 1_100.0).abs() <= 5.0, "{landings:?}");
+        assert_eq!(longest.used_s, (0.0, landings[0]));
+        let first = within(&flight, Some((50.0, landings[0])), None).unwrap();
+        assert_eq!((first.chosen, first.used_s), (Some(0), (0.0, landings[0])));
+        let second = within(&flight, Some((600.0, 700.0)), None).unwrap();
+        assert_eq!((second.chosen, second.used_s), (Some(1), (landings[0], landings[1])));
+        for beyond in [(50.0, landings[0] + 1.0), (50.0, 700.0), (1_150.0, 1_250.0)] {
+            assert!(
+                within(&flight, Some(beyond), None).unwrap_err().contains("beyond the landing"),
+                "{beyond:?}"
+            );
+        }
+        // The same where the user gives the landing.
+        assert!(within(&flight, Some((50.0, 450.0)), Some("200..450")).is_ok());
+        assert!(within(&flight, Some((50.0, 451.0)), Some("200..450")).is_err());
+    }
+
+    /// Shares are those of the log's length, whatever its clock shows at the beginning.
+    #[test]
+    fn a_share_is_of_the_logs_length() {
+        let mut late = log(1, 0);
+        late.log_s = (40.0, 1_040.0);
+        late.used_s = (140.0, 790.0);
+        let shares: Vec<f64> = late.unused(190.0).iter().map(|part| part.share).collect();
+        assert_eq!(shares, [0.1, 0.05, 0.25]);
+    }
 }

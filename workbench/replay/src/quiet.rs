@@ -446,4 +446,133 @@ mod tests {
         let stretch = find_default(&slow).unwrap();
         assert!(stretch.window.end_s - stretch.window.start_s >= 120.0, "{stretch}");
     }
+
+    /// Limits that differ from each other and from their sums: blocks of 5 s, heights within 10 m, speeds
+    /// within 8 m/s.
+    fn quality() -> QualityConfig {
+        QualityConfig {
+            minimum_duration_s: 30.0,
+            trimmed_altitude_m: 20.0,
+            trimmed_airspeed_mps: 4.0,
+            ..model::Model::default().quality
+        }
+    }
+
+    fn before(flight: &Flight, from_s: f64, take_off_s: f64) -> Option<(f64, f64)> {
+        let stretch = find_before(flight, &quality(), (from_s, take_off_s), Place::Ground)?;
+        Some((stretch.window.start_s, stretch.window.end_s))
+    }
+
+    /// The stretch before a take-off is the last one that is quiet: it ends at the take-off, lasts five
+    /// minutes at most, and begins after the time that it is looked for from.
+    #[test]
+    fn the_stretch_before_a_take_off_ends_there_and_begins_no_earlier_than_it_may() {
+        let parked = flight((0..1_000).map(|_| (500.0, 0.0)));
+        assert_eq!(before(&parked, 100.0, 1_000.0), Some((700.0, 1_000.0)));
+        assert_eq!(before(&parked, 800.0, 1_000.0), Some((800.0, 1_000.0)));
+        // 62 s are twelve blocks and 2 s.
+        assert_eq!(before(&parked, 938.0, 1_000.0), Some((940.0, 1_000.0)));
+        assert_eq!(before(&parked, 971.0, 1_000.0), None, "29 s");
+        // A taxi of 20 s before the take-off is not quiet.
+        let taxi = flight((0..1_000).map(|row| (500.0, if row >= 880 { 15.0 } else { 0.0 })));
+        assert_eq!(before(&taxi, 850.0, 1_000.0), Some((850.0, 980.0)));
+        let rough = flight((0..1_000).map(|row| (500.0 + 30.0 * (row % 40) as f32, 0.0)));
+        assert_eq!(before(&rough, 100.0, 1_000.0), None);
+    }
+
+    /// Heights stay within half of the altitude's limit and speeds within twice the speed's: 10 m and 8 m/s
+    /// here.
+    #[test]
+    fn quiet_is_half_the_altitudes_limit_and_twice_the_speeds() {
+        let steps = |height_m: f32, speed_mps: f32| {
+            let second =
+                |row: u16| if row < 20 { (500.0, 20.0) } else { (500.0 + height_m, 20.0 + speed_mps) };
+            find(&flight((0..40).map(second)), &quality(), (100.0, 139.0))
+        };
+        let stretch = steps(9.5, 7.5).unwrap();
+        assert_eq!((stretch.altitude_range_m, stretch.speed_mps), (9.5, Some(20.0)));
+        assert!(steps(10.5, 0.0).is_err() && steps(0.0, 8.5).is_err());
+    }
+
+    /// Between two times the rows outside do not count, on whichever side they are.
+    #[test]
+    fn rows_outside_the_two_times_do_not_count() {
+        let level = |row: u16| if (60..160).contains(&row) { 500.0 } else { 900.0 - 3.0 * f32::from(row) };
+        let flown = flight((0..260).map(|row| (level(row), 30.0)));
+        let stretch = find(&flown, &quality(), (160.0, 259.0)).unwrap();
+        // Half of 99 s, in whole blocks.
+        assert_eq!(stretch.window, CalibrationWindow { start_s: 160.0, end_s: 205.0 });
+        assert_eq!(stretch.altitude_range_m, 0.0);
+        assert_eq!(before(&flown, 160.0, 260.0), Some((160.0, 260.0)));
+    }
+
+    /// Thirty seconds from the first row to the last are just enough, quiet or not; and so is a stretch that
+    /// ends with the log's last fix.
+    #[test]
+    fn thirty_seconds_are_just_enough() {
+        let still = find_default(&flight((0..31).map(|_| (500.0, 0.0)))).unwrap();
+        assert_eq!(still.window, CalibrationWindow { start_s: 100.0, end_s: 130.0 });
+        let climbing = find_default(&flight((0..31).map(|row| (500.0 + 5.0 * row as f32, 0.0))));
+        assert!(matches!(climbing, Err(ReplayError::NoQuietStretch { .. })));
+        let mut ends = flight((0..31).map(|_| (500.0, 0.0)));
+        ends.channels[0].1.set(30, None);
+        assert_eq!(find_default(&ends).unwrap().window, still.window);
+    }
+
+    /// Where nothing is quiet, the calmest is one of the first half, however much calmer the second is;
+    /// within a half it is the one with the least change of height, and of two that are alike the first. It
+    /// has no gap in it.
+    #[test]
+    fn the_calmest_leaves_half_of_the_flight_to_be_watched() {
+        let calmest = |flight: &Flight| match find(flight, &quality(), (100.0, 699.0)) {
+            Err(ReplayError::NoQuietStretch { calmest: Some(calmest), .. }) => calmest,
+            other => panic!("{other:?}"),
+        };
+        // Half a minute each of three slopes: 3 m/s, from 250 s to 310 s 1 m/s, from 550 s to 610 s 0.6 m/s.
+        let slope = |row: u16| match row {
+            150..210 => 1.0,
+            450..510 => 0.6,
+            _ => 3.0,
+        };
+        let heights: Vec<f32> = (0..600)
+            .scan(0.0, |height_m, row| {
+                *height_m += slope(row);
+                Some(*height_m)
+            })
+            .collect();
+        let mut flown = flight(heights.iter().map(|height_m| (*height_m, 30.0)));
+        let found = calmest(&flown);
+        // Medians of blocks of 5 s: six of them are five steps apart.
+        assert!((found.altitude_range_m - 25.0).abs() < 0.01, "{found:?}");
+        assert_eq!(found.window, CalibrationWindow { start_s: 250.0, end_s: 280.0 });
+        assert_eq!(found.speed_range_mps, 0.0);
+        // Without any fix for ten seconds in the middle of it, no six blocks of it are left together.
+        for row in 175..185 {
+            flown.channels[0].1.set(row, None);
+        }
+        let found = calmest(&flown);
+        assert!(found.altitude_range_m > 25.1 && found.window.end_s <= 400.0, "{found:?}");
+    }
+
+    /// Blocks hold two and a half fixes: of fixes 8 s apart they last 20 s, and five minutes have fifteen.
+    #[test]
+    fn a_block_holds_two_and_a_half_fixes() {
+        let mut slow = flight((0..100).map(|_| (500.0, 20.0)));
+        slow.time_s = (0..100).map(|row| f64::from(row) * 8.0).collect();
+        assert_eq!(block_s(&slow, &quality()), 20.0);
+        assert_eq!(block_s(&flight((0..9).map(|_| (500.0, 20.0))), &quality()), 5.0);
+        assert_eq!(median(&mut [5.0, 1.0, 3.0, 2.0, 4.0]), Some(3.0));
+    }
+
+    /// Blocks that follow each other have no gap between them.
+    #[test]
+    fn a_missing_block_is_a_gap() {
+        let of = |indices: &[u64]| {
+            let block =
+                |index: &u64| Block { index: *index, altitude_m: 0.0, climb_rate_mps: None, speed_mps: None };
+            is_gapless(&indices.iter().map(block).collect::<Vec<_>>())
+        };
+        assert!(of(&[4, 5, 6]) && of(&[7]) && of(&[]));
+        assert!(!of(&[4, 6, 7]) && !of(&[4, 5, 7]));
+    }
 }

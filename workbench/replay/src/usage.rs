@@ -94,4 +94,21 @@ mod tests {
         assert_eq!(clock(3_725.0), "01:02:05 (3725 s)");
         assert_eq!(clock(359_999.6), "100:00:00 (360000 s)");
     }
+
+    /// What is said of the time in the air is what of it the log has.
+    #[test]
+    fn a_time_in_the_air_is_said_as_far_as_the_log_has_it() {
+        let said = |flight, take_off_s, landing_s| {
+            Usage { flight, take_off_s, landing_s, ..Usage::default() }.in_the_air()
+        };
+        assert_eq!(said(None, Some(60.0), Some(120.0)), None);
+        assert_eq!(
+            said(Some(1), Some(60.0), Some(125.0)).unwrap(),
+            "take-off at 00:01:00 (60 s), landing at 00:02:05 (125 s)"
+        );
+        assert_eq!(
+            said(Some(1), None, None).unwrap(),
+            "in the air when the log begins, in the air when it ends"
+        );
+    }
 }

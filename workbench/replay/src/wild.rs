@@ -368,4 +368,105 @@ mod tests {
         assert_eq!(rows(Channel::TasMps, STEP_S, &[]), Vec::<usize>::new());
         assert_eq!(rows(Channel::TasMps, STEP_S, &[f32::NAN, 3.0, f32::INFINITY]), Vec::<usize>::new());
     }
+
+    /// Noise of a known size: the sum of twelve uniform numbers has a standard deviation of one, and for
+    /// 4,000 of them the spread is known to within a few per cent.
+    fn white(count: usize, sigma: f64) -> Vec<Sample> {
+        let mut seed = 11_u32;
+        let mut normal = || {
+            (0..12).fold(-6.0, |sum, _| {
+                seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                sum + f64::from(seed >> 8) / f64::from(1_u32 << 24)
+            })
+        };
+        (0..count).map(|row| Sample { row, time_s: row as f64, value: 50.0 + sigma * normal() }).collect()
+    }
+
+    /// What is said of a column's noise is its standard deviation, whatever it is and however steeply the
+    /// column rises besides.
+    #[test]
+    fn noise_is_the_standard_deviation_of_a_value() {
+        for sigma in [0.1, 1.0, 7.0] {
+            let mut samples = white(4_000, sigma);
+            let flat = noise(Kind::Altitude, &samples);
+            assert!((flat / sigma - 1.0).abs() < 0.06, "{sigma} {flat}");
+            samples.iter_mut().for_each(|sample| sample.value += 30.0 * sample.time_s);
+            assert!((noise(Kind::Altitude, &samples) / flat - 1.0).abs() < 1e-6);
+        }
+        assert_eq!(noise(Kind::Altitude, &white(2, 1.0)), 0.0);
+    }
+
+    /// A jump is more than the largest rate makes in the time between and than twelve sigmas: an airspeed
+    /// with a noise of a centimetre a second that leaps by 6 m/s within 40 ms does so at 15 g.
+    #[test]
+    fn small_leaps_of_a_quiet_column_are_jumps_too() {
+        let mut cells: Vec<f32> = (0..2_000_u16).map(|row| 30.0 + 0.01 * f32::from(row % 3)).collect();
+        cells[900] += 6.0;
+        cells[1_200] += 50.0;
+        cells[1_500] += 3.0;
+        assert_eq!(rows(Channel::TasMps, STEP_S, &cells), [900, 1_200]);
+        // The last one alone.
+        let mut last: Vec<f32> = vec![30.0; 500];
+        last[499] = 90.0;
+        assert_eq!(rows(Channel::TasMps, STEP_S, &last), [499]);
+    }
+
+    /// As many cells as a hundredth of the column are wild, before the longest stretch or after it; one more
+    /// is a level.
+    #[test]
+    fn a_hundredth_of_a_column_is_wild_on_either_side() {
+        for from in [500, 8_500] {
+            for (count, found) in [(100, 100), (101, 0)] {
+                let mut cells = vec![30.0_f32; 10_000];
+                cells[from..from + count].iter_mut().for_each(|cell| *cell = 300.0);
+                assert_eq!(rows(Channel::TasMps, STEP_S, &cells).len(), found, "{from} {count}");
+            }
+        }
+    }
+
+    /// A heading that goes on past half a turn begins anew there, which is no jump, however few cells are
+    /// left after it.
+    #[test]
+    fn a_heading_that_passes_the_turn_does_not_jump() {
+        let heading = |row: u16| libm::remainder(2.9 + 0.001 * f64::from(row), core::f64::consts::TAU) as f32;
+        let turning: Vec<f32> = (0..244).map(heading).collect();
+        assert!(turning[0] > 2.8 && turning[243] < -3.1, "it passes half a turn near its end");
+        assert_eq!(rows(Channel::YawRad, STEP_S, &turning), Vec::<usize>::new());
+    }
+
+    /// A row whose time does not go on is no sample: it can not be wild.
+    #[test]
+    fn a_repeated_time_is_no_jump() {
+        let mut flight = flight(Channel::TasMps, STEP_S, &[20.0; 100]);
+        flight.time_s[50] = flight.time_s[49];
+        flight.channels[0].1.set(50, Some(300.0));
+        assert_eq!(tamed(&flight).1, []);
+    }
+
+    /// An altitude that is beyond both neighbours is wild if no 10 g make it: half of that times the one time
+    /// and the other. 2 s each make 200 m, above or below, by whatever clock; two in a row are as wild as
+    /// one.
+    #[test]
+    fn ten_g_bound_what_is_beyond_both_neighbours() {
+        let found = |heights_m: &[f64], step_s: f64, noise: f64| {
+            let sample = |(row, value): (usize, &f64)| Sample {
+                row,
+                time_s: 1_000.0 + step_s * row as f64,
+                value: 700.0 + value,
+            };
+            let samples: Vec<Sample> = heights_m.iter().enumerate().map(sample).collect();
+            beyond_neighbours(&samples, noise)
+        };
+        for sign in [1.0, -1.0] {
+            assert_eq!(found(&[0.0, 0.0, sign * 250.0, 0.0, 0.0], 2.0, 0.0), [2]);
+            assert_eq!(found(&[0.0, 0.0, sign * 190.0, 0.0, 0.0], 2.0, 0.0), [0; 0]);
+            assert_eq!(found(&[0.0, 0.0, sign * 250.0, 0.0, 0.0], 2.0, 300.0), [0; 0], "within the noise");
+            assert_eq!(found(&[0.0, 0.0, sign * 900.0, sign * 850.0, 0.0, 0.0], 2.0, 0.0), [2, 3]);
+            // The corner of a level that shifts: 300 m beyond the one, 1,000 m beyond the other.
+            assert_eq!(found(&[0.0, 0.0, sign * 1_000.0, sign * 700.0, sign * 700.0], 2.0, 0.0), [0; 0]);
+        }
+        assert_eq!(found(&[0.0, 0.0, 200.0, 0.0, 0.0], 2.0, 0.0), [0; 0], "just what 10 g make");
+        assert_eq!(found(&[0.0, 0.0, 20.0, 0.0, 0.0], 0.5, 0.0), [2]);
+        assert_eq!(found(&[0.0, 0.0, 12.0, 0.0, 0.0], 0.5, 0.0), [0; 0]);
+    }
 }

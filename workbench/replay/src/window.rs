@@ -121,4 +121,16 @@ mod tests {
         );
         assert!(check(11.0, 19.0).is_err());
     }
+
+    /// A window that is none by itself is refused as such, before the flight is looked at.
+    #[test]
+    fn a_window_without_a_length_is_empty() {
+        let flight = Flight { time_s: vec![5.0, 10.0, 20.0], ..Flight::default() };
+        for (start_s, end_s) in
+            [(10.0, 10.0), (15.0, 5.0), (f64::NAN, 20.0), (0.0, f64::INFINITY), (f64::NEG_INFINITY, 20.0)]
+        {
+            let refused = CalibrationWindow { start_s, end_s }.check(&flight);
+            assert!(matches!(refused, Err(WindowError::Empty(_))), "{start_s} {end_s}");
+        }
+    }
 }

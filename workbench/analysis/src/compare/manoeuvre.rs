@@ -226,4 +226,19 @@ mod tests {
             "climb -38 m/s, 62 m/s, 1.0 g, turning right 6 deg/s"
         );
     }
+
+    /// One signal of four is enough to say something; without any nothing is known.
+    #[test]
+    fn any_signal_says_something() {
+        let none = Motion::default();
+        assert_eq!(Manoeuvre::of(&none), Manoeuvre::Unknown);
+        for motion in [
+            Motion { climb_rate_mps: Some(0.0), ..none },
+            Motion { load_factor: Some(1.0), ..none },
+            Motion { turn_rate_radps: Some(0.0), ..none },
+            Motion { acceleration_mps2: Some(0.0), ..none },
+        ] {
+            assert_ne!(Manoeuvre::of(&motion), Manoeuvre::Unknown, "{motion:?}");
+        }
+    }
 }

@@ -184,3 +184,25 @@ fn has_launch(replay: &Replay<'_>) -> bool {
         CalibrationSource::Uncalibrated(_) => false,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn is_launched(launch: &str) -> bool {
+        let mut csv = "# pylon-flight: 1\ntime_s,launch,gps_alt_m,baro_alt_m\n".to_owned();
+        for row in 0..40 {
+            let cell = if row == 39 { launch } else { "0" };
+            csv += &format!("{row},{cell},{},{}\n", 100 + row % 2, 90 + row % 3);
+        }
+        let flight = flight_data::parse(csv.as_bytes()).unwrap().0;
+        let replay = Replay::new(&flight, &Model::default(), None).unwrap();
+        has_launch(&replay)
+    }
+
+    /// A launch column that never says a launch has none.
+    #[test]
+    fn a_column_of_zeros_is_no_launch() {
+        assert!(is_launched("1") && !is_launched("0"));
+    }
+}

@@ -88,4 +88,16 @@ mod tests {
             assert!((folded - density.ln()).abs() < 1e-5, "{coefficient}: {folded} {}", density.ln());
         }
     }
+
+    /// What sensors in flight mostly have: 1.5 s of lag or latency, 3 % of scale, 0.3 of the dynamic
+    /// pressure, a drift of 5 mm/s, 10 m of warming up; of what is not known a fifth of the largest that
+    /// nature makes.
+    #[test]
+    fn what_sensors_mostly_have_is_what_is_written_down() {
+        let of = |effect| CoefficientPrior::of(effect, [-4.0, 2.0]).usual;
+        assert_eq!([EffectId::BaroLag, EffectId::GpsLatency].map(of), [1.5, 1.5]);
+        assert_eq!([EffectId::BaroScale, EffectId::BaroDynamicPressure].map(of), [0.03, 0.3]);
+        assert_eq!([EffectId::BaroDrift, EffectId::BaroWarmUp].map(of), [0.005, 10.0]);
+        assert!((of(EffectId::BaroPropwash) - 0.8).abs() < 1e-12);
+    }
 }

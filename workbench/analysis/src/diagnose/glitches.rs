@@ -138,4 +138,19 @@ mod tests {
         let (fixes, paths) = flight(|t| 25.0 * (t / 8.0).sin());
         assert_eq!(split(fixes, &paths).1, []);
     }
+
+    /// A jump of the receiver is what the sensor did not move by; the sensor's own bend is looked for on
+    /// either side of it.
+    #[test]
+    fn a_jump_is_looked_at_on_either_side() {
+        let fix = |(k, altitude_m): (u64, f64)| Fix { time_us: k * 200_000, altitude_m, climb_mps: None };
+        let fixes: Vec<Fix> = (0..).zip([0.0, 0.0, 0.0, 30.0, 30.0]).map(fix).collect();
+        let of = |heights_m: [f64; 5], k| jump(&fixes, &[heights_m.map(Some).to_vec()], k).unwrap();
+        let after = of([0.0, 0.0, 0.0, 0.0, 5.0], 3);
+        assert_eq!((after.metres, after.acceleration_m), (30.0, 5.0));
+        let before = of([0.0, -4.0, 0.0, 2.0, 4.0], 3);
+        assert_eq!((before.metres, before.acceleration_m), (28.0, 2.0));
+        assert_eq!(of([4.0, 0.0, 0.0, 0.0, 0.0], 2).acceleration_m, 4.0);
+        assert!(jump(&fixes, &[vec![None; 5]], 3).is_none());
+    }
 }

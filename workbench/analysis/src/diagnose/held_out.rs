@@ -162,3 +162,41 @@ fn add_errors(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The error is the root of the mean square of one sensor's blocks, or of all; what is no number is no
+    /// block. Where most of it is the coefficients' own unsureness, it tells nothing.
+    #[test]
+    fn errors_are_root_mean_squares() {
+        let mut errors = HeldOut::default();
+        assert_eq!((errors.rms_m(2), errors.rms_all_m(), errors.any_rms_m()), (None, None, None));
+        for error_m in [3.0, -5.0, f64::NAN] {
+            errors.add(2, error_m, 1.0);
+        }
+        errors.add(1, 2.0, 0.5);
+        assert_eq!(errors.rms_m(2), Some(17.0_f64.sqrt()));
+        assert_eq!(errors.rms_m(1), Some(2.0));
+        assert_eq!(errors.rms_m(0), None);
+        assert_eq!(errors.rms_all_m(), Some((38.0_f64 / 3.0).sqrt()));
+        errors.add(1, 1.0, 2.5);
+        assert_eq!(errors.rms_m(1), None, "three of five square metres");
+        assert_eq!(errors.any_rms_m(), Some((39.0_f64 / 4.0).sqrt()));
+    }
+
+    /// Free flight has five stretches of equal length.
+    #[test]
+    fn a_fold_is_a_fifth_of_free_flight() {
+        let count = 50;
+        let flight = Series {
+            time_s: (0..count).map(|k| k as f64).collect(),
+            free: (0..count).map(|k| k >= 20).collect(),
+            ..Series::default()
+        };
+        let folds: Vec<Option<usize>> =
+            [0, 19, 20, 25, 26, 38, 49].map(|block| fold(&flight, block)).to_vec();
+        assert_eq!(folds, [None, None, Some(0), Some(0), Some(1), Some(3), Some(4)]);
+    }
+}

@@ -227,3 +227,159 @@ impl Manoeuvre {
         inputs
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TRIM: Trim = Trim { speed_mps: 40.0, altitude_m: 1_500.0, angle_of_attack_rad: 0.05 };
+    /// Single precision of what is compared, in its own unit.
+    const ROUNDING: f64 = 1e-3;
+
+    /// The steps go up to one within an eighth of the period, stay there for a quarter, and so down to minus
+    /// one and back.
+    #[test]
+    fn steps_stay_at_their_ends_for_a_quarter() {
+        let eighths = [0.0, 1.0, 1.0, 1.0, 0.0, -1.0, -1.0, -1.0];
+        for (eighth, wanted) in eighths.into_iter().enumerate() {
+            for turns in [0.0, 3.0] {
+                let found = steps(40.0 * (turns + eighth as f64 / 8.0), 40.0);
+                assert!((found - wanted).abs() < 1e-9, "{eighth} {found}");
+            }
+        }
+        assert!((steps(2.5, 40.0) - 0.5).abs() < 1e-9 && (steps(20.0 + 2.5, 40.0) + 0.5).abs() < 1e-9);
+        assert!((steps(37.5, 40.0) + 0.5).abs() < 1e-9);
+    }
+
+    /// What is asked for names the speeds that are flown.
+    #[test]
+    fn the_words_have_the_speeds() {
+        assert!(MANOEUVRES[0].say(&TRIM).contains("from 30 to 50 m/s"));
+        assert!(MANOEUVRES[1].say(&TRIM).contains("at constant 40 m/s"));
+    }
+
+    fn signals(tick: &TickInput) -> (f64, [f64; 3], [f64; 3]) {
+        let fix = tick.gps.unwrap();
+        let velocity = [fix.velocity_north_mps, fix.velocity_east_mps, fix.velocity_down_mps];
+        let airspeed = f64::from(tick.signals.true_airspeed_mps.unwrap());
+        let attitude = tick.signals.attitude_rad.unwrap();
+        (airspeed, velocity.map(|value| f64::from(value.unwrap())), attitude.map(f64::from))
+    }
+
+    /// Three minutes at ten ticks a second, of which the first one is captive, straight and level.
+    #[test]
+    fn a_minute_straight_and_level_comes_first() {
+        for manoeuvre in &MANOEUVRES {
+            let ticks = manoeuvre.fly(&TRIM);
+            assert_eq!((ticks.len(), ticks[0].time_us, ticks[1].time_us), (1_800, 0, 100_000));
+            assert!(ticks.iter().all(|tick| tick.launch == (tick.time_us >= 60_000_000)));
+            for tick in &ticks[..599] {
+                let (_, [_, east, down], [roll, ..]) = signals(tick);
+                assert_eq!((east, down, roll), (0.0, 0.0, 0.0));
+                assert_eq!(tick.gps.unwrap().altitude_m, 1_500.0);
+            }
+        }
+    }
+
+    /// A point mass: the velocity is as long as the airspeed and points along the heading; the altitude is
+    /// the climb rate's integral; a bank turns by g tan(bank) / v; the lift carries the weight, the turn and
+    /// the change of climb rate, and the angle of attack is what it takes.
+    #[test]
+    fn every_manoeuvre_is_a_point_masss() {
+        for (number, manoeuvre) in MANOEUVRES.iter().enumerate() {
+            let ticks = manoeuvre.fly(&TRIM);
+            for pair in ticks.windows(2) {
+                let [tick, next] = pair else { continue };
+                let (speed, [north, east, down], [roll, pitch, yaw]) = signals(tick);
+                let (next_speed, [.., next_down], [next_roll, _, next_yaw]) = signals(next);
+                assert!((libm::hypot(libm::hypot(north, east), down) - speed).abs() < ROUNDING, "{number}");
+                let turned = libm::remainder(libm::atan2(east, north) - yaw, std::f64::consts::TAU);
+                assert!(turned.abs() < ROUNDING, "{number}");
+                let climbed =
+                    f64::from(next.gps.unwrap().altitude_m) - f64::from(tick.gps.unwrap().altitude_m);
+                assert!((climbed + next_down * 0.1).abs() < ROUNDING, "{number} {climbed} {next_down}");
+                let rate = GRAVITY * libm::tan(next_roll) / next_speed;
+                assert!((next_yaw - yaw - rate * 0.1).abs() < ROUNDING, "{number}");
+                let [x, y, z] = tick.imu.unwrap().accel_mps2.map(f64::from);
+                let shake = y;
+                let load_factor = -(z - shake) / GRAVITY;
+                let lifted = load_factor * libm::cos(roll);
+                assert!(
+                    (lifted - 1.0 + (next_down - down) / 0.1 / GRAVITY).abs() < 0.01,
+                    "{number} {lifted}"
+                );
+                let path = libm::asin(-down / speed);
+                let along = (next_speed - speed) / 0.1;
+                assert!((x - shake - along - GRAVITY * libm::sin(path)).abs() < 0.01, "{number}");
+                let angle = f64::from(tick.signals.angle_of_attack_rad.unwrap());
+                let of_lift = 0.05 * load_factor * (40.0 / speed) * (40.0 / speed);
+                assert!((angle - of_lift).abs() < ROUNDING, "{number}");
+                assert!((pitch - path - angle * libm::cos(roll)).abs() < ROUNDING, "{number}");
+                let throttle = f64::from(tick.signals.throttle.unwrap());
+                assert!((0.0..=1.0).contains(&throttle));
+                let sign = if tick.time_us % 200_000 == 0 { 1.0 } else { -1.0 };
+                assert!(
+                    (shake * sign - 0.3 - throttle).abs() < ROUNDING,
+                    "vibration grows with the throttle"
+                );
+                // The standard atmosphere's lapse rate, of 15 degrees at sea level.
+                let altitude_m = f64::from(tick.gps.unwrap().altitude_m);
+                let air_c = f64::from(tick.signals.outside_air_temperature_c.unwrap());
+                assert!((air_c - 15.0 + 0.0065 * altitude_m).abs() < ROUNDING);
+                // The barometer cools by 2 K a hundred seconds, and by 3 K a kilometre.
+                let baro_c = f64::from(tick.signals.baro_temperature_c.unwrap());
+                let time_s = tick.time_us as f64 * 1e-6;
+                assert!((baro_c - 20.0 + 0.003 * altitude_m + 0.02 * time_s).abs() < ROUNDING);
+            }
+        }
+    }
+
+    /// The throttle is half open in level cruise, and more where the aircraft accelerates, flies fast or is
+    /// given power.
+    #[test]
+    fn the_throttle_goes_with_speed_acceleration_and_power() {
+        let throttle = |number: usize, tick: usize| {
+            f64::from(MANOEUVRES[number].fly(&TRIM)[tick].signals.throttle.unwrap())
+        };
+        assert!((throttle(6, 300) - 0.5).abs() < ROUNDING && (throttle(6, 1_500) - 0.5).abs() < ROUNDING);
+        // The speed sweep, at a quarter more: 0.3 of that.
+        assert!((throttle(0, 600 + 150) - 0.575).abs() < ROUNDING);
+        // Going there, by 10 m/s within 7.5 s: 0.136 g; after 3.75 s at an eighth more.
+        assert!((throttle(0, 600 + 37) - 0.5 - 10.0 / 7.5 / GRAVITY - 0.3 * 0.125).abs() < 0.005);
+        // Full power of the throttle steps.
+        assert!((throttle(5, 600 + 150) - 0.85).abs() < ROUNDING);
+    }
+
+    /// Each manoeuvre does what its words say: the speeds, the climb, the bank, the sideslip.
+    #[test]
+    fn the_manoeuvres_do_what_they_say() {
+        let range = |number: usize, of: &dyn Fn(&TickInput) -> f64| {
+            let ticks = MANOEUVRES[number].fly(&TRIM);
+            let values = || ticks[600..].iter().map(of);
+            (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max))
+        };
+        let near = |found: (f64, f64), wanted: (f64, f64)| {
+            assert!(
+                (found.0 - wanted.0).abs() < 0.02 && (found.1 - wanted.1).abs() < 0.02,
+                "{found:?} {wanted:?}"
+            );
+        };
+        let speed = |tick: &TickInput| signals(tick).0;
+        let climb = |tick: &TickInput| -signals(tick).1[2];
+        let sideslip = |tick: &TickInput| f64::from(tick.signals.sideslip_rad.unwrap());
+        near(range(0, &speed), (30.0, 50.0));
+        near(range(0, &climb), (0.0, 0.0));
+        near(range(1, &climb), (-6.0, 6.0));
+        near(range(4, &sideslip), (-0.17, 0.17));
+        near(range(6, &speed), (40.0, 40.0));
+        near(range(7, &climb), (-4.8, 4.8));
+        near(range(3, &|tick| signals(tick).2[0].abs()), (0.0, 1.05));
+        let load_factor = |tick: &TickInput| {
+            let [_, shake, z] = tick.imu.unwrap().accel_mps2.map(f64::from);
+            -(z - shake) / GRAVITY
+        };
+        // Half a g either way is what 0.08 of the speed at 1.05 rad/s comes to at 58 m/s; at 40 m/s 0.34 g.
+        let (least, most) = range(2, &load_factor);
+        assert!((least - 0.66).abs() < 0.02 && (most - 1.34).abs() < 0.02, "{least} {most}");
+    }
+}

@@ -109,6 +109,8 @@ pub(crate) mod parts {
     pub(crate) use super::long_run::inflation;
     pub(crate) use super::manoeuvres::{MANOEUVRES, Trim};
     pub(crate) use super::noise::Noise;
+    #[cfg(test)]
+    pub(crate) use super::noise::NoisePrior;
     pub(crate) use super::prepare::Prepared;
     pub(crate) use super::problem::{NoiseFit, Problem};
     pub(crate) use super::search::Explanation;

@@ -226,3 +226,80 @@ impl NoisePrior {
         Some(held)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use model::Model;
+
+    use super::*;
+
+    /// A flight of one sensor with both phases, of `free` blocks or of none.
+    fn prior() -> NoisePrior {
+        let mut series = Series { block_s: 1.0, full_block: [10.0; SENSORS], ..Series::default() };
+        for block in 0..40 {
+            series.time_s.push(f64::from(block));
+            series.fixes.push(1.0);
+            series.free.push(block >= 20);
+            series.residual_m.push([f64::NAN, f64::NAN, 1.0]);
+            series.readings.push([0, 0, 10]);
+        }
+        let model = Model::default();
+        NoisePrior::new(&[series], &model.reference, &model.sensors)
+    }
+
+    /// The density is normal in every parameter: a sigma away it is lower by a half, two by two.
+    #[test]
+    fn a_priors_density_is_normal() {
+        let prior = prior();
+        let means = prior.means();
+        assert_eq!(prior.log_density(&means), 0.0);
+        for (k, parameter) in prior.parameters.iter().enumerate() {
+            for sigmas in [1.0, -2.0] {
+                let mut values = means.clone();
+                values[k] += sigmas * parameter.sigma;
+                let wanted = -0.5 * sigmas * sigmas;
+                assert!((prior.log_density(&values) - wanted).abs() < 1e-9, "{k}");
+            }
+        }
+    }
+
+    /// The white noise of free flight is that of captive flight times its factor; what is not estimated
+    /// stays.
+    #[test]
+    fn free_flights_white_noise_is_a_factor_of_captive_flights() {
+        let prior = prior();
+        let at = |part: Part| prior.parameters.iter().position(|parameter| parameter.part == part).unwrap();
+        let mut values = prior.means();
+        values[at(Part::CaptiveWhite(2))] = libm::log(0.5);
+        values[at(Part::WhiteFactor(2))] = libm::log(3.0);
+        values[at(Part::FreeFlightFactor(2))] = libm::log(1.25);
+        let sensor = prior.noise(&values).sensors[2];
+        assert!((sensor.captive_white_m - 0.5).abs() < 1e-12 && (sensor.free_white_m - 1.5).abs() < 1e-12);
+        assert!((sensor.free_flight_factor - 1.25).abs() < 1e-12);
+        // A correlation time has a least one.
+        values[at(Part::WanderTime(2))] = libm::log(10.0);
+        assert!((prior.noise(&values).sensors[2].wander.time_s - 13.0).abs() < 1e-12);
+    }
+
+    /// A prior that holds a part at one believes in little else; of a sensor that is not there nothing can be
+    /// held. The slow wander is a parameter more.
+    #[test]
+    fn a_held_part_stays_where_it_is() {
+        let prior = prior();
+        for (held, part) in [
+            (prior.with_steady_wander(2), Part::FreeFlightFactor(2)),
+            (prior.with_steady_white(2), Part::WhiteFactor(2)),
+        ] {
+            let held = held.unwrap();
+            for (one, other) in held.parameters.iter().zip(&prior.parameters) {
+                let wanted = if one.part == part { HELD } else { other.sigma };
+                assert_eq!((one.part, one.mean, one.sigma), (other.part, other.mean, wanted));
+            }
+        }
+        assert!(prior.with_steady_wander(0).is_none());
+        let slow = prior.clone().with_slow_wander();
+        assert_eq!(slow.means().len(), prior.means().len() + 1);
+        let noise = slow.noise(&slow.means());
+        assert!((noise.slow.sigma_m - 0.5 * noise.reference.sigma_m).abs() < 0.5 * noise.reference.sigma_m);
+    }
+}

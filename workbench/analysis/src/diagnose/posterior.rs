@@ -369,3 +369,123 @@ impl Posterior {
         self.sets.iter().filter(|(set, _)| of(set)).map(|(_, probability)| probability).sum()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::small_problems::{NOISE, Small, problem, sine};
+    use super::*;
+
+    /// Sets of columns of three effects: of a lag two columns, of a scale and a drift one each.
+    fn posterior() -> Posterior {
+        let effects = [
+            (1, EffectId::BaroLag),
+            (2, EffectId::BaroLag),
+            (5, EffectId::BaroScale),
+            (8, EffectId::BaroDrift),
+        ];
+        Posterior {
+            sets: vec![
+                (vec![2], 0.5),
+                (vec![5], 0.2),
+                (vec![1, 8], 0.15),
+                (vec![5, 8], 0.1),
+                (Vec::new(), 0.05),
+            ],
+            effects: effects.into_iter().collect(),
+        }
+    }
+
+    /// The best set is the first; an effect acts with the probability of all sets that have any of its
+    /// columns.
+    #[test]
+    fn an_effect_acts_in_the_sets_that_have_it() {
+        let found = posterior();
+        assert_eq!(found.best(), [2]);
+        for (effect, wanted) in
+            [(EffectId::BaroLag, 0.65), (EffectId::BaroScale, 0.3), (EffectId::BaroDrift, 0.25)]
+        {
+            assert!((found.inclusion(effect) - wanted).abs() < 1e-12, "{}", effect.name());
+        }
+        assert_eq!(found.inclusion(EffectId::GpsLatency), 0.0);
+    }
+
+    /// Of the sets without the lag, a scale is in those of 0.3 and a drift in one of 0.1; nothing is in that
+    /// of 0.05.
+    #[test]
+    fn rivals_share_the_sets_without_the_chosen() {
+        let rivals = posterior().rivals(2, &[2], 7.0);
+        assert_eq!((rivals.column, rivals.explained), (2, 7.0));
+        assert!(
+            (rivals.acts.unwrap() - 0.65).abs() < 1e-12 && (rivals.empty - 0.05).abs() < 1e-12,
+            "{rivals:?}"
+        );
+        assert_eq!(rivals.others, [5, 8]);
+        let wanted = [0.3 / 0.65, 0.1 / 0.65];
+        assert!(
+            rivals.odds.iter().zip(wanted).all(|(odds, wanted)| (odds - wanted).abs() < 1e-12),
+            "{rivals:?}"
+        );
+        // Beside a chosen drift only the scale is another.
+        assert_eq!(posterior().rivals(2, &[2, 8], 7.0).others, [5]);
+    }
+
+    /// A flight in which a sine acts on the barometer by two, as the regressor of an effect whose formula is
+    /// right to that share.
+    fn acted_on(id: EffectId, rough: f64) -> Small {
+        let mut small =
+            Small::new(400, 1).candidate(id, |block| sine(0, block)).error(|block| 2.0 * sine(0, block));
+        small.bounds[0].scale = rough;
+        small
+    }
+
+    /// The weight of the set of the one effect, and its coefficient with the variance that counts.
+    fn weight_of(id: EffectId, rough: f64) -> (f64, f64, f64) {
+        let small = acted_on(id, rough);
+        let (flights, suspects) = ([small.series.clone()], small.suspects());
+        let problem = problem(&flights);
+        let information = suspects.information(&problem, &NOISE);
+        let fit = NoiseFit { values: problem.prior.means(), noise: NOISE, twice_log_posterior: 0.0 };
+        let weigher = Weigher { suspects: &suspects, problem: &problem, scale: None, power: POWER };
+        let solution = information.solve(&suspects.positions(&[0])).unwrap();
+        let weight = weigher.log_weight(&information, &[0], &fit, false).unwrap();
+        (weight, solution.coefficients[0], solution.covariance[0] / POWER)
+    }
+
+    /// What is believed of a coefficient is compared with it as sure as it is: by its variance, the share
+    /// that its formula makes wrong, and what it is unsteady by. Nothing else of a weight depends on these.
+    #[test]
+    fn a_coefficient_counts_as_sure_as_it_is() {
+        let (lag, coefficient, variance) = weight_of(EffectId::BaroLag, 0.0);
+        let belief = |id| CoefficientPrior::of(id, [-10.0, 10.0]);
+        for rough in [0.05, 0.5] {
+            let wanted = belief(EffectId::BaroLag)
+                .log_density(coefficient, variance + (rough * coefficient).powi(2))
+                - belief(EffectId::BaroLag).log_density(coefficient, variance);
+            let found = weight_of(EffectId::BaroLag, rough).0 - lag;
+            assert!((found - wanted).abs() < 1e-6 && wanted != 0.0, "{rough} {found} {wanted}");
+        }
+        let unsteady = unsteadiness(EffectId::BaroScale, false);
+        let wanted = belief(EffectId::BaroScale).log_density(coefficient, variance + unsteady * unsteady)
+            - belief(EffectId::BaroLag).log_density(coefficient, variance);
+        let found = weight_of(EffectId::BaroScale, 0.0).0 - lag;
+        assert!((found - wanted).abs() < 1e-6, "{found} {wanted}");
+    }
+
+    /// A scale of two is more than the air makes: as an effect it explains what the air alone does not.
+    #[test]
+    fn a_large_scale_is_an_effect_and_not_the_air() {
+        let small = acted_on(EffectId::BaroScale, 0.0);
+        let (flights, suspects) = ([small.series.clone()], small.suspects());
+        let problem = problem(&flights);
+        let information = suspects.information(&problem, &NOISE);
+        let fit = NoiseFit { values: problem.prior.means(), noise: NOISE, twice_log_posterior: 0.0 };
+        let weigher = Weigher { suspects: &suspects, problem: &problem, scale: Some(0), power: POWER };
+        let [of_air, of_effect] =
+            [false, true].map(|has_scale| weigher.log_weight(&information, &[], &fit, has_scale).unwrap());
+        assert!(of_effect > of_air + 50.0, "{of_effect} {of_air}");
+        // Both are weighed, the set with the scale as one more effect.
+        let weighed = weigher.weigh(&information, &[], &fit);
+        let sets: Vec<Vec<usize>> = weighed.iter().map(|(_, weighed)| weighed.columns.clone()).collect();
+        assert_eq!(sets, [vec![], vec![0]]);
+    }
+}

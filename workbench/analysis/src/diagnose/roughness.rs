@@ -67,3 +67,17 @@ pub(super) fn scale(epochs: &[Epochs], effect: EffectId) -> f64 {
 pub(super) fn unsteadiness(effect: EffectId, has_climb_rate: bool) -> f64 {
     if effect == EffectId::BaroScale && !has_climb_rate { UNSTEADY_SCALE } else { 0.0 }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of all effects a scale alone is unsteady, as the air's temperature changes, and only where no climb
+    /// rate tells it from the air.
+    #[test]
+    fn only_a_scale_without_a_climb_rate_is_unsteady() {
+        assert!(unsteadiness(EffectId::BaroScale, false) > 0.0);
+        assert_eq!(unsteadiness(EffectId::BaroScale, true), 0.0);
+        assert_eq!(unsteadiness(EffectId::BaroLag, false), 0.0);
+    }
+}

@@ -173,4 +173,15 @@ mod tests {
         // Up to 110 within the play; dragged to 120 at 130; at 110 again from 110 on down; dragged to 115 at 105.
         assert_eq!(lags, [0.0, -5.0, -10.0, -10.0, -5.0, 8.0, 10.0, 0.0, 5.0]);
     }
+
+    /// A low pass goes to a step as an exponential does; without a time constant it is the signal itself.
+    #[test]
+    fn a_low_pass_is_exact_for_a_step() {
+        let (times, values) = ([100.0, 101.0, 104.0], [0.0, 1.0, 1.0]);
+        let passed = low_pass(&times, &values, 2.0);
+        for (found, since_s) in passed.iter().zip([0.0, 1.0, 4.0]) {
+            assert!((found - (1.0 - libm::exp(-since_s / 2.0))).abs() < 1e-12, "{passed:?}");
+        }
+        assert_eq!(low_pass(&times, &values, 0.0), values);
+    }
 }

@@ -67,3 +67,61 @@ impl WantedEffect {
         candidates.splice(at..at, new);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Candidates of a lag in two shapes, of a drift since two moments by two times, and of a scale.
+    fn candidates() -> Vec<Candidate> {
+        let of = |id, time_constant_s, since, smoothing_s| Candidate {
+            regressor: Regressor { id, time_constant_s, since },
+            smoothing_s,
+        };
+        vec![
+            of(EffectId::BaroLag, 0.0, Clock::Launch, 0.0),
+            of(EffectId::BaroLag, 0.0, Clock::Launch, 2.0),
+            of(EffectId::BaroWarmUp, 60.0, Clock::Launch, 0.0),
+            of(EffectId::BaroWarmUp, 200.0, Clock::Launch, 0.0),
+            of(EffectId::BaroWarmUp, 60.0, Clock::Start, 0.0),
+            of(EffectId::BaroScale, 0.0, Clock::Launch, 0.0),
+        ]
+    }
+
+    fn narrowed(effect: EffectId, since: Option<Clock>, times_s: &[f32]) -> Vec<(EffectId, f32, Clock, f32)> {
+        let mut candidates = candidates();
+        WantedEffect { effect, time_constant_s: None, since }.narrow(&mut candidates, times_s);
+        let facts =
+            |c: Candidate| (c.effect(), c.regressor.time_constant_s, c.regressor.since, c.smoothing_s);
+        candidates.into_iter().map(facts).collect()
+    }
+
+    /// Of the effect that is wanted the smoothed shapes go, and those of another clock; of the others nothing
+    /// goes.
+    #[test]
+    fn only_what_is_wanted_of_the_effect_is_kept() {
+        let lag = narrowed(EffectId::BaroLag, None, &[]);
+        assert_eq!(lag.len(), 5);
+        assert!(lag.iter().all(|(.., smoothing_s)| *smoothing_s == 0.0));
+        let warm_up = narrowed(EffectId::BaroWarmUp, Some(Clock::Start), &[]);
+        assert_eq!(warm_up.iter().filter(|(effect, ..)| *effect == EffectId::BaroWarmUp).count(), 1);
+        assert_eq!(warm_up.iter().filter(|(effect, ..)| *effect == EffectId::BaroLag).count(), 2);
+    }
+
+    /// The times that are given take the place of the grid's, for each clock, side by side where the effect's
+    /// columns were.
+    #[test]
+    fn given_times_take_the_grids_place() {
+        let found = narrowed(EffectId::BaroWarmUp, None, &[10.0, 20.0, 30.0]);
+        let effects: Vec<EffectId> = found.iter().map(|(effect, ..)| *effect).collect();
+        let (lag, warm_up) = (EffectId::BaroLag, EffectId::BaroWarmUp);
+        assert_eq!(
+            effects,
+            [lag, lag, warm_up, warm_up, warm_up, warm_up, warm_up, warm_up, EffectId::BaroScale]
+        );
+        let times: Vec<(f32, Clock)> =
+            found[2..8].iter().map(|(_, time_s, since, _)| (*time_s, *since)).collect();
+        assert_eq!(times[..3], [10.0, 20.0, 30.0].map(|time_s| (time_s, Clock::Launch)));
+        assert_eq!(times[3..], [10.0, 20.0, 30.0].map(|time_s| (time_s, Clock::Start)));
+    }
+}

@@ -164,3 +164,95 @@ fn apart(
     };
     Some((0..picks.len()).filter(|pick| *pick != first).map(sigmas).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use executor::Inline;
+    use kf_core::input::ImuSample;
+
+    use super::*;
+    use crate::discover::signals::Signals;
+    use crate::discover::small_flights::flight;
+
+    fn tick(time_s: f64, attitude_rad: [f32; 3]) -> TickInput {
+        let mut tick = TickInput {
+            time_us: (time_s * 1e6) as u64,
+            imu: Some(ImuSample { accel_mps2: [0.0; 3], gyro_radps: [0.0; 3] }),
+            ..TickInput::default()
+        };
+        tick.signals.attitude_rad = Some(attitude_rad);
+        tick
+    }
+
+    /// What a gyro reads while the heading turns at 0.2 rad/s: level about the vertical axis alone, banked
+    /// about pitch and yaw, nose up about roll and yaw; a roll and a pitch rate by themselves about their own
+    /// axes.
+    #[test]
+    fn body_rates_are_those_of_the_attitude() {
+        let rates = |from: [f32; 3], rate: [f32; 3]| {
+            let before: [f32; 3] = std::array::from_fn(|k| from[k] - 0.1 * rate[k]);
+            with_body_rates(vec![tick(0.0, before), tick(0.1, from)])[1].imu.unwrap().gyro_radps
+        };
+        let (sine, cosine) = (0.6_f32.sin(), 0.6_f32.cos());
+        let cases = [
+            ([0.0, 0.0, 1.0], [0.0, 0.0, 0.2], [0.0, 0.0, 0.2]),
+            ([0.6, 0.0, 1.0], [0.0, 0.0, 0.2], [0.0, 0.2 * sine, 0.2 * cosine]),
+            ([0.0, 0.6, 1.0], [0.0, 0.0, 0.2], [-0.2 * sine, 0.0, 0.2 * cosine]),
+            ([0.0, 0.0, 1.0], [0.3, 0.0, 0.0], [0.3, 0.0, 0.0]),
+            ([0.6, 0.0, 1.0], [0.0, 0.3, 0.0], [0.0, 0.3 * cosine, -0.3 * sine]),
+        ];
+        for (attitude, rate, wanted) in cases {
+            let found = rates(attitude, rate);
+            // Differences of single precision over a tenth of a second.
+            assert!(
+                found.iter().zip(wanted).all(|(one, other)| (one - other).abs() < 1e-5),
+                "{found:?} {wanted:?}"
+            );
+        }
+    }
+
+    /// The blocks of a manoeuvre are those of the advice, from its first tick on, captive until its launch;
+    /// what moves is at its places.
+    #[test]
+    fn a_manoeuvres_blocks_are_the_advices() {
+        let recorded: Vec<Vec<f64>> = (0..30)
+            .map(|k| {
+                let mut block = vec![f64::NAN; 21];
+                block[0] = 20.0 + f64::from(k);
+                block[10] = 0.1 + 0.02 * f64::from(k);
+                block
+            })
+            .collect();
+        let names: Vec<String> = (0..21).map(|k| format!("known{k}")).collect();
+        let series = flight(&[0.0; 30], &[]);
+        let signals = Signals::new(&[(&series, &recorded)], &names, &[]);
+        let search = Search { signals: &signals, flights: 1, subjects: 1, executor: &Inline };
+        let trim = Trim { speed_mps: 40.0, altitude_m: 1_000.0, angle_of_attack_rad: 0.05 };
+        let ticks = MANOEUVRES[6].fly(&trim);
+        let found = blocks(&ticks, &search, Some(1));
+        let airspeeds = found.values_of(0);
+        let wanted = (180.0 / ADVICE_BLOCK_S).round() as usize;
+        assert!(airspeeds.len().abs_diff(wanted) <= 1, "{} {wanted}", airspeeds.len());
+        assert!(airspeeds.iter().all(|airspeed| (airspeed - 40.0).abs() < 1e-4));
+        // Half a minute of the throttle's places after the launch: no two neighbouring steps are alike.
+        let throttle = found.values_of(1);
+        assert!(throttle.iter().all(|value| (0.1 - 1e-9..=0.68 + 1e-9).contains(value)), "{throttle:?}");
+        let captive = (60.0 / ADVICE_BLOCK_S) as usize;
+        assert!(throttle[..captive].windows(2).all(|pair| pair[0] == pair[1]));
+        assert!(throttle[captive + 2..].iter().any(|value| (value - throttle[0]).abs() > 0.1));
+    }
+
+    /// What is told apart is named, and what is not.
+    #[test]
+    fn the_advice_names_what_it_tells_apart() {
+        let names = ["a".to_owned(), "b".to_owned()];
+        let (much, little) = (10.0 * APART, 0.1 * APART);
+        let both = say(&[much, much], much, "a loop", &names);
+        assert!(both.starts_with("To tell them apart, fly a loop: they would be"), "{both}");
+        let one = say(&[much, little], much, "a loop", &names);
+        assert!(
+            one.contains("To tell it from a, fly a loop") && one.ends_with("tells it from b as well."),
+            "{one}"
+        );
+    }
+}

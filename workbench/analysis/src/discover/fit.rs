@@ -278,3 +278,34 @@ fn free_squares(series: &Series, values: impl Iterator<Item = f64>) -> f64 {
     let mean = base(!there.iter().any(|(is_free, _)| !is_free));
     of(true).map(|value| (value - mean) * (value - mean)).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::discover::small_flights::flight;
+
+    /// A column about its mean and of unit length: the product of two is their correlation.
+    #[test]
+    fn a_centred_column_has_no_mean_and_unit_length() {
+        let found = centred(&vec![vec![1.0, 2.0], vec![6.0]]);
+        assert!(found.iter().sum::<f64>().abs() < 1e-12);
+        assert!((found.iter().map(|value| value * value).sum::<f64>() - 1.0).abs() < 1e-12);
+        assert!((found[2] / found[0] + 1.5).abs() < 1e-12, "three more than the mean against two less");
+        assert_eq!(centred(&vec![vec![4.0; 3]]), [0.0; 3]);
+    }
+
+    /// Squares of free flight are taken about captive flight's mean, or their own where nothing is captive;
+    /// what is missing counts nowhere. The spread is the root of their mean over all flights.
+    #[test]
+    fn a_spread_is_about_captive_flight() {
+        // Two blocks captive, four free.
+        let six = flight(&[0.0; 6], &[]);
+        let values = [1.0, 3.0, 5.0, 2.0, f64::NAN, -1.0];
+        assert_eq!(free_squares(&six, values.into_iter()), 9.0 + 0.0 + 9.0);
+        let mut all_free = six.clone();
+        all_free.free.fill(true);
+        assert_eq!(free_squares(&all_free, [1.0, 3.0, 1.0, 3.0, 1.0, 3.0].into_iter()), 6.0);
+        let column = vec![vec![2.0, 2.0, 5.0, 5.0, 5.0, 5.0], vec![0.0, 0.0, 1.0, 1.0, 1.0, 1.0]];
+        assert_eq!(spread(&[six.clone(), six], &column), ((4.0 * 9.0 + 4.0) / 8.0_f64).sqrt());
+    }
+}

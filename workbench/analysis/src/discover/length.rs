@@ -83,4 +83,21 @@ mod tests {
         assert_eq!(parts_that_pay(&[law(2, &right)], 3), 2);
         assert_eq!(parts_that_pay(&[], 3), 1);
     }
+
+    /// What only the stretch left out shows has no say in what it is predicted by: its own information is a
+    /// million million times that of the others.
+    #[test]
+    fn what_one_stretch_alone_shows_predicts_nothing_in_it() {
+        let mut alone = [[0.1, 1e-6]; STRETCHES + 1];
+        alone[3] = [1e6, 1e6];
+        let law = Chosen { parts: 1, price: 1.0, stretches: &alone };
+        assert_eq!(held_out(&[law], 1)[3], 0.0);
+        // What the others show alike predicts it: twice the score less the information, by a coefficient of
+        // one.
+        let alike = stretches(40.0, [1.0; STRETCHES]);
+        let law = Chosen { parts: 1, price: 1.0, stretches: &alike };
+        assert!(held_out(&[law], 1).iter().all(|gain| (gain - 40.0).abs() < 1e-9));
+        // A price that nothing pays.
+        assert_eq!(held_out(&[Chosen { price: 1e6, ..law }], 1), [0.0; STRETCHES]);
+    }
 }

@@ -18,6 +18,8 @@ mod picture;
 mod screen;
 mod search;
 mod signals;
+#[cfg(test)]
+mod small_flights;
 mod weigh;
 mod work;
 

@@ -88,3 +88,16 @@ impl Picture {
         picture
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a law leaves is what was measured less what it makes.
+    #[test]
+    fn the_rest_is_what_the_law_does_not_make() {
+        let picture =
+            Picture { law_m: vec![1.0, -2.0, 4.0], measured_m: vec![1.5, -3.0, 4.0], signals: Vec::new() };
+        assert_eq!(picture.rest_m(), [0.5, -1.0, 0.0]);
+    }
+}

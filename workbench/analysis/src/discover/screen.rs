@@ -355,3 +355,166 @@ impl<'a> Screen<'a> {
         sums.iter().enumerate().map(score).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use executor::Inline;
+
+    use super::*;
+    use crate::discover::small_flights::{BARO, WHITE, WHITE_M, flight, noise, problem};
+
+    /// What is left of a column beside others.
+    fn rest(target: &[f64], columns: &[Vec<f64>]) -> DVector<f64> {
+        let target = DVector::from_column_slice(target);
+        let matrix = DMatrix::from_fn(target.len(), columns.len(), |row, column| columns[column][row]);
+        let solved = matrix.clone().svd(true, true).solve(&target, 1e-12).unwrap();
+        target - matrix * solved
+    }
+
+    /// Least squares of some columns: what is left of the residual's square, and the last column's own square
+    /// beside the others.
+    fn least_squares(residual: &[f64], columns: &[Vec<f64>]) -> (f64, f64) {
+        let rest = |target: &[f64], columns: &[Vec<f64>]| rest(target, columns).norm_squared();
+        let (last, others) = columns.split_last().unwrap();
+        (rest(residual, others) - rest(residual, columns), rest(last, others))
+    }
+
+    /// Two flights of different lengths and biases in which a known effect and a law act, with the columns of
+    /// the law and of two others.
+    fn flights() -> (Vec<crate::diagnose::parts::Series>, Vec<Column>) {
+        let mut random = noise(5);
+        let mut made = Vec::new();
+        let mut columns = vec![Column::new(); 3];
+        for (count, bias_m) in [(90, 7.0), (150, -3.0)] {
+            let known: Vec<f64> = (0..count).map(|k| libm::sin(0.11 * f64::from(k))).collect();
+            let law: Vec<f64> = (0..count).map(|k| libm::cos(0.07 * f64::from(k)) + 0.3 * random()).collect();
+            let other: Vec<f64> = (0..count).map(|_| random()).collect();
+            let errors: Vec<f64> = known
+                .iter()
+                .zip(&law)
+                .map(|(known, law)| bias_m + 2.0 * known + 0.8 * law + 0.5 * random())
+                .collect();
+            made.push(flight(&errors, &[&known]));
+            columns[2].push(known.iter().map(|value| 3.0 * value + 1.0).collect());
+            columns[0].push(law);
+            columns[1].push(other);
+        }
+        (made, columns)
+    }
+
+    /// The sums of a law's score and information over the stretches.
+    fn sum(stretches: &ByStretch) -> [f64; 2] {
+        [0, 1].map(|k| stretches.iter().map(|stretch| stretch[k]).sum())
+    }
+
+    /// Under white noise a column gains what it lessens the sum of squares by, beside a bias in each flight
+    /// and the effects that are known, over the noise's variance; its information is what is left of its own
+    /// square. The stretches add up to both. A column that is a known one and a bias says nothing new.
+    #[test]
+    fn a_score_is_what_a_column_takes_off_the_squares() {
+        let (flights, columns) = flights();
+        let problem = problem(&flights);
+        let residual: Vec<f64> =
+            flights.iter().flat_map(|flight| flight.residual_m.iter().map(|errors| errors[BARO])).collect();
+        for picks in [&[0][..], &[]] {
+            let screen = Screen::new(&problem, WHITE, picks, Subject::Sensor(BARO));
+            let made = |k: usize| columns.get(k).cloned();
+            let scores = screen.scores(4, &made, &Inline);
+            let by_stretch = screen.by_stretch(4, &made, &Inline);
+            assert!(scores[3].is_none() && by_stretch[3].is_none(), "no column is made of the fourth");
+            assert_eq!(scores[2].is_none(), !picks.is_empty(), "it is the known one");
+            for k in [0, 1] {
+                let ends = [0, flights[0].len(), residual.len()];
+                let bias = |flight: usize| -> Vec<f64> {
+                    (0..residual.len())
+                        .map(|at| f64::from(u8::from((ends[flight]..ends[flight + 1]).contains(&at))))
+                        .collect()
+                };
+                let mut all = vec![bias(0), bias(1)];
+                if !picks.is_empty() {
+                    all.push(
+                        flights
+                            .iter()
+                            .flat_map(|flight| flight.columns[0].iter().map(|column| column[BARO]))
+                            .collect(),
+                    );
+                }
+                all.push(columns[k].concat());
+                let (gain, information) = least_squares(&residual, &all);
+                let score = scores[k].unwrap();
+                let variance = WHITE_M * WHITE_M;
+                // Rounding of some hundred products.
+                assert!((score.gain * variance / gain - 1.0).abs() < 1e-6, "{k} {score:?} {gain}");
+                assert!((score.information * variance / information - 1.0).abs() < 1e-6, "{k} {score:?}");
+                let [product, whole] = sum(by_stretch[k].as_ref().unwrap());
+                assert!((product * product / whole / score.gain - 1.0).abs() < 1e-6, "{k} {product}");
+                assert!((whole / score.information - 1.0).abs() < 1e-6, "{k} {whole}");
+                // In a stretch it is the products of what is left of both there.
+                let (law, others) = all.split_last().unwrap();
+                let (left, own) = (rest(&residual, others), rest(law, others));
+                let is_in = |at: usize, stretch: usize| {
+                    let (flight, block) = if at < ends[1] { (0, at) } else { (1, at - ends[1]) };
+                    let count = ends[flight + 1] - ends[flight];
+                    let since = block.checked_sub(count / 3);
+                    since.map_or(STRETCHES, |since| since * STRETCHES / (count - count / 3)) == stretch
+                };
+                for stretch in 0..=STRETCHES {
+                    let there = || (0..residual.len()).filter(|at| is_in(*at, stretch));
+                    let product: f64 = there().map(|at| left[at] * own[at]).sum();
+                    let square: f64 = there().map(|at| own[at] * own[at]).sum();
+                    let [found_product, found_square] = by_stretch[k].as_ref().unwrap()[stretch];
+                    assert!((found_product * variance - product).abs() < 1e-6 * gain.sqrt(), "{k} {stretch}");
+                    assert!((found_square * variance - square).abs() < 1e-6 * information, "{k} {stretch}");
+                }
+            }
+        }
+    }
+
+    /// Free flight is ten stretches of equal length, captive flight the last: a column that alternates in one
+    /// tenth, which no bias explains, has its information there alone.
+    #[test]
+    fn a_stretch_is_a_tenth_of_free_flight() {
+        let mut random = noise(9);
+        let errors: Vec<f64> = (0..300).map(|_| random()).collect();
+        let flights = [flight(&errors, &[])];
+        let problem = problem(&flights);
+        let screen = Screen::new(&problem, WHITE, &[], Subject::Sensor(BARO));
+        for stretch in 0..=STRETCHES {
+            let blocks = if stretch == STRETCHES { 0..100 } else { 100 + 20 * stretch..120 + 20 * stretch };
+            let column = |at: usize| {
+                let sign = if at.is_multiple_of(2) { 1.0 } else { -1.0 };
+                if blocks.contains(&at) { sign } else { 0.0 }
+            };
+            let made = vec![(0..300).map(column).collect::<Vec<f64>>()];
+            let found = screen.by_stretch(1, &|_| Some(made.clone()), &Inline)[0].unwrap();
+            let wanted = blocks.len() as f64 / (WHITE_M * WHITE_M);
+            for (at, [_, information]) in found.into_iter().enumerate() {
+                let own = if at == stretch { wanted } else { 0.0 };
+                assert!((information - own).abs() < 1e-6 * wanted, "{stretch} {at} {information}");
+            }
+        }
+    }
+
+    /// A law on the reference is in all sensors' residuals with the other sign; one on a sensor in that
+    /// one's.
+    #[test]
+    fn a_subject_says_where_a_law_acts() {
+        assert_eq!(Subject::Reference.spread(2.0), [-2.0; SENSORS]);
+        let spread = Subject::Sensor(BARO).spread(2.0);
+        assert_eq!((spread[BARO], spread.iter().sum::<f64>()), (2.0, 2.0));
+    }
+
+    /// More columns than a chunk holds come out in their order.
+    #[test]
+    fn chunks_keep_the_order() {
+        let (flights, columns) = flights();
+        let problem = problem(&flights);
+        let screen = Screen::new(&problem, WHITE, &[0], Subject::Sensor(BARO));
+        let count = 2 * CHUNK + 3;
+        let scores = screen.scores(count, &|k| columns.get(usize::from(k % 5 == 0)).cloned(), &Inline);
+        assert_eq!(scores.len(), count);
+        for (k, score) in scores.iter().enumerate() {
+            assert_eq!(score, &scores[usize::from(k % 5 != 0)], "{k}");
+        }
+    }
+}

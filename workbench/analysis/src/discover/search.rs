@@ -365,3 +365,205 @@ fn product(left: &Column, right: &Column) -> Column {
 fn sort(found: &mut [Scored]) {
     found.sort_by(|a, b| b.merit.total_cmp(&a.merit));
 }
+
+#[cfg(test)]
+mod tests {
+    use executor::Inline;
+
+    use super::*;
+    use crate::diagnose::parts::Problem;
+    use crate::discover::grammar::Name;
+    use crate::discover::screen::Subject;
+    use crate::discover::signals::Signal;
+    use crate::discover::small_flights::{BARO, WHITE, flight, noise, problem};
+
+    const BLOCKS: usize = 240;
+    /// How many signals of the blocks the workbench knows.
+    const KNOWN: usize = 21;
+
+    /// A flight's signals: an airspeed, a throttle and flaps that move each in its own time.
+    fn recorded() -> Vec<Vec<f64>> {
+        (0..BLOCKS)
+            .map(|k| {
+                let mut block = vec![f64::NAN; KNOWN + 1];
+                let time_s = k as f64;
+                block[0] = 30.0 + 8.0 * libm::sin(0.13 * time_s);
+                block[10] = 0.5 + 0.4 * libm::sin(0.31 * time_s + 1.0);
+                block[KNOWN] = libm::sin(0.057 * time_s + 2.0);
+                block
+            })
+            .collect()
+    }
+
+    fn names() -> Vec<String> {
+        (0..KNOWN).map(|k| format!("known{k}")).chain(["flap".to_owned()]).collect()
+    }
+
+    /// What a search finds where an error of the barometer, by airspeed, throttle and flaps, acts beside a
+    /// bias and noise.
+    fn found(error_m: impl Fn(f64, f64, f64) -> f64) -> (Found, Vec<Name>) {
+        let (blocks, mut random) = (recorded(), noise(3));
+        let error = |block: &Vec<f64>| 7.0 + error_m(block[0], block[10], block[KNOWN]);
+        // Uniform noise of 0.5 m either way has a sigma of 0.29 m.
+        let errors: Vec<f64> = blocks.iter().map(|block| error(block) + 0.5 * random()).collect();
+        let flights = [flight(&errors, &[])];
+        let problem: Problem<'_> = problem(&flights);
+        let signals = Signals::new(&[(&flights[0], &blocks)], &names(), &[]);
+        let screen = Screen::new(&problem, WHITE, &[], Subject::Sensor(BARO));
+        let search = Search { signals: &signals, flights: 1, subjects: 1, executor: &Inline };
+        (search.run(&screen, 10, &mut || std::ops::ControlFlow::Continue(())).unwrap(), signals.names())
+    }
+
+    fn best(found: &(Found, Vec<Name>)) -> String {
+        found.0.laws[0].law.formula(&found.1)
+    }
+
+    /// The law that acts is the best one, of as many parts as it has: a square, a product of two signals, a
+    /// signal above a threshold.
+    #[test]
+    fn the_law_that_acts_is_found() {
+        let square = found(|airspeed, _, _| 0.005 * airspeed * airspeed);
+        assert_eq!((best(&square), square.0.parts), ("tas_mps^2".to_owned(), 1));
+        let product = found(|airspeed, throttle, _| 0.2 * airspeed * throttle);
+        assert_eq!(product.0.parts, 2);
+        let names = &product.0.laws[0].law.factors;
+        assert_eq!((names.len(), product.0.laws[0].law.parts()), (2, 2), "{}", best(&product));
+        assert!(names.iter().all(|factor| factor.power == Power::One && factor.operator == Operator::Itself));
+        // A product of flaps and airspeed's square, whose sign changes: neither alone explains it.
+        let signed = found(|airspeed, _, flap| 0.005 * airspeed * airspeed * flap);
+        let law = &signed.0.laws[0].law;
+        assert!(law.parts() == 2 && law.uses(2) && law.uses(0), "{}", best(&signed));
+        let laws = &square.0.laws;
+        assert!(laws.windows(2).all(|pair| pair[0].merit >= pair[1].merit) && laws.len() <= 10);
+        assert!(laws.iter().all(|scored| scored.law.parts() <= square.0.parts));
+    }
+
+    /// The merit is the gain less two ln 2 for each bit; and white noise has nothing that pays for a law's
+    /// length.
+    #[test]
+    fn a_law_pays_for_its_bits() {
+        let square = found(|airspeed, _, _| 0.005 * airspeed * airspeed).0;
+        for scored in &square.laws {
+            let merit = scored.score.gain - 2.0 * std::f64::consts::LN_2 * scored.law.bits(3, 1);
+            assert!((scored.merit - merit).abs() < 1e-9);
+        }
+        let nothing = found(|_, _, _| 0.0).0;
+        assert!(nothing.laws.first().is_none_or(|best| best.merit < 8.0), "{:?}", nothing.laws.first());
+    }
+
+    fn signal(is_signed: bool, is_away: bool, is_heading: bool, quantiles: [Vec<f64>; 2]) -> Signal {
+        let blocks = recorded();
+        let flights = [flight(&[0.0; BLOCKS], &[])];
+        let mut signal = Signals::new(&[(&flights[0], &blocks)], &names(), &[]).signals[0].clone();
+        (signal.is_signed, signal.is_away, signal.is_heading, signal.quantiles) =
+            (is_signed, is_away, is_heading, quantiles);
+        signal
+    }
+
+    fn search_of(signals: Vec<Signal>) -> Signals {
+        Signals { signals, ..Signals::default() }
+    }
+
+    /// Every factor that can be made of a signal: ten operators by five powers, less the inverse of what
+    /// comes near zero or was shifted, and the root of what has both signs is its magnitude.
+    #[test]
+    fn every_factor_is_every_operator_and_power_that_can_be() {
+        let count = |is_signed, is_away, quantiles: &[f64]| {
+            let signals =
+                search_of(vec![signal(is_signed, is_away, false, [quantiles.to_vec(), Vec::new()])]);
+            let search = Search { signals: &signals, flights: 1, subjects: 1, executor: &Inline };
+            let factors = search.factors();
+            for factor in &factors {
+                let is_shifted =
+                    matches!(factor.operator, Operator::Deviation | Operator::Rate | Operator::Integral);
+                assert_eq!(factor.is_signed, is_signed || is_shifted);
+                assert!(factor.power != Power::Inverse || (is_away && !is_shifted));
+            }
+            factors.len()
+        };
+        let operators = 4 + LOW_PASSES_S.len() + DELAYS_S.len();
+        assert_eq!(count(true, true, &[-1.0, 1.0]), 5 * operators - 3);
+        assert_eq!(count(false, false, &[0.0, 1.0]), 4 * operators);
+        // Of one that is below zero there is neither root nor, but for what shifts it, magnitude.
+        assert_eq!(count(false, false, &[-2.0, -1.0]), 3 * operators + 3);
+        let heading = search_of(vec![signal(true, false, true, [Vec::new(), Vec::new()])]);
+        let search = Search { signals: &heading, flights: 1, subjects: 1, executor: &Inline };
+        assert_eq!(search.factors(), []);
+    }
+
+    /// Every term: four kinds at each quantile, two more at each quantile of the magnitude where there are
+    /// both signs, and of a heading the phases over half a turn and over a quarter.
+    #[test]
+    fn every_term_is_every_kind_at_every_quantile() {
+        let quantiles = || [vec![-1.0, 0.5, 2.0], vec![1.0, 1.5]];
+        let of = |signals: &Signals| Search { signals, flights: 1, subjects: 1, executor: &Inline }.terms();
+        assert_eq!(of(&search_of(vec![signal(true, false, false, quantiles())])).len(), 4 * 3 + 2 * 2);
+        assert_eq!(of(&search_of(vec![signal(false, false, false, quantiles())])).len(), 4 * 3);
+        let heading = of(&search_of(vec![signal(true, false, true, [Vec::new(), Vec::new()])]));
+        let phases: Vec<f64> = heading.iter().map(|term| term.constant / std::f64::consts::PI).collect();
+        assert_eq!(phases, [0.0, 0.25, 0.5, 0.75, 0.0, 0.125, 0.25, 0.375]);
+        assert!(heading[..4].iter().all(|term| term.kind == TermKind::Cosine));
+    }
+
+    /// A constant moves by quarters of its cell either way, a time by factors that part the grid's steps of
+    /// three; each such law says that it is off the grid.
+    #[test]
+    fn neighbours_are_quarters_of_a_cell_away() {
+        let signals = search_of(vec![signal(true, false, false, [vec![0.0, 3.0, 8.0], vec![1.0, 17.0]])]);
+        let constants = |kind, constant| {
+            let law = Law { term: Some(Term { signal: 0, kind, constant }), ..Law::default() };
+            let moved = neighbours(&law, &signals);
+            assert!(moved.iter().all(|law| law.off_grid == 1));
+            moved.iter().map(|law| law.term.unwrap().constant).collect::<Vec<f64>>()
+        };
+        assert_eq!(constants(TermKind::Above, 3.0), [2.5, 2.75, 3.25, 3.5]);
+        assert_eq!(constants(TermKind::Beyond, 5.0), [4.0, 4.5, 5.5, 6.0]);
+        assert_eq!(constants(TermKind::ExcessEitherWay, 5.0), [4.0, 4.5, 5.5, 6.0]);
+        let of_pi = |constants: Vec<f64>| {
+            constants.into_iter().map(|value| value / std::f64::consts::PI).collect::<Vec<f64>>()
+        };
+        assert_eq!(of_pi(constants(TermKind::Cosine, 0.0)), [-0.125, -0.0625, 0.0625, 0.125]);
+        assert_eq!(of_pi(constants(TermKind::SecondCosine, 0.0)), [-0.0625, -0.03125, 0.03125, 0.0625]);
+        let factor = |operator| Factor { signal: 0, operator, power: Power::One, is_signed: true };
+        let law = Law {
+            factors: vec![
+                factor(Operator::Itself),
+                factor(Operator::LowPass(10.0)),
+                factor(Operator::Delay(2.0)),
+            ],
+            ..Law::default()
+        };
+        let moved = neighbours(&law, &signals);
+        let times: Vec<Operator> =
+            moved.iter().enumerate().map(|(k, law)| law.factors[1 + k / 4].operator).collect();
+        let wanted = [0.59, 0.77, 1.3, 1.7];
+        assert_eq!(times[..4], wanted.map(|share| Operator::LowPass(10.0 * share)));
+        assert_eq!(times[4..], wanted.map(|share| Operator::Delay(2.0 * share)));
+    }
+
+    /// Of each number of parts so many stay, the best first.
+    #[test]
+    fn the_best_of_every_number_of_parts_stay() {
+        let factor = Factor { signal: 0, operator: Operator::Itself, power: Power::One, is_signed: true };
+        let scored = |parts: usize, merit: f64| Scored {
+            law: Law { factors: vec![factor; parts], ..Law::default() },
+            score: Score { gain: merit, information: 1.0 },
+            merit,
+        };
+        let laws = vec![
+            scored(1, 2.0),
+            scored(2, 9.0),
+            scored(1, 5.0),
+            scored(1, 3.0),
+            scored(2, 1.0),
+            scored(3, 4.0),
+        ];
+        let kept: Vec<(usize, f64)> =
+            best_by_parts(laws, 2).iter().map(|scored| (scored.law.parts(), scored.merit)).collect();
+        assert_eq!(kept, [(2, 9.0), (1, 5.0), (3, 4.0), (1, 3.0), (2, 1.0)]);
+        assert_eq!(
+            product(&vec![vec![1.0, 2.0], vec![3.0]], &vec![vec![5.0, 7.0], vec![-1.0]]),
+            [vec![5.0, 14.0], vec![-3.0]]
+        );
+    }
+}

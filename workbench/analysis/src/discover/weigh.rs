@@ -72,6 +72,9 @@ mod tests {
         let ratio = probability[0] / probability[1];
         assert!((ratio - libm::exp(-1.0) * 256.0).abs() < 1e-9 * ratio, "{ratio}");
         assert!((probability.iter().sum::<f64>() + none - 1.0).abs() < 1e-12);
+        // Odds are against none.
+        let against = probability[0] / none;
+        assert!((against - libm::exp(0.5 * odds[0])).abs() < 1e-9 * against, "{against}");
         let (nothing, none) = probabilities(&[weight(8.0, 12.0).twice_log_odds()]);
         assert!(nothing[0] < 1e-4 && none > 0.999, "{nothing:?}");
         assert_eq!(probabilities(&[]), (Vec::new(), 1.0));

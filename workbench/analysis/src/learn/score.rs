@@ -189,3 +189,27 @@ pub fn pooled_rms_m<'a>(scores: impl IntoIterator<Item = &'a Scores>, subject: E
     }
     (ticks > 0).then(|| (sum / ticks as f64).sqrt())
 }
+
+#[cfg(test)]
+mod tests {
+    use kf_core::sensor::Sensor;
+
+    use super::*;
+
+    /// Errors of several flights are pooled by their ticks: of one at 3 m and three times as much at 1 m the
+    /// mean square is 3. Of the reference all sensors count.
+    #[test]
+    fn errors_are_pooled_by_their_ticks() {
+        let score = |rms_m, ticks| SensorScore { free_flight_rms_m: rms_m, ticks, ..SensorScore::default() };
+        let flight = |baro: SensorScore| -> Scores {
+            [("baro".into(), baro), ("imu_slave".into(), score(Some(5.0), 100))].into_iter().collect()
+        };
+        let flights =
+            [flight(score(Some(3.0), 100)), flight(score(Some(1.0), 300)), flight(score(None, 900))];
+        let baro = EffectSubject::Sensor(Sensor::Baro);
+        assert_eq!(pooled_rms_m(&flights, baro), Some(3.0_f64.sqrt()));
+        let all = pooled_rms_m(&flights[..1], EffectSubject::Gps).unwrap();
+        assert!((all - 17.0_f64.sqrt()).abs() < 1e-12);
+        assert_eq!(pooled_rms_m(&flights[2..], baro), None);
+    }
+}

@@ -182,3 +182,22 @@ fn launch_s(flight: &Flight) -> Option<f64> {
     let (row, _) = launch.samples().find(|(_, value)| *value != 0.0)?;
     flight.time_s.get(row).copied()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The launch is the first row whose cell says so; a column of zeros says none, and neither does one that
+    /// is not there.
+    #[test]
+    fn a_launch_is_the_first_that_is_said() {
+        let of = |cells: &str| {
+            let rows: String =
+                cells.chars().enumerate().map(|(row, cell)| format!("{}.5,{cell},1,2\n", row)).collect();
+            let csv = format!("# pylon-flight: 1\ntime_s,launch,gps_alt_m,baro_alt_m\n{rows}");
+            launch_s(&flight_data::parse(csv.as_bytes()).unwrap().0)
+        };
+        assert_eq!((of("0011"), of("0000"), of("1000")), (Some(2.5), None, Some(0.5)));
+        assert_eq!(launch_s(&Flight::default()), None);
+    }
+}

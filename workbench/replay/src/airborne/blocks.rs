@@ -284,3 +284,177 @@ fn smoothed(blocks: Vec<Block>) -> Vec<Block> {
     };
     blocks.iter().enumerate().map(smooth).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A column of a cell in each row, by the row's number.
+    fn column(rows: usize, cell: impl Fn(usize) -> Option<f32>) -> Column {
+        let mut column = Column::default();
+        (0..rows).for_each(|row| column.push(cell(row)));
+        column
+    }
+
+    /// A minute and a half at a row a second, on a clock that shows 1,000 s at its beginning: it climbs at 1
+    /// m/s and moves by 3 m/s north and 4 m/s east.
+    fn straight() -> Flight {
+        let height = |row: usize| Some(500.0 + row as f32);
+        Flight {
+            time_s: (0..90).map(|row| 1_000.0 + f64::from(row)).collect(),
+            channels: vec![
+                (Channel::BaroAltM, column(90, height)),
+                (Channel::GpsVnMps, column(90, |_| Some(3.0))),
+                (Channel::GpsVeMps, column(90, |_| Some(4.0))),
+            ],
+            ..Flight::default()
+        }
+    }
+
+    /// A block is so long that it has two and a half fixes, begins at a multiple of that from the log's first
+    /// row, and is where the velocity has brought it: 3 m north and 4 m east a second.
+    #[test]
+    fn the_place_is_the_velocity_times_the_time() {
+        let found = Blocks::new(&straight()).unwrap();
+        assert_eq!((found.length_s, found.blocks.len(), found.has_speed()), (2.5, 36, true));
+        for (place, block) in found.blocks.iter().enumerate() {
+            let since_s = 2.5 * place as f64;
+            assert_eq!(block.time_s, 1_000.0 + since_s);
+            assert_eq!(block.place_m, [3.0 * since_s, 4.0 * since_s]);
+            assert_eq!((block.speed_mps, block.leg), (Some(5.0), 0));
+            // Of two or three rows in a block, one a metre.
+            assert!((block.height_m - 500.0 - since_s).abs() <= 1.5, "{block:?}");
+        }
+    }
+
+    /// Four blocks without a height are no gap: the velocity is taken to have gone on. After more the leg is
+    /// another one, at whose beginning the place is what it was.
+    #[test]
+    fn a_gap_of_more_than_four_blocks_begins_another_leg() {
+        let with_gap = |lost: std::ops::Range<usize>| {
+            let mut flight = straight();
+            for (_, column) in &mut flight.channels {
+                for row in lost.clone() {
+                    column.set(row, None);
+                }
+            }
+            Blocks::new(&flight).unwrap()
+        };
+        // Rows 20 to 27 are the blocks from 20 s to 27.5 s: the next one is 10 s after the last.
+        let short = with_gap(20..28);
+        let last = short.blocks.last().unwrap();
+        assert_eq!((last.leg, last.place_m), (0, [3.0 * 87.5, 4.0 * 87.5]));
+        assert!(short.blocks.windows(2).all(|pair| !short.is_gap(&pair[0], &pair[1])));
+        let long = with_gap(20..30);
+        let last = long.blocks.last().unwrap();
+        // From 17.5 s to 30 s it is not known where it went.
+        assert_eq!((last.leg, last.place_m), (1, [3.0 * 75.0, 4.0 * 75.0]));
+        assert_eq!(long.blocks.windows(2).filter(|pair| long.is_gap(&pair[0], &pair[1])).count(), 1);
+    }
+
+    /// Blocks farther apart than four of their lengths have a gap between them, whatever the length.
+    #[test]
+    fn a_gap_is_more_than_four_lengths() {
+        let mut found = Blocks::new(&straight()).unwrap();
+        let [first, mut next] = [found.blocks[0], found.blocks[1]];
+        for length_s in [1.0, 2.0, 5.0] {
+            found.length_s = length_s;
+            next.time_s = first.time_s + 4.0 * length_s;
+            assert!(!found.is_gap(&first, &next), "{length_s}");
+            next.time_s += 0.5;
+            assert!(found.is_gap(&first, &next), "{length_s}");
+        }
+    }
+
+    /// The range of heights is that of the blocks from the one time to the other, both included.
+    #[test]
+    fn a_range_of_heights_has_its_ends_in_it() {
+        let mut found = Blocks::new(&straight()).unwrap();
+        for (place, block) in found.blocks.iter_mut().enumerate() {
+            block.height_m = (place * place) as f64;
+        }
+        assert_eq!(found.range_m(1_005.0, 1_010.0), 16.0 - 4.0);
+        assert_eq!(found.range_m(1_005.5, 1_009.5), 0.0, "one block");
+        assert_eq!(found.range_m(1_005.5, 1_006.0), 0.0, "none");
+    }
+
+    /// Without a receiver the airspeed tells, from 8 m/s on: less may be wind on a parked aircraft. Without
+    /// either nothing does.
+    #[test]
+    fn an_airspeed_stands_in_from_the_speed_of_the_wind_on() {
+        let with = |airspeed_mps: Option<f32>| {
+            let mut flight = straight();
+            flight.channels.truncate(1);
+            flight.channels.extend(airspeed_mps.map(|mps| (Channel::TasMps, column(90, |_| Some(mps)))));
+            Blocks::new(&flight).unwrap()
+        };
+        assert_eq!(with(Some(20.0)).blocks[7].speed_mps, Some(20.0));
+        assert_eq!(with(Some(8.0)).blocks[7].speed_mps, Some(8.0));
+        assert_eq!(with(Some(5.0)).blocks[7].speed_mps, None);
+        assert!(!with(Some(5.0)).has_speed() && !with(None).has_speed());
+    }
+
+    /// A single wild block between two others shows the height and the speed of one of these; the ends show
+    /// their own.
+    #[test]
+    fn a_wild_block_is_smoothed_away() {
+        let with_wild = |wild: usize| {
+            let block = |place: usize| Block {
+                time_s: place as f64,
+                height_m: if place == wild { 900.0 } else { place as f64 },
+                speed_mps: Some(if place == wild { 300.0 } else { 10.0 }),
+                place_m: [0.0; 2],
+                leg: 0,
+            };
+            let told = |block: &Block| (block.height_m, block.speed_mps);
+            smoothed((0..6).map(block).collect()).iter().map(told).collect::<Vec<_>>()
+        };
+        for wild in 1..5 {
+            let told = with_wild(wild);
+            assert!(told.iter().all(|(height_m, speed)| *height_m < 6.0 && *speed == Some(10.0)), "{told:?}");
+        }
+        assert_eq!(with_wild(0)[0], (900.0, Some(300.0)));
+    }
+
+    /// The middle of the sorted values, the lower one of two.
+    #[test]
+    fn a_median_is_the_middle_of_the_sorted() {
+        assert_eq!(median(&mut [5.0, 1.0, 3.0, 2.0, 4.0]), Some(3.0));
+        assert_eq!(median(&mut [5.0, 1.0, 3.0, 2.0, 4.0, 6.0]), Some(3.0));
+        assert_eq!(median(&mut [7.0, 9.0]), Some(7.0));
+        assert_eq!(median(&mut []), None);
+    }
+
+    /// Rows that repeat a time have no interval between them.
+    #[test]
+    fn repeated_times_are_no_interval() {
+        assert_eq!(median_interval_s(vec![0.0, 0.0, 0.0, 2.0, 4.0]), 2.0);
+        assert_eq!(median_interval_s(vec![3.0]), 0.0);
+    }
+
+    /// Which sensor's heights are taken of a log of 600 s whose clock begins at 1,000 s, in which the
+    /// receiver climbs by 600 m.
+    fn taken(barometer_m: impl Fn(usize) -> Option<f32>, receiver_m: impl Fn(usize) -> f32) -> Heights {
+        let flight = Flight {
+            time_s: (0..600).map(|row| 1_000.0 + f64::from(row)).collect(),
+            channels: vec![
+                (Channel::BaroAltM, column(600, barometer_m)),
+                (Channel::GpsAltM, column(600, |row| Some(receiver_m(row)))),
+            ],
+            ..Flight::default()
+        };
+        altitudes(&flight).unwrap().1
+    }
+
+    /// The barometer's heights are taken if it moves by a fifth of what the receiver moves by or more, and is
+    /// there for nine tenths of the log or more. At rest neither moves, which is no fault.
+    #[test]
+    fn a_barometer_is_taken_that_moves_and_is_there() {
+        let climb_m = |row: usize| 300.0 + row as f32;
+        let share = |share: f32| taken(|row| Some(300.0 + share * row as f32), climb_m);
+        assert_eq!([0.1, 0.3, 1.0].map(share), [Heights::Receiver, Heights::Barometer, Heights::Barometer]);
+        let part = |from: usize| taken(|row| (row >= from).then(|| climb_m(row)), climb_m);
+        assert_eq!([150, 30].map(part), [Heights::Receiver, Heights::Barometer]);
+        assert_eq!(taken(|_| Some(500.0), |_| 500.0), Heights::Barometer);
+    }
+}

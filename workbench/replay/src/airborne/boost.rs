@@ -145,4 +145,57 @@ mod tests {
         let wild = |time_s: f64| if (time_s - 12.0).abs() < 0.01 { 500.0 } else { 100.0 };
         assert_eq!(boost(&flown(wild, |_| 0.0)), None);
     }
+
+    /// The boost begins where the height leaves a metre above the stand: by 19.6 m/s2 after 0.32 s. From
+    /// there to two seconds later the rocket rises to half of that times 2.32 s squared, 52.7 m; a sample is
+    /// 50 ms, in which it rises by 2.3 m at the end.
+    #[test]
+    fn beginning_and_rise_are_those_of_a_steady_acceleration() {
+        let found = boost(&flown(accelerated(19.6), |_| 0.5)).unwrap();
+        assert!((found.from_s - 10.32).abs() <= 0.1, "{found:?}");
+        assert!((found.rise_m - 52.7).abs() <= 2.0 * 2.3, "{found:?}");
+    }
+
+    /// What comes back to the ground stands there again, which is no second beginning; nor is a drive to the
+    /// rail, seconds before.
+    #[test]
+    fn neither_a_landing_nor_a_drive_to_the_rail_moves_the_launch() {
+        // Two seconds of thrust at the log's middle: 39 m at 39 m/s, back on the ground 9 s later.
+        let small = |time_s: f64| {
+            let (burnt, since) = ((time_s - 13.0).clamp(0.0, 2.0), (time_s - 15.0).max(0.0));
+            (100.0 + 9.8 * burnt * burnt + 39.2 * since - 4.9 * since * since).max(100.0)
+        };
+        let found = boost(&flown(small, |time_s| if time_s < 11.0 { 20.0 } else { 0.5 })).unwrap();
+        assert!((found.from_s - 13.32).abs() <= 0.1, "{found:?}");
+    }
+
+    /// A row whose time does not go on from the one before is left out, whatever it says.
+    #[test]
+    fn rows_that_repeat_a_time_are_left_out() {
+        let once = flown(accelerated(19.6), |_| 0.5);
+        let mut thrice = Flight::default();
+        let mut baro = Column::default();
+        for (row, time_s) in once.time_s.iter().enumerate() {
+            let own = once.channels[0].1.get(row);
+            for cell in [own, Some(0.0), Some(0.0)] {
+                thrice.time_s.push(*time_s);
+                baro.push(cell);
+            }
+        }
+        thrice.channels = vec![(Channel::BaroAltM, baro)];
+        assert_eq!(boost(&thrice), boost(&once));
+    }
+
+    /// By a receiver's heights, or by a barometer with five samples a second, no beginning is told.
+    #[test]
+    fn only_a_fast_barometer_shows_a_launch() {
+        let mut receiver = flown(accelerated(40.0), |_| 0.5);
+        receiver.channels[0].0 = Channel::GpsAltM;
+        assert_eq!(boost(&receiver), None);
+        let mut slow = flown(accelerated(40.0), |_| 0.5);
+        for row in (0..600).filter(|row| row % 4 != 0) {
+            slow.channels[0].1.set(row, None);
+        }
+        assert_eq!(boost(&slow), None);
+    }
 }

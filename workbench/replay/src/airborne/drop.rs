@@ -238,4 +238,113 @@ mod tests {
             assert_eq!(drop(&flown(&falls, &axes)).is_some(), is_found);
         }
     }
+
+    /// The same flight by a clock that shows another time at its beginning, and without what is before and
+    /// after some seconds of it.
+    fn by_another_clock(flight: &Flight, (from_s, to_s): (f64, f64), zero_s: f64) -> Flight {
+        let channels = flight.channels.iter().map(|(channel, _)| (*channel, Column::default())).collect();
+        let mut part = Flight { channels, ..Flight::default() };
+        for (row, time_s) in
+            flight.time_s.iter().enumerate().filter(|(_, time_s)| (from_s..to_s).contains(*time_s))
+        {
+            part.time_s.push(zero_s + time_s);
+            for ((_, column), (_, own)) in part.channels.iter_mut().zip(&flight.channels) {
+                column.push(own.get(row));
+            }
+        }
+        part
+    }
+
+    /// A fall by g is a metre deep after 0.45 s and begins half a second before, by four fifths of g after
+    /// 0.51 s: at 20 s, to a sample and the noise. From there it falls by half of that times two seconds
+    /// squared. No clock's zero, and nothing that was flown six seconds before or is flown three seconds
+    /// after, changes that.
+    #[test]
+    fn beginning_and_depth_are_those_of_a_free_fall() {
+        let climbing_first =
+            |fall: fn(f64) -> f64| move |time_s: f64| fall(time_s) - 6.0 * (13.0 - time_s).max(0.0);
+        for share in [1.0, 0.8] {
+            for climb_mps in [0.0, 5.0, -2.0] {
+                let flight = flown(dropped(climb_mps, share), &[]);
+                for (part_s, zero_s) in [((0.0, 40.0), 0.0), ((0.0, 23.0), 1_000.0), ((14.0, 40.0), 5_000.0)]
+                {
+                    let found = drop(&by_another_clock(&flight, part_s, zero_s)).unwrap();
+                    assert!((found.from_s - zero_s - 20.0).abs() <= 0.11, "{share} {climb_mps} {found:?}");
+                    // 0.1 s more are 2 m.
+                    assert!((found.fall_m - 2.0 * share * G).abs() < 2.3, "{share} {climb_mps} {found:?}");
+                }
+            }
+        }
+        let found = drop(&flown(climbing_first(|time_s| dropped(0.0, 1.0)(time_s)), &[])).unwrap();
+        assert!((found.from_s - 20.0).abs() <= 0.11, "{found:?}");
+    }
+
+    /// Steady means five seconds, without a gap of a second, within two metres of a line but for one sample
+    /// in twenty.
+    #[test]
+    fn what_was_not_steady_before_drops_from_nothing() {
+        let flight = flown(dropped(0.0, 1.0), &[]);
+        assert_eq!(drop(&by_another_clock(&flight, (18.0, 40.0), 0.0)), None, "two seconds of flight before");
+        let mut torn = flown(dropped(0.0, 1.0), &[]);
+        for row in 340..370 {
+            torn.channels[0].1.set(row, None);
+        }
+        assert_eq!(drop(&torn), None, "nothing from 17 s to 18.5 s");
+        let rough = |time_s: f64| {
+            let wave_m = if time_s < 20.0 { 4.0 * libm::sin(4.0 * time_s) } else { 0.0 };
+            dropped(0.0, 1.0)(time_s) + wave_m
+        };
+        assert_eq!(drop(&flown(rough, &[])), None);
+        let wild = |time_s: f64| {
+            let wild_m = if (time_s * 20.0).round() as u32 % 25 == 7 { 40.0 } else { 0.0 };
+            dropped(0.0, 1.0)(time_s) + wild_m
+        };
+        assert!(drop(&flown(wild, &[])).is_some(), "one wild sample in 25");
+    }
+
+    /// Rows whose time does not go on are left out, and five samples a second are too few.
+    #[test]
+    fn repeated_rows_are_left_out_and_a_slow_barometer_tells_nothing() {
+        let once = flown(dropped(0.0, 1.0), &[]);
+        let mut twice = Flight::default();
+        let mut baro = Column::default();
+        for (row, time_s) in once.time_s.iter().enumerate() {
+            for cell in [once.channels[0].1.get(row), Some(0.0), Some(0.0)] {
+                twice.time_s.push(*time_s);
+                baro.push(cell);
+            }
+        }
+        twice.channels = vec![(Channel::BaroAltM, baro)];
+        assert_eq!(drop(&twice), drop(&once));
+        let mut slow = flown(dropped(0.0, 1.0), &[]);
+        for row in (0..800).filter(|row| row % 4 != 0) {
+            slow.channels[0].1.set(row, None);
+        }
+        assert_eq!(drop(&slow), None);
+    }
+
+    /// Motors that stopped three seconds before carried nothing; a parachute that opens after the first
+    /// second comes too late to deny a fall; and a drag of half a metre a second squared along every axis is
+    /// within what a fall may have.
+    #[test]
+    fn only_what_carried_at_the_time_of_the_fall_denies_it() {
+        let falls = dropped(0.0, 1.0);
+        let stopped: &dyn Fn(f64) -> f64 = &|time_s| if time_s < 17.0 { 0.4 } else { 0.0 };
+        assert!(drop(&flown(&falls, &[(Channel::Throttle, stopped)])).is_some());
+        let with_force = |force: &dyn Fn(f64) -> [f64; 3]| {
+            let axes: [(Channel, &dyn Fn(f64) -> f64); 3] = [
+                (Channel::AccelXMps2, &|time_s| force(time_s)[0]),
+                (Channel::AccelYMps2, &|time_s| force(time_s)[1]),
+                (Channel::AccelZMps2, &|time_s| force(time_s)[2]),
+            ];
+            drop(&flown(&falls, &axes)).is_some()
+        };
+        assert!(with_force(&|time_s| if time_s < 21.2 { [0.0; 3] } else { [0.0, 0.0, -2.0 * G] }));
+        assert!(with_force(&|_| [-0.5; 3]));
+        for carried in
+            [[G, 0.0, 0.0], [0.0, G, 0.0], [0.0, 0.0, -G], [0.8 * G, 0.8 * G, 0.0], [0.0, 0.8 * G, 0.8 * G]]
+        {
+            assert!(!with_force(&|_| carried), "{carried:?}");
+        }
+    }
 }

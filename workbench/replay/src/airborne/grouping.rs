@@ -271,3 +271,256 @@ fn interval(
         ground_from_s: take_off_s.map(|_| landed_s.unwrap_or(log_from_s)),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::blocks::Heights;
+    use super::*;
+
+    /// What the clock shows when the log begins, seconds.
+    const START_S: f64 = 1_000.0;
+    /// What a receiver's heights show nothing below, metres.
+    const TOLERANCE_M: f64 = 6.0;
+
+    /// Blocks of some seconds at the receiver's tolerance, by height and speed of each.
+    fn log(length_s: f64, course: impl Iterator<Item = (f64, Option<f64>)>) -> Blocks {
+        let block = |(place, (height_m, speed_mps)): (usize, (f64, Option<f64>))| Block {
+            time_s: START_S + place as f64 * length_s,
+            height_m,
+            speed_mps,
+            place_m: [0.0; 2],
+            leg: 0,
+        };
+        let blocks = course.enumerate().map(block).collect();
+        Blocks { blocks, length_s, heights: Heights::Receiver, tolerance_m: TOLERANCE_M }
+    }
+
+    /// So many blocks each at a height and a speed.
+    fn stretches(length_s: f64, parts: &[(usize, f64, Option<f64>)]) -> Blocks {
+        log(length_s, parts.iter().flat_map(|(count, height_m, speed)| vec![(*height_m, *speed); *count]))
+    }
+
+    /// What the block in the middle of 101 seconds is, where the heights are those of the seconds since it.
+    fn middle(speed_mps: Option<f64>, height_m: impl Fn(i32) -> f64) -> Kind {
+        let blocks = log(1.0, (-50..=50).map(|since_s| (height_m(since_s), speed_mps)));
+        kind(&blocks, &blocks.blocks[50])
+    }
+
+    /// A height that rises by so much after a second.
+    fn step(after_s: i32, rise_m: f64) -> impl Fn(i32) -> f64 {
+        move |since_s| if since_s > after_s { 200.0 + rise_m } else { 200.0 }
+    }
+
+    /// Two tolerances within ten seconds are flight at any speed, one and a half within thirty at a speed
+    /// that nobody walks at, two and a half where no speed is known; no more than that is none.
+    #[test]
+    fn flight_moves_by_more_than_its_tolerance_in_height() {
+        let is_flying = |speed_mps, after_s, rise_m| middle(speed_mps, step(after_s, rise_m)) == Kind::Flying;
+        for after_s in [-4, 3] {
+            assert!(is_flying(Some(1.0), after_s, 12.5) && !is_flying(Some(1.0), after_s, 12.0));
+        }
+        for after_s in [-10, 10] {
+            assert!(is_flying(Some(5.0), after_s, 9.5) && !is_flying(Some(5.0), after_s, 9.0));
+            assert!(!is_flying(Some(4.0), after_s, 9.5), "a speed that a runner has");
+            assert!(is_flying(None, after_s, 15.5) && !is_flying(None, after_s, 15.0));
+        }
+        // What happens more than fifteen seconds away is not now.
+        assert!(!is_flying(Some(5.0), -20, 100.0) && !is_flying(None, 20, 100.0));
+    }
+
+    /// It stands where it is slow and where its height was the same, within one and a half tolerances, for
+    /// five seconds before or after.
+    #[test]
+    fn standing_is_slow_and_level_on_one_side_at_least() {
+        let is_standing =
+            |speed_mps, height_m: &dyn Fn(i32) -> f64| middle(speed_mps, height_m) == Kind::Standing;
+        let valley = |depth_m: f64| move |since_s: i32| if since_s == 0 { 0.0 } else { depth_m };
+        assert!(is_standing(Some(1.0), &valley(8.5)) && !is_standing(Some(1.0), &valley(10.0)));
+        assert!(!is_standing(Some(3.0), &valley(0.0)), "walking is not standing");
+        // Ten metres within the five seconds after it, none in those before; and the other way about. What
+        // was long ago tells nothing.
+        let before = |since_s: i32| if since_s < -30 { 40.0 } else { step(2, 10.0)(since_s) };
+        let after = |since_s: i32| if since_s > 30 { 40.0 } else { step(-3, 10.0)(since_s) };
+        assert!(is_standing(Some(1.0), &before) && is_standing(None, &after));
+    }
+
+    /// One block that is not clear parts no run of standing; two do, and so does one of flight or a gap in
+    /// the log.
+    #[test]
+    fn a_run_of_standing_bridges_one_unclear_block_and_no_gap() {
+        use Kind::{Flying, Standing, Unclear};
+        let mut blocks = stretches(1.0, &[(6, 200.0, Some(0.0))]);
+        assert_eq!(runs(&blocks, &[Standing, Unclear, Standing]).as_slice(), std::slice::from_ref(&(0..3)));
+        assert_eq!(runs(&blocks, &[Standing, Flying, Standing]), [0..1, 2..3]);
+        assert_eq!(runs(&blocks, &[Standing, Unclear, Unclear, Standing]), [0..1, 3..4]);
+        blocks.blocks[2..].iter_mut().for_each(|block| block.time_s += 100.0);
+        assert_eq!(runs(&blocks, &[Standing; 6]), [0..2, 2..6]);
+    }
+
+    /// The times of the flights of a log, seconds since its beginning.
+    fn flights(blocks: &Blocks) -> Vec<(Option<f64>, Option<f64>)> {
+        let since = |time_s: Option<f64>| time_s.map(|time_s| time_s - START_S);
+        airborne(blocks).iter().map(|found| (since(found.take_off_s), since(found.landing_s))).collect()
+    }
+
+    /// Twenty seconds on the ground are a landing at the height of another stand, within two tolerances, and
+    /// none elsewhere.
+    #[test]
+    fn a_short_stand_is_a_landing_where_the_ground_is_known() {
+        let with_stand = |height_m| {
+            let parked = (60, 200.0, Some(0.0));
+            let aloft = (60, 300.0, Some(10.0));
+            stretches(1.0, &[parked, aloft, (20, height_m, Some(0.0)), aloft, parked])
+        };
+        assert_eq!(flights(&with_stand(210.0)).len(), 2);
+        assert_eq!(flights(&with_stand(213.0)).len(), 1);
+    }
+
+    /// Standing in the air for a minute and a half is a hover where the vehicle was lower at the same place,
+    /// and no landing; at the end of a log twenty seconds of it are one too. After minutes of hovering that
+    /// nothing below is known of, it hovers on.
+    #[test]
+    fn a_hover_parts_no_flight() {
+        let parked = (60, 200.0, Some(0.0));
+        let hover = |seconds| (seconds, 250.0, Some(0.5));
+        let moving = |seconds| (seconds, 300.0, Some(10.0));
+        let blocks = stretches(1.0, &[parked, hover(90), moving(30), hover(90), parked]);
+        assert_eq!(flights(&blocks), [(Some(60.0), Some(270.0))]);
+        assert_eq!(flights(&stretches(1.0, &[parked, moving(30), hover(20)])), [(Some(60.0), None)]);
+        let blocks = stretches(1.0, &[parked, hover(90), moving(100), hover(90), moving(200), parked]);
+        assert_eq!(flights(&blocks), [(Some(60.0), Some(540.0))]);
+    }
+
+    /// Without a speed a minute at one height is ground within five tolerances of the lowest, and level
+    /// flight above.
+    #[test]
+    fn without_a_speed_what_is_high_is_level_flight() {
+        let over = |height_m| {
+            let (low, aloft) = ((90, 0.0, None), (60, 300.0, None));
+            let climbing = |up: bool| {
+                (0..60).map(move |k| if up { 5.0 * f64::from(k) } else { 300.0 - 5.0 * f64::from(k) })
+            };
+            let climb = |up| climbing(up).map(|height_m| (1, height_m, None)).collect::<Vec<_>>();
+            let parts = [vec![low], climb(true), vec![aloft], climb(false), vec![(120, height_m, None)]];
+            let back = [climb(true), vec![aloft], climb(false), vec![low]];
+            flights(&stretches(1.0, &parts.into_iter().chain(back).flatten().collect::<Vec<_>>())).len()
+        };
+        assert_eq!([20.0, 30.0, 31.0, 100.0].map(over), [2, 2, 1, 1]);
+    }
+
+    /// A run of ten blocks at a height and a place, after one block elsewhere that is `before_s` earlier and
+    /// one that is `after_s` later.
+    fn above(height_m: f64, before: (f64, f64), after: (f64, f64)) -> (Blocks, Run) {
+        let mut blocks = stretches(1.0, &[(12, height_m, Some(0.0))]);
+        for (place, (seconds, lower_m), direction) in [(0, before, -1.0), (11, after, 1.0)] {
+            let beside = if place == 0 { 1 } else { 10 };
+            blocks.blocks[place].time_s = blocks.blocks[beside].time_s + direction * seconds;
+            blocks.blocks[place].height_m = lower_m;
+        }
+        let run = Run::new(&blocks, 1..11).unwrap();
+        (blocks, run)
+    }
+
+    /// There is air below what was lower by more than two tolerances at the same place within three minutes
+    /// before or after.
+    #[test]
+    fn air_is_below_where_it_was_lower_shortly_before_or_after() {
+        let is_up = |before, after| {
+            let (blocks, run) = above(513.0, before, after);
+            is_above_air(&blocks, &run)
+        };
+        assert!(is_up((100.0, 500.0), (100.0, 513.0)) && is_up((100.0, 513.0), (100.0, 500.0)));
+        assert!(!is_up((100.0, 501.0), (100.0, 501.0)), "two tolerances lower");
+        assert!(!is_up((180.0, 400.0), (180.0, 400.0)), "three minutes away");
+        assert!(!is_up((200.0, 400.0), (200.0, 400.0)));
+        // A log that ends with the run.
+        let (blocks, _) = above(513.0, (10.0, 500.0), (10.0, 513.0));
+        assert!(is_above_air(&blocks, &Run::new(&blocks, 1..12).unwrap()));
+    }
+
+    /// Ground may rise by a metre a metre: 500 m away, 500 m and two tolerances lower are a mountain's side.
+    /// Of another leg the place is not known.
+    #[test]
+    fn what_is_lower_far_away_is_ground_that_slopes() {
+        let is_up = |height_m: f64, leg| {
+            let (mut blocks, _) = above(height_m, (10.0, 100.0), (10.0, height_m));
+            for block in &mut blocks.blocks {
+                block.place_m = [600.0, 800.0];
+            }
+            blocks.blocks[0].place_m = [300.0, 400.0];
+            blocks.blocks[0].leg = leg;
+            is_above_air(&blocks, &Run::new(&blocks, 1..11).unwrap())
+        };
+        assert!(!is_up(612.0, 0) && is_up(612.5, 0));
+        assert!(!is_up(612.5, 1));
+    }
+
+    /// It hovers on as long as it stays above two tolerances below the hover, within ten minutes.
+    #[test]
+    fn a_hover_goes_on_until_it_has_been_lower() {
+        let goes_on = |lowest_m, seconds: f64| {
+            let mut blocks =
+                stretches(1.0, &[(10, 200.0, Some(0.0)), (10, lowest_m, Some(5.0)), (10, 200.0, Some(0.0))]);
+            blocks.blocks[29].time_s = blocks.blocks[10].time_s + seconds;
+            let (hover, run) = (Run::new(&blocks, 0..10).unwrap(), Run::new(&blocks, 20..30).unwrap());
+            hovers_on(&blocks, &hover, &run)
+        };
+        assert!(goes_on(190.0, 100.0) && goes_on(250.0, 599.0));
+        assert!(!goes_on(188.0, 100.0) && !goes_on(187.0, 100.0));
+        assert!(!goes_on(200.0, 600.0) && !goes_on(200.0, 700.0));
+    }
+
+    /// The ground's height is the median of half a minute at the stand's beginning or end, whatever the
+    /// blocks' length.
+    #[test]
+    fn the_height_of_the_ground_is_that_of_half_a_minute() {
+        let blocks = log(2.0, (0..100).map(|place| (f64::from(place), Some(0.0))));
+        assert_eq!(ground_m(&blocks, &(0..100), true), 7.0);
+        assert_eq!(ground_m(&blocks, &(0..100), false), 92.0);
+    }
+
+    /// Nothing is known across more than ten minutes without a block.
+    #[test]
+    fn ten_minutes_of_nothing_part_a_stretch() {
+        let mut blocks = stretches(1.0, &[(10, 200.0, None)]).blocks;
+        blocks[4..].iter_mut().for_each(|block| block.time_s += 599.0);
+        assert_eq!(parted(&blocks, 1..9).as_slice(), std::slice::from_ref(&(1..9)), "600 s");
+        blocks[4..].iter_mut().for_each(|block| block.time_s += 1.0);
+        assert_eq!(parted(&blocks, 1..9), [1..4, 4..9], "601 s");
+    }
+
+    /// A stretch is a flight if it is fast for ten seconds, or off the ground by more than two tolerances for
+    /// fifteen; it begins and ends where it leaves the ground by more than one.
+    #[test]
+    fn a_flight_is_long_enough_off_the_ground_or_fast() {
+        let of = |length_s: f64, count: usize, height_m: f64, speed_mps: f64| {
+            let ground = (20, 300.0, Some(0.0));
+            let blocks = stretches(length_s, &[ground, (count, height_m, Some(speed_mps)), ground]);
+            let kinds: Vec<Kind> = blocks
+                .blocks
+                .iter()
+                .map(|block| if block.speed_mps == Some(0.0) { Kind::Standing } else { Kind::Flying })
+                .collect();
+            let stands = [0..20, 20 + count..40 + count];
+            interval(&blocks, &kinds, 20..20 + count, [Some(&stands[0]), Some(&stands[1])], None)
+        };
+        assert!(of(1.0, 60, 312.0, 1.0).is_none(), "a sensor's bump of two tolerances");
+        assert!(of(1.0, 60, 313.0, 1.0).is_some() && of(1.0, 60, 287.0, 1.0).is_some());
+        assert!(of(2.0, 8, 313.0, 1.0).is_some() && of(2.0, 7, 313.0, 1.0).is_none());
+        assert!(of(1.0, 60, 306.0, 4.0).is_none() && of(1.0, 60, 306.0, 4.5).is_some());
+        // Within one tolerance it has not left the ground; where it never does, all of it counts.
+        let ground = (20, 300.0, Some(0.0));
+        let roll = (10, 306.0, Some(8.0));
+        let blocks = stretches(1.0, &[ground, roll, (30, 330.0, Some(8.0)), roll, (90, 300.0, Some(0.0))]);
+        assert_eq!(flights(&blocks), [(Some(30.0), Some(60.0))]);
+    }
+
+    /// What goes on to the log's end was in the air until its last block's end.
+    #[test]
+    fn a_flight_that_does_not_land_ends_with_the_log() {
+        let blocks = stretches(2.0, &[(40, 200.0, Some(0.0)), (20, 300.0, Some(10.0))]);
+        let [found] = airborne(&blocks)[..] else { panic!("one flight") };
+        assert_eq!((found.take_off_s, found.landing_s), (Some(1_080.0), None));
+        assert_eq!((found.from_s, found.to_s, found.ground_from_s), (1_080.0, 1_120.0, Some(1_000.0)));
+    }
+}

@@ -140,3 +140,85 @@ impl PathModel {
         (self.acceleration_s * (elapsed_s - gained), gained, libm::exp(-elapsed_s / self.acceleration_s))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn times(left: &[State; STATES], right: &[State; STATES]) -> [State; STATES] {
+        std::array::from_fn(|i| std::array::from_fn(|j| (0..STATES).map(|k| left[i][k] * right[k][j]).sum()))
+    }
+
+    fn transposed(matrix: &[State; STATES]) -> [State; STATES] {
+        std::array::from_fn(|i| std::array::from_fn(|j| matrix[j][i]))
+    }
+
+    /// What a time does is what its parts do one after the other: `F(a + b) = F(b) F(a)` and `Q(a + b) = F(b)
+    /// Q(a) F(b)' + Q(b)`, below a time constant of the acceleration and beyond many.
+    #[test]
+    fn a_time_does_what_its_parts_do() {
+        for values in [[0.0; 7], [0.3, -0.5, 0.2, 0.1, -0.4, 0.6, -0.2]] {
+            let model = PathModel::of(&values);
+            for (one_s, other_s) in
+                [(0.2, 0.3), (1.0, 4.0), (7.0, 60.0), (model.acceleration_s, 3.0 * model.acceleration_s)]
+            {
+                let (one, other, both) =
+                    (model.over(one_s), model.over(other_s), model.over(one_s + other_s));
+                let matrix = times(&other.matrix, &one.matrix);
+                let carried = times(&times(&other.matrix, &one.noise), &transposed(&other.matrix));
+                for i in 0..STATES {
+                    for j in 0..STATES {
+                        let (found, wanted) = (both.matrix[i][j], matrix[i][j]);
+                        assert!((found - wanted).abs() < 1e-9 * wanted.abs().max(1.0), "F {one_s} {i} {j}");
+                        // The rule of five points is good to ten digits.
+                        let (found, wanted) = (both.noise[i][j], carried[i][j] + other.noise[i][j]);
+                        let size = (both.noise[i][i] * both.noise[j][j]).sqrt();
+                        assert!((found - wanted).abs() <= 1e-7 * size, "Q {one_s} {i} {j} {found} {wanted}");
+                    }
+                }
+            }
+        }
+    }
+
+    /// After long the acceleration has its own variance again, whatever it was; the parts of a time add up to
+    /// it.
+    #[test]
+    fn an_acceleration_keeps_its_variance() {
+        let model = PathModel::of(&[0.4, 0.2]);
+        let long = model.over(50.0 * model.acceleration_s);
+        let wanted = model.acceleration_mps2 * model.acceleration_mps2;
+        // The last of the panels is the straight rest, in which nothing of it is left.
+        assert!((long.noise[2][2] / wanted - 1.0).abs() < 1e-6, "{} {wanted}", long.noise[2][2]);
+        for elapsed_s in [0.1, 5.0, 100.0, 1_000.0] {
+            let mut end_s = 0.0;
+            for (from_s, length_s) in model.panels(elapsed_s) {
+                assert!((from_s - end_s).abs() < 1e-9, "{elapsed_s}");
+                end_s = from_s + length_s;
+            }
+            assert!((end_s - elapsed_s).abs() < 1e-9, "{elapsed_s} {end_s}");
+        }
+    }
+
+    /// The numbers are logarithms over their centres, and the prior's density is normal in them.
+    #[test]
+    fn numbers_are_logarithms_over_their_centres() {
+        let (none, twice) = (PathModel::of(&[]), PathModel::of(&[std::f64::consts::LN_2; 7]));
+        for (one, other) in [
+            (none.acceleration_mps2, twice.acceleration_mps2),
+            (none.acceleration_s, twice.acceleration_s),
+            (none.reference_m, twice.reference_m),
+            (none.sensor_m, twice.sensor_m),
+            (none.walk_m_per_root_s, twice.walk_m_per_root_s),
+            (none.receiver_m, twice.receiver_m),
+            (none.receiver_s, twice.receiver_s),
+        ] {
+            assert!((other / one - 2.0).abs() < 1e-12);
+        }
+        assert_eq!(PathModel::twice_prior(&[0.0; 7]), 0.0);
+        // Each at two of its sigmas: four each.
+        assert!(
+            (PathModel::twice_prior(&ORDERS.map(|order| 2.0 * order)) - 4.0 * ORDERS.len() as f64).abs()
+                < 1e-12
+        );
+    }
+}

@@ -3,6 +3,7 @@
 
 mod free_flight_excess;
 mod judge;
+mod long_run;
 mod noise_prior;
 mod repeatability;
 mod rivals;
@@ -37,7 +38,7 @@ const WHITE_M: f64 = 0.3;
 const WANDER: GaussMarkov = GaussMarkov { sigma_m: 0.5, time_s: 20.0 };
 
 /// The noise that the flights are made with.
-const NOISE: Noise = {
+pub(super) const NOISE: Noise = {
     let sensor = SensorNoise {
         wander: GaussMarkov { sigma_m: 0.05, time_s: 30.0 },
         captive_white_m: WHITE_M,
@@ -53,21 +54,21 @@ const NOISE: Noise = {
 };
 
 /// A flight of one block a second, the first half captive.
-struct Small {
-    series: Series,
+pub(super) struct Small {
+    pub(super) series: Series,
     candidates: Vec<Candidate>,
-    bounds: Vec<Bounds>,
+    pub(super) bounds: Vec<Bounds>,
 }
 
 /// The sine number `k`: their periods have no common multiple within a flight.
-fn sine(k: usize, block: usize) -> f64 {
+pub(super) fn sine(k: usize, block: usize) -> f64 {
     const PERIODS_S: [f64; 6] = [23.0, 31.0, 41.0, 53.0, 67.0, 83.0];
     (TAU * block as f64 / PERIODS_S[k] + k as f64).sin()
 }
 
 impl Small {
     /// A flight of so many seconds in which nothing acts: a bias of 7 m, white noise and the reference's wander.
-    fn new(blocks: usize, seed: u64) -> Self {
+    pub(super) fn new(blocks: usize, seed: u64) -> Self {
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
         let mut normal = move || -> f64 { StandardNormal.sample(&mut generator) };
         let keep = (-1.0 / WANDER.time_s).exp();
@@ -92,7 +93,7 @@ impl Small {
     }
 
     /// With a candidate whose regressor is `of(block)`; nature allows coefficients from -10 to 10.
-    fn candidate(self, id: EffectId, of: impl Fn(usize) -> f64) -> Self {
+    pub(super) fn candidate(self, id: EffectId, of: impl Fn(usize) -> f64) -> Self {
         self.candidate_in(id, [-10.0, 10.0], of)
     }
 
@@ -106,7 +107,7 @@ impl Small {
     }
 
     /// With an error of the barometer, metres by block.
-    fn error(mut self, of: impl Fn(usize) -> f64) -> Self {
+    pub(super) fn error(mut self, of: impl Fn(usize) -> f64) -> Self {
         for (block, residual_m) in self.series.residual_m.iter_mut().enumerate() {
             residual_m[BARO] += of(block);
         }
@@ -120,7 +121,7 @@ impl Small {
     }
 
     /// The suspects: all candidates.
-    fn suspects(&self) -> Suspects<'_> {
+    pub(super) fn suspects(&self) -> Suspects<'_> {
         let count = self.candidates.len();
         let regressors = Regressors {
             noise_m2: vec![0.0; count],
@@ -166,6 +167,6 @@ fn prior(flights: &[Series]) -> NoisePrior {
 }
 
 /// A problem of some flights with the default model's prior.
-fn problem(flights: &[Series]) -> Problem<'_> {
+pub(super) fn problem(flights: &[Series]) -> Problem<'_> {
     Problem::new(flights, prior(flights), Vec::new(), &Inline)
 }
