@@ -105,3 +105,15 @@ fn a_torn_cable_is_no_launch_when_the_unit_has_died() {
 fn a_wire_that_breaks_while_the_unit_reads_free_fall_is_no_launch() {
     assert_eq!(violations(7026, 961), [""; 0]);
 }
+
+/// The first two fixes are 2.6 km off.
+#[test]
+fn an_altitude_that_is_tied_to_wild_fixes_is_tied_anew_as_soon_as_others_outlast_them() {
+    assert_eq!(violations(7027, 838), [""; 0]);
+}
+
+/// A receiver is 10 m off for 0.7 s, just as the settling time ends.
+#[test]
+fn a_receiver_that_is_off_as_the_calibration_begins_costs_no_sensor() {
+    assert_eq!(violations(7033, 22), [""; 0]);
+}

@@ -39,7 +39,7 @@ pub fn parse_with(text: &[u8], executor: &dyn Executor) -> Result<(Flight, Vec<N
     if time_s.is_empty() {
         return Err(CsvProblem::NoRows);
     }
-    if !text.ends_with(b"\n") {
+    if !matches!(text.last(), Some(b'\n' | b'\r')) {
         notes.push(Note::new(
             "the last row has no line end: should the file be cut there, its last cell may lack digits",
         ));
@@ -55,12 +55,13 @@ pub fn parse_with(text: &[u8], executor: &dyn Executor) -> Result<(Flight, Vec<N
     Ok((flight, notes))
 }
 
-/// The next line without its end, and what follows it.
+/// The next line without its end, which is a line feed, a carriage return, or both, and what follows it.
 fn split_line(text: &[u8]) -> (&[u8], &[u8]) {
-    match memchr::memchr(b'\n', text) {
+    match memchr::memchr2(b'\n', b'\r', text) {
         Some(end) => {
             let (line, rest) = text.split_at(end);
-            (line, rest.get(1..).unwrap_or_default())
+            let after = rest.strip_prefix(b"\r\n").or_else(|| rest.get(1..));
+            (line, after.unwrap_or_default())
         }
         None => (text, &[]),
     }
@@ -152,7 +153,7 @@ fn parse_names(text: &[u8], lines_before: u64) -> Result<(Vec<String>, u64, &[u8
         .map(|name| str::from_utf8(name).map(|name| name.trim().to_owned()))
         .collect::<Result<Vec<_>, _>>()
         .map_err(not_text)?;
-    let first_line = text.split(|byte| *byte == b'\n').next().unwrap_or_default();
+    let (first_line, _) = split_line(text);
     if first_line.iter().filter(|byte| **byte == b'"').count() % 2 == 1 {
         return Err(CsvProblem::OpenQuote { row });
     }

@@ -55,6 +55,18 @@ fn reads_header_columns_and_cells() {
     assert_eq!([flight.extra[0].1.get(0), flight.extra[0].1.get(1)], [None, Some(-0.25)]);
 }
 
+/// Line feeds, carriage returns or both: the same flight, as no value of a header may have a line end in it.
+#[test]
+fn any_line_end_ends_a_line_of_the_header_too() {
+    let text = "# pylon-flight: 1\n# vehicle: drop model\n# remark\n\ntime_s,gps_alt_m,baro_alt_m\n0,2100.5,2090\n1,2100,2089\n";
+    for end in ["\n", "\r\n", "\r"] {
+        let (flight, notes) = parse(text.replace('\n', end).as_bytes()).unwrap();
+        assert_eq!(flight.header.vehicle, "drop model", "{end:?}");
+        assert_eq!(flight.header.other, [(String::new(), "remark".to_owned())], "{end:?}");
+        assert_eq!((flight.time_s, notes), (vec![0.0, 1.0], vec![]), "{end:?}");
+    }
+}
+
 #[test]
 fn nan_and_infinite_cells_are_samples() {
     let flight = read_rows("0,nan,inf,0,-inf\n1,NaN,-Infinity,1,\n");
