@@ -117,3 +117,9 @@ fn an_altitude_that_is_tied_to_wild_fixes_is_tied_anew_as_soon_as_others_outlast
 fn a_receiver_that_is_off_as_the_calibration_begins_costs_no_sensor() {
     assert_eq!(violations(7033, 22), [""; 0]);
 }
+
+/// The inertial unit reads free fall from just before the release on, and its own departure is no witness of it.
+#[test]
+fn a_release_while_the_unit_reads_free_fall_is_seen() {
+    assert_eq!(violations(7036, 2266), [""; 0]);
+}

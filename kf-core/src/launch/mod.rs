@@ -35,7 +35,7 @@
 //! | open less than 5 s after the start | none, or silent | known, does not depart within the window | suspected; then `broken`, captive |
 //! | open | none, or silent | departs without a change, or not known | suspected; at the limit launched, [`Confirmation::Unconfirmed`] |
 //! | open | none, or silent | the unit has died, fixes go on | suspected; launched, [`Confirmation::Unconfirmed`], once the limit has passed and the climb rate is another by 2 m/s |
-//! | open | none, or silent | falls since longer before `e` than the window, which the fixes' climb rate denies | suspected; at the limit `broken`, captive |
+//! | open | none, or silent | falls since longer before `e` than the window, which the fixes' climb rate denies | as with a unit that has died |
 //! | broken or unreadable | silent from the departure on | departs | launched, [`Confirmation::ForceAndSilence`] |
 //! | broken | fall silent | changes | launched, [`Confirmation::ForceAndSilence`] |
 //! | broken | fall silent | known, no change | suspected; at the limit captive |
@@ -540,7 +540,7 @@ impl LaunchDetector {
                 (false, false) => Confirmation::Unconfirmed,
             });
         }
-        let would_show = self.character.is_living(now_us);
+        let would_show = self.character.is_living(now_us) && !is_older;
         let is_all_seen = would_show
             && !self.has_departed
             && !self.character.is_comparable()
@@ -549,7 +549,7 @@ impl LaunchDetector {
             return Verdict::Suspected;
         }
         if !is_early && (self.has_departed || !would_show) {
-            // A unit that has died shows neither a release nor that there is none. The climb rate is the only witness then.
+            // A unit that has died, or lies, shows neither a release nor that there is none: the climb rate is the only witness.
             let waits = !self.has_departed
                 && self.character.is_comparable()
                 && self.climb.is_known(edge_us, now_us)

@@ -317,8 +317,16 @@ fn a_wire_that_breaks_in_a_fall_that_is_none_is_no_launch() {
         assert_eq!(rig.run(0.1, Now { load: Some(0.4), ..falls }), None);
         assert_eq!(rig.run(before_s, falls), None);
         assert_eq!(rig.run(20.0, Now { is_open: Some(true), ..falls }), None);
-        assert_eq!(rig.detector.wire(), WireCondition::Broken);
+        assert!(rig.suspected_for_s().is_some());
     }
+    // A release that takes 3 m/s off the climb rate is seen by that, as with a unit that has died.
+    let mut rig = Rig::captive();
+    assert_eq!(rig.run(10.0, Now { is_sending: false, ..CAPTIVE }), None);
+    assert_eq!(rig.run(1.0, falls), None);
+    let edge_us = rig.now_us() + TICK_US;
+    rig.climb_mps -= 3.0;
+    let launch = rig.run(5.0, Now { is_open: Some(true), ..falls }).unwrap();
+    assert_eq!(launch.confirmed_us, edge_us + 3_000_000);
     // Without fixes nobody denies it, and with them it falls.
     for fixes in [Fixes::None, Fixes::ByLoad] {
         let mut rig = Rig::captive();
