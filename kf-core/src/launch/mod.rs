@@ -34,8 +34,7 @@
 //! | open within 10 s of a cold start | none, or silent | no change | suspected; at the limit `broken`, captive |
 //! | open less than 5 s after the start | none, or silent | known, does not depart within the window | suspected; then `broken`, captive |
 //! | open | none, or silent | departs without a change, or not known | suspected; at the limit launched, [`Confirmation::Unconfirmed`] |
-//! | open | none, or silent | the unit has died, fixes go on | suspected; launched, [`Confirmation::Unconfirmed`], once the limit has passed and the climb rate is another by 2 m/s |
-//! | open | none, or silent | falls since longer before `e` than the window, which the fixes' climb rate denies | as with a unit that has died |
+//! | open | none, or silent | falls since longer before `e` than the window, which the fixes' climb rate denies | suspected; at the limit launched, [`Confirmation::Unconfirmed`] |
 //! | broken or unreadable | silent from the departure on | departs | launched, [`Confirmation::ForceAndSilence`] |
 //! | broken | fall silent | changes | launched, [`Confirmation::ForceAndSilence`] |
 //! | broken | fall silent | known, no change | suspected; at the limit captive |
@@ -67,10 +66,9 @@
 //!
 //! What cannot be told apart is a release that changes neither mean, roughness nor climb rate in 3 s, from a torn cable. Such a vehicle
 //! hangs within 2 m of the pylon still (below the 0.06 g that shows in still air), and its launch is then seen, unconfirmed, when it first
-//! falls. Of two faults, one of them the cable, and the accelerometer gone with it, the receiver's climb rate decides: one who leaves with
-//! less than three quarters of his weight upon his wings has lost 2 m/s at the limit. One who carries himself is seen when he first climbs or
-//! sinks otherwise than under the pylon, until when nothing is calibrated and no sensor is said to be watched. Without a receiver, or with no
-//! unit from the start, a release is the likelier reading, for it is to happen in every flight: a launch, and `launch_confirmed` fails.
+//! falls. Of two faults, one of them the cable, and the accelerometer gone with it, a release is the likelier reading,
+//! for it is to happen in every flight: a launch, and `launch_confirmed` fails. To wait for the climb rate to show it would leave a vehicle that carries
+//! itself unwatched for a single fault, that of its unit.
 //!
 //! A wire that is shorted closed, or cannot be read, hides a release that is no fall: it is then captive for ever, and no sensor is said to be
 //! watched. To call silence and a change a launch there would make one of a data link that dies while its ship manoeuvres.
@@ -549,12 +547,7 @@ impl LaunchDetector {
             return Verdict::Suspected;
         }
         if !is_early && (self.has_departed || !would_show) {
-            // A unit that has died, or lies, shows neither a release nor that there is none: the climb rate is the only witness.
-            let waits = !self.has_departed
-                && self.character.is_comparable()
-                && self.climb.is_known(edge_us, now_us)
-                && !self.climb.is_another();
-            return if waits { Verdict::Suspected } else { Verdict::Launched(Confirmation::Unconfirmed) };
+            return Verdict::Launched(Confirmation::Unconfirmed);
         }
         self.wire.call_broken();
         count(&mut self.counts.torn_cables);
