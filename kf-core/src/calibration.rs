@@ -568,7 +568,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         let counts = has_settled || tracker.last_fix().is_some_and(|fix| config.quality.accepts(fix));
         let had_jumped = self.reference_level.has_jumped();
         self.reference_level.follow(&config.reference, fix, counts);
-        // Everything is against the first fix. If what it was on has not even lasted for the level's memory, that was no level.
+        // Everything is measured against the first fix's level. One that ends within the memory that it is judged by was none.
         let is_young = |start_us| seconds_between(start_us, time_us) < reference_level::BEFORE_S;
         if !had_jumped && self.reference_level.has_jumped() && self.start_us.is_some_and(is_young) {
             self.restart(time_us);

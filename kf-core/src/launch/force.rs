@@ -143,7 +143,7 @@ impl Force {
         self.departed_us
     }
 
-    /// Since when it has been below its captive mean, if it still is. Gusts may end a near free fall, but not this.
+    /// Since when it has been below its captive mean, if it still is. A gust may interrupt a near free fall, but hardly this.
     pub(super) fn below_since_us(&self) -> Option<u64> {
         self.departed_us.filter(|_| self.side == Side::Below)
     }

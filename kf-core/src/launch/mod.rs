@@ -34,7 +34,7 @@
 //! | open within 10 s of a cold start | none, or silent | no change | suspected; at the limit `broken`, captive |
 //! | open less than 5 s after the start | none, or silent | known, does not depart within the window | suspected; then `broken`, captive |
 //! | open | none, or silent | departs without a change, or not known | suspected; at the limit launched, [`Confirmation::Unconfirmed`] |
-//! | open | none, or silent | falls since longer before `e` than the window, which the fixes' climb rate denies | suspected; at the limit launched, [`Confirmation::Unconfirmed`] |
+//! | open | none, or silent | low since longer before `e` than the window, and the fixes' climb rate has not fallen | suspected; at the limit launched, [`Confirmation::Unconfirmed`] |
 //! | broken or unreadable | silent from the departure on | departs | launched, [`Confirmation::ForceAndSilence`] |
 //! | broken | fall silent | changes | launched, [`Confirmation::ForceAndSilence`] |
 //! | broken | fall silent | known, no change | suspected; at the limit captive |
@@ -67,8 +67,8 @@
 //! What cannot be told apart is a release that changes neither mean, roughness nor climb rate in 3 s, from a torn cable. Such a vehicle
 //! hangs within 2 m of the pylon still (below the 0.06 g that shows in still air), and its launch is then seen, unconfirmed, when it first
 //! falls. Of two faults, one of them the cable, and the accelerometer gone with it, a release is the likelier reading,
-//! for it is to happen in every flight: a launch, and `launch_confirmed` fails. To wait for the climb rate to show it would leave a vehicle that carries
-//! itself unwatched for a single fault, that of its unit.
+//! for it is to happen in every flight: a launch, and `launch_confirmed` fails. Were the climb rate waited
+//! for, a single fault, that of the unit, would leave a vehicle that carries itself unwatched.
 //!
 //! A wire that is shorted closed, or cannot be read, hides a release that is no fall: it is then captive for ever, and no sensor is said to be
 //! watched. To call silence and a change a launch there would make one of a data link that dies while its ship manoeuvres.
@@ -527,7 +527,8 @@ impl LaunchDetector {
         if was_alive && !is_silent && !is_over {
             return Verdict::Suspected;
         }
-        // A release is felt no longer before the edge than the cable's slack takes: a fall from before that needs the climb rate.
+        // A release is felt no longer before the edge than the cable's slack takes. A force that has been low for longer shows none, where the
+        // climb rate would show its fall.
         let is_older =
             self.force.below_since_us().is_some_and(|below_us| edge_us.saturating_sub(below_us) > window_us)
                 && self.climb.is_known(edge_us, now_us);

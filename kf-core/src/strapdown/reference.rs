@@ -63,7 +63,7 @@ impl VerticalChannel {
             let (since_us, count) = self.outlying.unwrap_or((time_us, 0));
             let count = (count + 1).min(2 * OUTLIERS);
             self.outlying = Some((since_us, count));
-            // Fixes are outweighed by those that contradict them for longer than they have lasted themselves.
+            // The fixes of a tie are outweighed once others have contradicted them for longer than they came themselves.
             let outweighs_s = LONGEST_OUTLIER_S.min(self.anchor.elapsed_s());
             let has_lasted = seconds_between(since_us, time_us) > outweighs_s;
             if count >= OUTLIERS && has_lasted {

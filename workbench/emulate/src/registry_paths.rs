@@ -1,12 +1,14 @@
-//! Where cargo keeps the dependencies' sources, left out of an image: a panic's message names its file, and each name would take the
-//! length of the builder's home directory from the flash. Without it an image is the same whoever builds it.
+//! Leaves out of an image where cargo keeps the dependencies' sources. A panic's message names its file, and every such name would put the
+//! builder's home directory into the flash.
+//!
+//! `xtask`, which depends on none of our crates, includes this file by its path.
 
 use std::env;
 use std::ffi::OsString;
 use std::fs;
 use std::path::PathBuf;
 
-/// The compiler's flags for it, as `CARGO_ENCODED_RUSTFLAGS` takes them.
+/// The compiler's flags that do it, as `CARGO_ENCODED_RUSTFLAGS` takes them.
 pub fn compiler_flags() -> OsString {
     let home = env::var_os("CARGO_HOME")
         .map(PathBuf::from)

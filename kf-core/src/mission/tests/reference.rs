@@ -608,8 +608,8 @@ fn a_reference_that_jumps_in_captive_flight_degrades_the_calibration_by_name() {
     assert_eq!(failed_with(cold_start), [""; 0]);
 }
 
-/// Everything is measured against the first fix that counts. A receiver that is off at just that time, and no longer than a transient, is on
-/// another level for nobody: what was measured so far is begun anew.
+/// Everything is measured against the first fix that counts. Where the receiver is off at just that time, and no longer than a transient lasts,
+/// the calibration begins anew, and does not fail for two levels.
 #[test]
 fn a_reference_that_is_off_as_the_calibration_begins_is_forgotten() {
     for from_s in [1.9, 2.0] {
