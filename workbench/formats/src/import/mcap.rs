@@ -96,7 +96,8 @@ fn has_its_texts(kind: u8, body: &[u8]) -> bool {
     const CHUNK_HEAD: usize = 28;
     match kind {
         op::METADATA => text(body).and_then(|(_, rest)| text(rest)).is_some_and(|(mut pairs, _)| {
-            while let Some((_, rest)) = text(pairs) {
+            // A key without a value would have one read from what follows.
+            while let Some((_, rest)) = text(pairs).and_then(|(_, value)| text(value)) {
                 pairs = rest;
             }
             pairs.is_empty()
@@ -229,6 +230,9 @@ mod tests {
         assert_eq!(said(op::METADATA, &[&name[..], &longer].concat()), refused);
         let within = [&name[..], &8_u32.to_le_bytes(), &longer, &longer].concat();
         assert_eq!(said(op::METADATA, &within), refused);
+        // A key whose value would be what follows the pairs.
+        let odd = [&name[..], &(name.len() as u32).to_le_bytes(), &name, &longer].concat();
+        assert_eq!(said(op::METADATA, &odd), refused);
         assert_eq!(said(op::CHUNK, &[&[0; 28][..], &longer].concat()), refused);
         assert_eq!(said(op::HEADER, &longer), (String::new(), 0));
     }

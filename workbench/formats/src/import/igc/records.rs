@@ -124,7 +124,9 @@ pub fn extensions(line: &[u8]) -> (Vec<Extension>, bool) {
         if first < 8 || last < first {
             return (found, false);
         }
-        found.push(Extension { code: code.iter().map(|byte| char::from(*byte)).collect(), first, last });
+        // Three-letter codes are capitals (FAI technical specification, A7): one in other letters is the same.
+        let code = code.iter().map(|byte| char::from(byte.to_ascii_uppercase())).collect();
+        found.push(Extension { code, first, last });
         rest = rest.get(count + 3..).unwrap_or_default();
     }
     let announced = digits(line, 1, 2).map(|count| count as usize);
@@ -217,6 +219,8 @@ mod tests {
 
     #[test]
     fn reads_extensions_and_their_values() {
+        // A code in other letters is the same code (found by fuzzing: two columns of one name).
+        assert_eq!(extensions(b"I013638FxA").0[0].code, "FXA");
         let (found, complete) = extensions(b"I033638FXA3940SIU4145VAT");
         assert!(complete);
         let codes: Vec<_> =
