@@ -14,6 +14,7 @@ use super::follower::{Follower, Moment, Phase, Taken};
 use super::reference_path::ReferencePath;
 use super::residuals::known_m;
 use super::series::{BySensor, Series};
+use super::signal_errors::read_ahead;
 use super::signals::{NAMES, SignalMeans, offered};
 use super::smoothed_climb::SmoothedClimb;
 use replay::Replay;
@@ -48,6 +49,8 @@ pub(super) struct Builder {
     block_s: f64,
     /// Which sensors each candidate acts on: one, or all for the reference.
     acts_on: Vec<[bool; SENSORS]>,
+    /// How late each candidate's signal is taken to be, seconds.
+    late_s: Vec<f32>,
     load_factor_column: Option<usize>,
     open: Option<Open>,
     signals: SignalMeans,
@@ -80,6 +83,7 @@ impl Builder {
             block_s,
             climb: SmoothedClimb::default(),
             acts_on: acts_on.collect(),
+            late_s: candidates.iter().map(|candidate| candidate.signal.late_s).collect(),
             load_factor_column: candidates
                 .iter()
                 .position(|candidate| candidate.effect() == EffectId::BaroAcceleration),
@@ -249,6 +253,10 @@ impl Builder {
             counts.sort_unstable();
             counts.get(counts.len() / 2).map_or(1.0, |count| f64::from(*count))
         });
+        for (column, late_s) in self.columns.iter_mut().zip(&self.late_s).filter(|(_, late_s)| **late_s > 0.0)
+        {
+            read_ahead(&self.series, column, *late_s);
+        }
         self.series.columns = self.columns.into_iter().map(Arc::new).collect();
         let blocks = self.series.len();
         Epochs {

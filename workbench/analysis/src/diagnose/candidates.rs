@@ -4,6 +4,7 @@ use kf_core::effect::{Clock, EffectId, EffectSubject, Regressor};
 use kf_core::sensor::Sensor;
 use model::{Effect, Model};
 
+use super::signal_errors::{SignalError, errors};
 use super::smoothed_climb::SMOOTHINGS_S;
 use super::wanted_effect::Tried;
 
@@ -18,9 +19,23 @@ pub struct Candidate {
     pub regressor: Regressor,
     /// Time constant of the low pass that the climb rate of a lag went through, seconds; 0 as the catalogue has it.
     pub smoothing_s: f32,
+    /// What its signal is taken to be wrong by.
+    pub signal: SignalError,
 }
 
 impl Candidate {
+    /// One in the catalogue's own shape.
+    #[must_use]
+    pub fn of(regressor: Regressor) -> Self {
+        Self { regressor, smoothing_s: 0.0, signal: SignalError::default() }
+    }
+
+    /// Whether its regressor is the catalogue's own, which is the one that flies.
+    #[must_use]
+    pub fn is_catalogues(&self) -> bool {
+        *self == Self::of(self.regressor)
+    }
+
     /// The effect.
     #[must_use]
     pub const fn effect(&self) -> EffectId {
@@ -49,7 +64,8 @@ pub fn catalogue(model: &Model, has_climb_rate: bool) -> Vec<Candidate> {
     let mut candidates = Vec::new();
     for id in model.catalogue() {
         let mut add = |time_constant_s, since, smoothing_s| {
-            candidates.push(Candidate { regressor: Regressor { id, time_constant_s, since }, smoothing_s });
+            let regressor = Regressor { id, time_constant_s, since };
+            candidates.push(Candidate { smoothing_s, ..Candidate::of(regressor) });
         };
         if id.has_time_constant() {
             // A formula says itself when its time begins.
@@ -66,6 +82,10 @@ pub fn catalogue(model: &Model, has_climb_rate: bool) -> Vec<Candidate> {
             }
         } else {
             add(0.0, Clock::Launch, 0.0);
+        }
+        if has_climb_rate {
+            let own = Candidate::of(Regressor { id, time_constant_s: 0.0, since: Clock::Launch });
+            candidates.extend(errors(id).into_iter().skip(1).map(|signal| Candidate { signal, ..own }));
         }
     }
     candidates
@@ -84,7 +104,7 @@ pub(super) fn candidates(
     }
     let has = |effect: EffectId| model.effects.iter().any(|known| known.term.regressor.id == effect);
     candidates.retain(|candidate| !has(candidate.effect()));
-    let known = unsure(model).map(|effect| Candidate { regressor: effect.term.regressor, smoothing_s: 0.0 });
+    let known = unsure(model).map(|effect| Candidate::of(effect.term.regressor));
     (candidates, known.collect())
 }
 

@@ -152,6 +152,11 @@ impl Follower {
                 }
                 (_, None) => self.raw_m(regressor).map(f64::from),
             },
+            EffectId::BaroAngleOfAttack if candidate.signal.offset_rad != 0.0 => {
+                let head = Regressor { id: EffectId::BaroDynamicPressure, ..regressor };
+                let turned_m = f64::from(candidate.signal.offset_rad) * f64::from(self.raw_m(head)?);
+                self.raw_m(regressor).map(|metres| f64::from(metres) + turned_m)
+            }
             _ => self.raw_m(regressor).map(f64::from),
         }
     }

@@ -63,6 +63,7 @@ mod roughness;
 mod search;
 mod series;
 mod shape_error;
+mod signal_errors;
 mod signals;
 mod simplicity;
 #[cfg(test)]

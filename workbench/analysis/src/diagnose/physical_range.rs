@@ -6,26 +6,23 @@ use super::information::Solution;
 use flight_data::Channel;
 use replay::Replay;
 
-/// Where the climb rate is measured a coefficient explains nothing when it is so many times beyond its range. It is this wide because
-/// the blind trials' simulated flights hide broken parts, of either sign and twice the range, and because several effects there
-/// stand in for each other at sizes that none of them has.
-const IMPOSSIBLE: f64 = 100.0;
 /// A fitted coefficient may be that many sigmas outside of a range and come from inside of it: 2.3 % one-sided.
 const SIGMAS: f64 = 2.0;
 
-/// The range of a coefficient.
-///
-/// Where the climb rate is not measured it is exactly nature's, its sign included: with one free sensor all that can be seen of a
-/// lag and of a latency is their difference, and its sign is what names it.
+/// A range is a round number: a quarter beyond it is not impossible yet.
+const LENIENT: f64 = 1.25;
+
+/// By how much more than it has by itself an effect may reach that stands in for another one: an acceleration for an angle of attack (6.3 a
+/// radian at 0.1 rad a g and 46 m of dynamic pressure are 29 m a g, its own range is 10), a warming up for a temperature (5 m/K and 20 K are 100 m
+/// where its own is 50).
+const STAND_INS: [(EffectId, f64); 2] = [(EffectId::BaroAcceleration, 3.0), (EffectId::BaroWarmUp, 2.0)];
+
+/// The range of a coefficient: nature's, its sign included. With one free sensor all that can be seen of a lag and of a latency is their
+/// difference, and its sign is what names it; with more of them, what would need an impossible size is another effect.
 #[must_use]
-pub fn range(effect: EffectId, has_climb_rate: bool) -> [f64; 2] {
-    let [least, most] = effect.plausible().map(f64::from);
-    if has_climb_rate {
-        let largest = least.abs().max(most.abs());
-        [-IMPOSSIBLE * largest, IMPOSSIBLE * largest]
-    } else {
-        [least, most]
-    }
+pub fn range(effect: EffectId) -> [f64; 2] {
+    let reach = STAND_INS.iter().find(|(stand_in, _)| *stand_in == effect).map_or(1.0, |(_, reach)| *reach);
+    effect.plausible().map(|limit| reach * f64::from(limit))
 }
 
 /// A coefficient's range, and the share of it that is unsure beside its noise.
@@ -45,7 +42,7 @@ pub fn is_possible(bounds: &[Bounds], solution: &Solution) -> bool {
         let Bounds { range: [least, most], scale } = *bounds;
         let rough = scale * coefficient;
         let slack = SIGMAS * (solution.covariance[k * n + k] + rough * rough).sqrt();
-        (least - slack..=most + slack).contains(coefficient)
+        (LENIENT * least - slack..=LENIENT * most + slack).contains(coefficient)
     })
 }
 

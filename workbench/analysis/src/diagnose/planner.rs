@@ -24,7 +24,6 @@ use super::posterior;
 use super::problem::{Known, Problem};
 use super::rivals;
 use super::roughness::{scale, unsteadiness};
-use super::simplicity::{ROUGH_SHAPE, SHAPE};
 use super::wind;
 use super::work::{Judged, Work, judged};
 use crate::progress::{Cancelled, Progress};
@@ -78,6 +77,12 @@ struct Tempering {
     /// The share of what is explained that formulas and signals make wrong.
     shape: f64,
 }
+
+/// The share (squares) of what an effect will explain that the errors of its shape may make of it, where a flight is only planned: measured signals,
+/// their delays and the terms that a formula leaves out make it wrong by some 14 %.
+const SHAPE: f64 = 0.02;
+/// The same where a regressor is only roughly known.
+const ROUGH_SHAPE: f64 = 0.1;
 
 impl Tempering {
     /// The power of the likelihood where so many squares are explained.

@@ -9,7 +9,7 @@ use super::epochs::Epochs;
 use super::named_replay::NamedReplay;
 use super::physical_range::{Bounds, measures_climb_rate, range};
 use super::problem::{Known, Problem};
-use super::roughness::{is_rough, scale};
+use super::roughness::{is_rough, scale, shape};
 use super::series::Series;
 use super::suspects::{Regressors, Suspects};
 use super::wanted_effect::Tried;
@@ -105,11 +105,9 @@ impl Prepared {
         let regressors = Regressors {
             noise_m2,
             is_rough: effects().map(|effect| is_rough(&self.epochs, effect)).collect(),
+            shape: effects().map(|effect| shape(&self.epochs, effect)).collect(),
             bounds: effects()
-                .map(|effect| Bounds {
-                    range: range(effect, self.has_climb_rate),
-                    scale: scale(&self.epochs, effect),
-                })
+                .map(|effect| Bounds { range: range(effect), scale: scale(&self.epochs, effect) })
                 .collect(),
         };
         Suspects::new(&self.candidates, regressors, usable)

@@ -14,10 +14,6 @@ use super::series::BySensor;
 use super::shape_error::exposure;
 use super::suspects::Suspects;
 
-/// The share (squares) by which the shape of what an effect puts into a tenth of a flight is wrong.
-const SHAPE: f64 = 0.01;
-/// The same where a regressor is only roughly known.
-const ROUGH_SHAPE: f64 = 0.03;
 /// A pair of candidates is looked at where it leaves less by this than the chosen effect does, in squares under the chosen noise.
 const CLEARLY_BETTER: f64 = 10.0;
 /// So many pairs at most, the best ones, get a noise of their own.
@@ -191,12 +187,8 @@ impl Place<'_> {
     fn tempered(&self, noise: &Noise, set: &[usize], further: &[usize]) -> f64 {
         let Some(exposure) = exposure(self.problem, noise, set, further) else { return 0.0 };
         let of_shapes: f64 =
-            set.iter().zip(exposure).map(|(column, exposure)| self.shape(*column) * exposure).sum();
+            set.iter().zip(exposure).map(|(column, exposure)| self.suspects.shape(*column) * exposure).sum();
         1.0 / (1.0 / self.power + of_shapes)
-    }
-
-    fn shape(&self, column: usize) -> f64 {
-        if self.suspects.is_rough(column) { ROUGH_SHAPE } else { SHAPE }
     }
 
     /// Two candidates that together fit better than the chosen one does are no worse an explanation for being two; but the second must pay as

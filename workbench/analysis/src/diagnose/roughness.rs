@@ -33,9 +33,25 @@ pub(super) fn is_rough(epochs: &[Epochs], effect: EffectId) -> bool {
         effect,
         EffectId::ImuAccelScale | EffectId::ImuTilt | EffectId::ImuGyroBias | EffectId::ImuVibration
     );
-    // A receiver that is late often filters as well, which is a delay for slow motions only.
-    let is_filter = effect == EffectId::GpsLatency;
-    is_integrated || is_filter || lacks_airspeed(epochs, effect)
+    is_integrated || lacks_airspeed(epochs, effect)
+}
+
+/// The share (squares) by which the shape of what an effect puts into a tenth of a flight is wrong ([`super::shape_error`]).
+const SHAPE: f64 = 0.01;
+/// The same where a regressor is only roughly known.
+const ROUGH_SHAPE: f64 = 0.03;
+/// The same without an airspeed: a wind of a sixth of it makes its square wrong by a third.
+const SHAPE_WITHOUT_AIRSPEED: f64 = 0.1;
+
+/// The share (squares) by which the shape of an effect is wrong.
+pub(super) fn shape(epochs: &[Epochs], effect: EffectId) -> f64 {
+    if lacks_airspeed(epochs, effect) {
+        SHAPE_WITHOUT_AIRSPEED
+    } else if is_rough(epochs, effect) {
+        ROUGH_SHAPE
+    } else {
+        SHAPE
+    }
 }
 
 /// Whether an effect is made of the airspeed and a flight has it not measured.

@@ -4,17 +4,12 @@ use kf_core::sensor::Sensor;
 
 use super::problem::Problem;
 use super::search::{BEAM, Explanation, extended};
+use super::shape_error::exposure;
 use super::suspects::Suspects;
 
-/// The share (squares) of what a set explains that a smaller one may leave. Measured signals, their
-/// delays and the terms that a formula leaves out make its shape wrong by some 14 %.
-pub(super) const SHAPE: f64 = 0.02;
-/// The same where a regressor is only roughly known.
-pub(super) const ROUGH_SHAPE: f64 = 0.1;
-
-/// A smaller set that explains all but a small share of what a set explains on the same sensors, if there
-/// is one: what the additional effects add may be the other formula's error. Effects of the reference are
-/// on every sensor, so with one of them all sensors are looked at together.
+/// A smaller set on the same sensors that leaves no more than the errors of its effects' shapes may have made ([`super::shape_error`]), if
+/// there is one: what the further effects add may be the other formula's error. Effects of the reference are on every sensor, so with
+/// one of them all sensors are looked at together.
 #[must_use]
 pub fn simpler(problem: &Problem<'_>, suspects: &Suspects<'_>, chosen: &Explanation) -> Option<Vec<usize>> {
     let information = suspects.information(problem, &chosen.fit.noise);
@@ -22,6 +17,17 @@ pub fn simpler(problem: &Problem<'_>, suspects: &Suspects<'_>, chosen: &Explanat
     let rest = |set: &[usize]| suspects.rest_but_noise(&information, &weights, set);
     let best = information.solve(&suspects.positions(&chosen.columns))?.rest;
     let sensor = |column: &usize| suspects.candidate(*column).sensor();
+    // By how much chance and shapes together outdo chance alone in what sets the chosen one apart from a smaller one.
+    let by_shapes = |set: &[usize]| {
+        let further: Vec<usize> = chosen.columns.iter().copied().filter(|c| !set.contains(c)).collect();
+        exposure(problem, &chosen.fit.noise, set, &further).map_or(f64::INFINITY, |exposure| {
+            1.0 + set
+                .iter()
+                .zip(exposure)
+                .map(|(column, exposure)| suspects.shape(*column) * exposure)
+                .sum::<f64>()
+        })
+    };
     let is_joint = chosen.columns.iter().any(|column| sensor(column).is_none());
     let mut subjects: Vec<_> = chosen.columns.iter().map(sensor).collect();
     subjects.sort_by_key(|subject| subject.map(Sensor::index));
@@ -33,15 +39,12 @@ pub fn simpler(problem: &Problem<'_>, suspects: &Suspects<'_>, chosen: &Explanat
         let is_own = |column: &usize| is_joint || sensor(column) == subject;
         let own = chosen.columns.iter().filter(|column| is_own(column)).count();
         let others: Vec<usize> = chosen.columns.iter().copied().filter(|c| !is_own(c)).collect();
-        let is_rough = chosen.columns.iter().any(|column| is_own(column) && suspects.is_rough(*column));
-        let shape = if is_rough { ROUGH_SHAPE } else { SHAPE };
-        let Some(total) = rest(&others).map(|rest| rest - best) else { continue };
         let mut level = vec![others];
         for _ in 1..own {
             let next = extended(suspects, &information, &level);
             let first = next.first().map(|(_, set)| set.clone());
             if let Some(set) = first
-                && rest(&set).is_some_and(|rest| rest - best < (shape * total).max(suspects.penalty()))
+                && rest(&set).is_some_and(|rest| rest - best < suspects.penalty() * by_shapes(&set))
             {
                 return Some(set);
             }

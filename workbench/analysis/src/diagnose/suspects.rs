@@ -18,6 +18,7 @@ pub struct Suspects<'a> {
     candidates: &'a [Candidate],
     noise_m2: Vec<f64>,
     is_rough: Vec<bool>,
+    shape: Vec<f64>,
     bounds: Vec<Bounds>,
     usable: Vec<usize>,
     penalty: f64,
@@ -30,6 +31,8 @@ pub struct Regressors {
     pub noise_m2: Vec<f64>,
     /// Those that are only roughly known.
     pub is_rough: Vec<bool>,
+    /// The share (squares) by which the shape of each one is wrong.
+    pub shape: Vec<f64>,
     /// What nature allows of the coefficients.
     pub bounds: Vec<Bounds>,
 }
@@ -41,8 +44,8 @@ impl<'a> Suspects<'a> {
         let mut effects: Vec<_> = usable.iter().map(|column| candidates[*column].effect()).collect();
         effects.dedup();
         let penalty = 2.0 * libm::log(effects.len().max(1) as f64) + EVIDENCE;
-        let Regressors { noise_m2, is_rough, bounds } = regressors;
-        Self { candidates, noise_m2, is_rough, bounds, usable, penalty }
+        let Regressors { noise_m2, is_rough, shape, bounds } = regressors;
+        Self { candidates, noise_m2, is_rough, shape, bounds, usable, penalty }
     }
 
     /// A column's candidate.
@@ -116,6 +119,12 @@ impl<'a> Suspects<'a> {
     #[must_use]
     pub fn is_rough(&self, column: usize) -> bool {
         self.is_rough.get(column) == Some(&true)
+    }
+
+    /// The share (squares) by which the shape of what a candidate puts into a tenth of a flight may be wrong.
+    #[must_use]
+    pub fn shape(&self, column: usize) -> f64 {
+        self.shape[column]
     }
 
     /// Variance of the noise in a candidate's block means.

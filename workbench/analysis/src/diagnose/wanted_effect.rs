@@ -40,8 +40,8 @@ impl Tried<'_> {
 impl WantedEffect {
     /// Keeps only what is wanted of the effect's candidates, with these time constants if there are any.
     pub(super) fn narrow(&self, candidates: &mut Vec<Candidate>, time_constants_s: &[f32]) {
-        // The core has a lag in the catalogue's own shape only.
-        candidates.retain(|candidate| candidate.effect() != self.effect || candidate.smoothing_s == 0.0);
+        // The core has an effect in the catalogue's own shape only.
+        candidates.retain(|candidate| candidate.effect() != self.effect || candidate.is_catalogues());
         if !self.effect.has_time_constant() {
             return;
         }
@@ -75,8 +75,8 @@ mod tests {
     /// Candidates of a lag in two shapes, of a drift since two moments by two times, and of a scale.
     fn candidates() -> Vec<Candidate> {
         let of = |id, time_constant_s, since, smoothing_s| Candidate {
-            regressor: Regressor { id, time_constant_s, since },
             smoothing_s,
+            ..Candidate::of(Regressor { id, time_constant_s, since })
         };
         vec![
             of(EffectId::BaroLag, 0.0, Clock::Launch, 0.0),

@@ -36,9 +36,11 @@ const UNEVEN: f64 = 5.0;
 const REST: f64 = 0.25;
 
 /// Effects that look alike by the laws of flight, so that the one stands in for the other when its own
-/// signal was not recorded: lift makes the load factor of the angle of attack times the dynamic pressure;
-/// a sensor's temperature follows its warming up, and slowly the time; a steady vibration is a bias.
-const STAND_INS: [(EffectId, EffectId); 4] = [
+/// signal was not recorded: lift makes the load factor of the angle of attack times the dynamic pressure; thrust and the angle of attack follow the
+/// airspeed; a sensor's temperature follows its warming up, and slowly the time; a steady vibration is a bias.
+const STAND_INS: [(EffectId, EffectId); 6] = [
+    (EffectId::BaroAngleOfAttack, EffectId::BaroDynamicPressure),
+    (EffectId::BaroPropwash, EffectId::BaroDynamicPressure),
     (EffectId::BaroAcceleration, EffectId::BaroAngleOfAttack),
     (EffectId::BaroWarmUp, EffectId::BaroTemperature),
     (EffectId::BaroDrift, EffectId::BaroTemperature),
@@ -306,9 +308,15 @@ impl Judge<'_> {
             if rivals.acts.is_some() && hidden == EffectId::BaroTemperature {
                 continue;
             }
-            let is_hidden = self.candidates.iter().enumerate().any(|(column, candidate)| {
-                candidate.effect() == hidden && self.epochs.iter().any(|epochs| !epochs.available[column])
-            });
+            // The accelerometer is prompt and a vane is not: that the load factor fits better than the angle of attack says nothing of the cause.
+            let is_told_worse = seen == EffectId::BaroAcceleration;
+            let lacks_airspeed =
+                hidden == EffectId::BaroDynamicPressure && lacks_airspeed(self.epochs, hidden);
+            let is_hidden = is_told_worse
+                || lacks_airspeed
+                || self.candidates.iter().enumerate().any(|(column, candidate)| {
+                    candidate.effect() == hidden && self.epochs.iter().any(|epochs| !epochs.available[column])
+                });
             let odds = set.iter().find(|(effect, _)| *effect == seen).map(|(_, odds)| *odds);
             let at = set.iter().position(|(effect, _)| *effect == hidden);
             match (odds.filter(|_| is_hidden), at) {

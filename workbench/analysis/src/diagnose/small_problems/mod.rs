@@ -101,7 +101,7 @@ impl Small {
     fn candidate_in(mut self, id: EffectId, range: [f64; 2], of: impl Fn(usize) -> f64) -> Self {
         self.series.columns.push(Arc::new(on_baro((0..self.series.len()).map(of))));
         let regressor = Regressor { id, time_constant_s: 0.0, since: Clock::Launch };
-        self.candidates.push(Candidate { regressor, smoothing_s: 0.0 });
+        self.candidates.push(Candidate::of(regressor));
         self.bounds.push(Bounds { range, scale: 0.0 });
         self
     }
@@ -126,6 +126,7 @@ impl Small {
         let regressors = Regressors {
             noise_m2: vec![0.0; count],
             is_rough: vec![false; count],
+            shape: vec![0.01; count],
             bounds: self.bounds.clone(),
         };
         Suspects::new(&self.candidates, regressors, (0..count).collect())

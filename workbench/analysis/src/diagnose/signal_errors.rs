@@ -1,0 +1,137 @@
+//! Regressors made of signals that were measured late, or with an offset.
+//!
+//! An airspeed comes through tubing and a filter, a vane has inertia and is set to some half a degree, and a receiver that is late
+//! with its altitude is as late with its velocity. A regressor made of such a signal is wrong in shape, and what it leaves looks like another
+//! effect: a load factor is what a prompt vane would have said, and a lever arm what the end of a climb looks like to a late receiver. So
+//! these regressors are tried as if their signals had been prompt and true as well: the column is read so much ahead, and an
+//! angle is turned by so much. Which of them fits says nothing of the effect, only of its instrument: all are one effect.
+
+use kf_core::effect::EffectId;
+
+use super::series::{BySensor, Series};
+
+/// How the signal that a regressor is made of may be wrong.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SignalError {
+    /// How late it is, seconds.
+    pub late_s: f32,
+    /// What its angle lacks, radians.
+    pub offset_rad: f32,
+}
+
+/// A vane answers within some tenths of a second.
+const VANE_LATE_S: [f32; 3] = [0.0, 0.15, 0.3];
+/// It is set to about half a degree.
+const VANE_OFFSET_RAD: [f32; 3] = [0.0, 0.01, -0.01];
+/// Tubing and filter of an airspeed.
+const AIRSPEED_LATE_S: [f32; 3] = [0.0, 0.3, 0.6];
+/// A receiver's altitude that is late by d is its true one less d times the mean climb rate of the last d seconds: that of a velocity as
+/// late, d/2 ahead. A receiver is some three seconds late at most.
+const RECEIVER_LATE_S: [f32; 4] = [0.0, 0.5, 1.0, 1.5];
+
+/// The errors that are tried of an effect's signal, none first.
+#[must_use]
+pub fn errors(effect: EffectId) -> Vec<SignalError> {
+    let late = |seconds: &[f32]| {
+        seconds.iter().map(|late_s| SignalError { late_s: *late_s, offset_rad: 0.0 }).collect()
+    };
+    match effect {
+        EffectId::BaroAngleOfAttack => VANE_LATE_S
+            .iter()
+            .flat_map(|late_s| VANE_OFFSET_RAD.map(|offset_rad| SignalError { late_s: *late_s, offset_rad }))
+            .collect(),
+        EffectId::BaroDynamicPressure => late(&AIRSPEED_LATE_S),
+        EffectId::GpsLatency => late(&RECEIVER_LATE_S),
+        _ => vec![SignalError::default()],
+    }
+}
+
+/// A column of block means, read so much ahead: between this block's mean and the next one's, or where the next block is another phase or
+/// after a gap, on from the one before.
+pub(super) fn read_ahead(series: &Series, column: &mut [BySensor], late_s: f32) {
+    let share = f64::from(late_s) / series.block_s;
+    let joins = |a: usize, b: usize| {
+        series.free.get(a) == series.free.get(b)
+            && series
+                .time_s
+                .get(b)
+                .zip(series.time_s.get(a))
+                .is_some_and(|(b, a)| b - a < 1.5 * series.block_s)
+    };
+    let seen = |block: usize, sensor: usize| series.readings[block][sensor] > 0;
+    let old = column.to_vec();
+    for (block, values) in column.iter_mut().enumerate() {
+        for (sensor, value) in values.iter_mut().enumerate() {
+            let from = if joins(block, block + 1) && seen(block + 1, sensor) {
+                Some((block, block + 1))
+            } else {
+                block
+                    .checked_sub(1)
+                    .filter(|last| joins(*last, block) && seen(*last, sensor))
+                    .map(|last| (last, block))
+            };
+            if let Some((a, b)) = from.filter(|_| seen(block, sensor)) {
+                *value += share * (old[b][sensor] - old[a][sensor]);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use kf_core::sensor::SENSORS;
+
+    use super::*;
+
+    fn series(times_s: &[f64], launch: usize) -> Series {
+        let blocks = times_s.len();
+        Series {
+            time_s: times_s.to_vec(),
+            free: (0..blocks).map(|block| block >= launch).collect(),
+            readings: vec![[0, 0, 10]; blocks],
+            block_s: 2.0,
+            ..Series::default()
+        }
+    }
+
+    fn ahead(series: &Series, of: impl Fn(f64) -> f64, late_s: f32) -> Vec<f64> {
+        let mut column: Vec<BySensor> = series.time_s.iter().map(|time_s| [0.0, 0.0, of(*time_s)]).collect();
+        read_ahead(series, &mut column, late_s);
+        assert!(column.iter().all(|values| values[..SENSORS - 1].iter().all(|value| *value == 0.0)));
+        column.into_iter().map(|values| values[2]).collect()
+    }
+
+    /// A ramp that is read half a second ahead is the ramp half a second later, in the last block too.
+    #[test]
+    fn a_ramp_is_read_ahead_everywhere() {
+        let times_s: Vec<f64> = (0..20).map(|k| 1.0 + 2.0 * f64::from(k)).collect();
+        for (time_s, value) in times_s.iter().zip(ahead(&series(&times_s, 0), |t| 3.0 * t, 0.5)) {
+            assert!((value - 3.0 * (time_s + 0.5)).abs() < 1e-9, "{time_s}: {value}");
+        }
+    }
+
+    /// What happens at the launch or in a gap is not drawn into the blocks before it.
+    #[test]
+    fn a_launch_and_a_gap_are_not_read_across() {
+        let times_s = [1.0, 3.0, 5.0, 7.0, 9.0, 21.0, 23.0];
+        let step = |t: f64| if t < 6.0 { 1.0 } else { 5.0 };
+        let found = ahead(&series(&times_s, 3), step, 0.5);
+        assert_eq!(found, [1.0, 1.0, 1.0, 5.0, 5.0, 5.0, 5.0]);
+        let later = |t: f64| if t < 15.0 { 1.0 } else { 5.0 };
+        assert_eq!(ahead(&series(&times_s, 0), later, 0.5), [1.0, 1.0, 1.0, 1.0, 1.0, 5.0, 5.0]);
+        // A sensor without a reading has no column there.
+        let mut silent = series(&times_s, 0);
+        silent.readings[2] = [0; SENSORS];
+        assert_eq!(ahead(&silent, |t| t, 0.5)[1..4], [3.5, 5.0, 7.5]);
+    }
+
+    /// A right signal is tried first; nothing else is tried of effects that no such signal makes.
+    #[test]
+    fn a_right_signal_comes_first() {
+        for effect in EffectId::ALL {
+            assert_eq!(errors(effect)[0], SignalError::default());
+        }
+        assert_eq!(errors(EffectId::BaroAngleOfAttack).len(), 9);
+        assert_eq!(errors(EffectId::BaroAcceleration).len(), 1);
+    }
+}
