@@ -7,7 +7,7 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use host_tests::blind::{Score, draw, run, table};
+use host_tests::blind::{Family, Score, draw, run, table};
 
 const FIRST_SEED: u64 = 9_001;
 const TRIALS: u64 = 60;
@@ -25,7 +25,7 @@ fn the_diagnosis_is_right_as_often_as_promised() {
                         break;
                     }
                     // A plan that the aircraft can't fly is no trial.
-                    if let Ok(trial) = run(draw(seed)) {
+                    if let Ok(trial) = run(draw(Family::Dynamic, seed)) {
                         trials.lock().unwrap().push(trial);
                     }
                 }

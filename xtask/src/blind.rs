@@ -60,9 +60,9 @@ struct Marks {
 }
 
 /// Flies blind trials; their lines and tables go to standard output as they come.
-pub fn run(trials: u64, seed: u64, verbose: bool) -> anyhow::Result<()> {
+pub fn run(trials: u64, seed: u64, family: &str, verbose: bool) -> anyhow::Result<()> {
     let mut program = built("blind", verbose)?;
-    program.args([&trials.to_string(), "--seed", &seed.to_string()]);
+    program.args([&trials.to_string(), "--seed", &seed.to_string(), "--family", family]);
     if verbose {
         program.arg("--verbose");
     }

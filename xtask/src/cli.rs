@@ -72,6 +72,9 @@ pub enum Job {
         /// The first trial's seed; each further one's is one more.
         #[arg(long, default_value_t = 1)]
         seed: u64,
+        /// The generator: `dynamic` (`pylon simulate`), or `kinematic`, which shares nothing with it.
+        #[arg(long, default_value = "dynamic", value_parser = ["dynamic", "kinematic"])]
+        family: String,
     },
     /// Search simulated flights with a hidden law of the recorded signals for it, blind, and count how often the search is right.
     Laws {

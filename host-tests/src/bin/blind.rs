@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use anyhow::Context as _;
 use clap::Parser;
-use host_tests::blind::{Case, Kind, Plan, Trial, draw, fly, improvement, reliability, run, table};
+use host_tests::blind::{Case, Family, Kind, Plan, Trial, draw, fly, improvement, reliability, run, table};
 use host_tests::confusion::confusion;
 use indicatif::{ProgressBar, ProgressStyle};
 use model::Model;
@@ -25,6 +25,9 @@ struct Arguments {
     /// The first trial's seed; each further one's is one more.
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// The generator: `pylon simulate`, or one that shares nothing with it.
+    #[arg(long, value_enum, default_value_t)]
+    family: Family,
     /// Print every trial's scenario and diagnosis as well.
     #[arg(long, short)]
     verbose: bool,
@@ -71,7 +74,7 @@ fn main() -> anyhow::Result<()> {
                     if seed >= end {
                         break;
                     }
-                    let trial = one(draw(seed), arguments.dump.as_deref());
+                    let trial = one(draw(arguments.family, seed), arguments.dump.as_deref());
                     bar.inc(1);
                     if let Ok(mut results) = results.lock() {
                         results.push((seed, trial));

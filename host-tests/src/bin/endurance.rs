@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context as _, ensure};
 use clap::{Parser, Subcommand};
-use host_tests::blind::{draw, fly as fly_trial};
+use host_tests::blind::{Family, draw, fly as fly_trial};
 use host_tests::endurance::LongFlight;
 use indicatif::{ProgressBar, ProgressStyle};
 use kf_core::sensor::Sensor;
@@ -95,7 +95,7 @@ fn random(flights: u64, seed: u64) -> anyhow::Result<()> {
     let (mut flown, mut ticks, mut latched, mut next) = (0, 0_u64, 0, seed);
     while flown < flights {
         // A plan that the aircraft can't fly is none; the next seed has another.
-        let trial = fly_trial(&draw(next), 0);
+        let trial = fly_trial(&draw(Family::Dynamic, next), 0);
         next += 1;
         let Ok(trial) = trial else { continue };
         let replay = Replay::new(&trial.flight, &model, None)?;

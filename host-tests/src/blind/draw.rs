@@ -34,16 +34,28 @@ pub enum Plan {
     Level,
 }
 
+/// Which generator flies a trial.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Family {
+    /// `pylon simulate`: forces move the aircraft; the noise is the estimator's own.
+    #[default]
+    Dynamic,
+    /// Another path, the effects by their physics, and noise that the estimator does not assume.
+    Kinematic,
+}
+
 /// A trial before it is flown.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
+    /// Its generator.
+    pub family: Family,
     /// Its seed.
     pub seed: u64,
     /// What is hidden.
     pub kind: Kind,
     /// How rich the flight is.
     pub plan: Plan,
-    /// The scenario, without effects.
+    /// The scenario, without effects; the kinematic family has only a name there.
     pub scenario: String,
     /// Columns that were not recorded.
     pub missing: Vec<&'static str>,
@@ -51,7 +63,14 @@ pub struct Case {
 
 /// Draws a trial.
 #[must_use]
-pub fn draw(seed: u64) -> Case {
+pub fn draw(family: Family, seed: u64) -> Case {
+    match family {
+        Family::Dynamic => dynamic(seed),
+        Family::Kinematic => super::kinematic::draw(seed),
+    }
+}
+
+fn dynamic(seed: u64) -> Case {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let plan = match random.random_range(0..100) {
         0..60 => Plan::Rich,
@@ -61,14 +80,14 @@ pub fn draw(seed: u64) -> Case {
     let kind = kind(&mut random);
     let missing = missing(&mut random);
     let scenario = scenario(&mut random, plan, seed);
-    Case { seed, kind, plan, scenario, missing }
+    Case { family: Family::Dynamic, seed, kind, plan, scenario, missing }
 }
 
 fn log_uniform(random: &mut impl Rng, low: f64, high: f64) -> f64 {
     (low.ln() + (high / low).ln() * random.random::<f64>()).exp()
 }
 
-fn kind(random: &mut impl Rng) -> Kind {
+pub(super) fn kind(random: &mut impl Rng) -> Kind {
     let size = |random: &mut ChaCha| log_uniform(random, 0.7, 30.0);
     let mut inner = ChaCha::seed_from_u64(random.random());
     match random.random_range(0..100) {

@@ -4,10 +4,10 @@ use anyhow::{Context as _, bail};
 use pylon::flight::{Channel, Column, Flight};
 use pylon::simulate::scenario::{Effect, EffectId, InjectionPhase};
 use pylon::simulate::{Scenario, TruthSample, regressor, simulate};
-use rand::{RngExt as _, SeedableRng as _};
+use rand::{Rng, RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
-use super::draw::{Case, Kind};
+use super::draw::{Case, Family, Kind};
 
 /// A flown trial.
 #[derive(Clone, Debug)]
@@ -26,6 +26,13 @@ pub struct Flown {
 /// # Errors
 /// When the aircraft can't fly the plan, or a column is not there.
 pub fn fly(case: &Case, number: u64) -> anyhow::Result<Flown> {
+    match case.family {
+        Family::Dynamic => dynamic(case, number),
+        Family::Kinematic => super::kinematic::fly(case, number),
+    }
+}
+
+fn dynamic(case: &Case, number: u64) -> anyhow::Result<Flown> {
     let mut scenario = Scenario::from_toml(&case.scenario, "blind")?;
     let first = case.seed.wrapping_mul(1000);
     let seed = first.wrapping_add(number);
@@ -58,8 +65,8 @@ pub fn fly(case: &Case, number: u64) -> anyhow::Result<Flown> {
                 }
                 let sign = if random.random::<bool>() { 1.0 } else { -1.0 };
                 // Nature sets a limit; a level flight can't be made to show everything.
-                let size_m = (size * noise_m).min(largest(*id) * spread);
-                effects.push((Effect { coefficient: sign * size_m / spread, ..unit }, size_m));
+                let coefficient = natural(*id, sign * size * noise_m / spread, &mut random);
+                effects.push((Effect { coefficient, ..unit }, coefficient.abs() * spread));
             }
             effects.sort_by(|a, b| b.1.total_cmp(&a.1));
             scenario.effect = effects.iter().map(|(effect, _)| *effect).collect();
@@ -97,15 +104,17 @@ pub fn fly(case: &Case, number: u64) -> anyhow::Result<Flown> {
     Ok(Flown { flight, effects, noise_m })
 }
 
-/// Largest coefficient that is drawn: twice what the catalogue takes for plausible.
-fn largest(id: EffectId) -> f64 {
+/// A drawn coefficient if nature allows it, else one that she does, of its sign if there is any.
+pub(super) fn natural(id: EffectId, drawn: f64, random: &mut impl Rng) -> f64 {
     let known = kf_core::effect::EffectId::from_name(id.name());
-    let bounds = known.map_or([-1.0, 1.0], kf_core::effect::EffectId::plausible);
-    2.0 * bounds.iter().fold(0.0_f64, |most, bound| most.max(f64::from(bound.abs())))
+    let [least, most] = known.map_or([-1.0, 1.0], kf_core::effect::EffectId::plausible).map(f64::from);
+    let drawn = if least < 0.0 { drawn } else { drawn.abs() };
+    let limit = if drawn < 0.0 { least } else { most };
+    if (least..=most).contains(&drawn) { drawn } else { limit * random.random_range(0.3..1.0) }
 }
 
 /// The phase in which an effect acts by the catalogue's definition of its clock.
-const fn phase(id: EffectId) -> InjectionPhase {
+pub(super) const fn phase(id: EffectId) -> InjectionPhase {
     match id {
         EffectId::BaroWarmUp
         | EffectId::BaroDrift

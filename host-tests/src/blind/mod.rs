@@ -7,12 +7,13 @@
 pub(crate) mod draw;
 pub(crate) mod flight;
 pub mod improvement;
+mod kinematic;
 mod outside;
 mod reliability;
 mod score;
 mod trial;
 
-pub use draw::{Case, Kind, Plan, draw};
+pub use draw::{Case, Family, Kind, Plan, draw};
 pub use flight::fly;
 pub use reliability::reliability;
 pub use score::{Score, Share, table};

@@ -1,0 +1,124 @@
+//! A second family of simulated flights, which shares nothing with `pylon simulate` but the record of the truth: other motion (kinematics),
+//! the effects by their physics, and noise that the estimator does not assume. DESIGN.md's inverse crime is what it is against.
+
+mod disturbance;
+mod instruments;
+mod path;
+mod physics;
+
+use pylon::flight::Channel;
+use pylon::simulate::scenario::Effect;
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+
+use super::draw::{Case, Family, Kind, Plan, kind};
+use super::flight::{Flown, add, natural, phase, spread};
+use instruments::{Instruments, Recorded, record};
+use path::{Airframe, STEP_S};
+
+/// Columns that a flight may lack, with the chance in a hundred.
+const MAY_BE_MISSING: [(&[&str], u32); 7] = [
+    (&["aoa_rad", "sideslip_rad"], 30),
+    (&["tas_mps"], 10),
+    (&["throttle"], 15),
+    (&["baro_temp_c"], 20),
+    (&["oat_c"], 40),
+    (&["imu_master_alt_m"], 40),
+    (&["sideslip_rad"], 10),
+];
+
+/// Draws a trial of this family.
+pub(super) fn draw(seed: u64) -> Case {
+    let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x6b69_6e65);
+    let plan = match random.random_range(0..100) {
+        0..60 => Plan::Rich,
+        60..85 => Plan::Poor,
+        _ => Plan::Level,
+    };
+    let kind = kind(&mut random);
+    let mut missing: Vec<&'static str> = Vec::new();
+    for (columns, chance) in MAY_BE_MISSING {
+        if random.random_range(0..100) < chance {
+            for column in columns {
+                if !missing.contains(column) {
+                    missing.push(column);
+                }
+            }
+        }
+    }
+    let scenario = format!("kinematic family, seed {seed}\n");
+    Case { family: Family::Kinematic, seed, kind, plan, scenario, missing }
+}
+
+/// Flies a case of this family; with another `number` the same aircraft in other air on another path.
+///
+/// # Errors
+/// When a column is not there.
+pub(super) fn fly(case: &Case, number: u64) -> anyhow::Result<Flown> {
+    let mut aircraft = ChaCha8Rng::seed_from_u64(case.seed.wrapping_mul(1000) ^ 0x61_6972);
+    let airframe = Airframe::draw(&mut aircraft);
+    let mut instruments = Instruments::draw(&mut aircraft);
+    let air = |number: u64| ChaCha8Rng::seed_from_u64(case.seed.wrapping_mul(1000).wrapping_add(number));
+    if let Kind::SmoothedGps(time_s) = case.kind {
+        instruments.smooth(time_s);
+    }
+    // The coefficients are made from the first flight, whichever is flown.
+    let mut random = air(0);
+    let first = path::fly(&airframe, case.plan, &mut random);
+    let Recorded { noise_m, .. } = record(&first, &[], &instruments, &mut random);
+    let mut effects: Vec<(Effect, f64)> = Vec::new();
+    if let Kind::Effects(drawn) = &case.kind {
+        for (id, time_constant_s, size) in drawn {
+            let unit = Effect {
+                id: *id,
+                coefficient: 1.0,
+                phase: phase(*id),
+                time_constant_s: *time_constant_s,
+                width_m: None,
+            };
+            let spread = spread(&physics::unit_m(&unit, &first), &first);
+            if spread < 1e-9 {
+                continue;
+            }
+            let own_noise_m = noise_m[usize::from(id.name().starts_with("imu."))];
+            let sign = if aircraft.random::<bool>() { -1.0 } else { 1.0 };
+            let coefficient = natural(*id, sign * size * own_noise_m / spread, &mut aircraft);
+            effects.push((Effect { coefficient, ..unit }, coefficient.abs() * spread / own_noise_m));
+        }
+        effects.sort_by(|a, b| b.1.total_cmp(&a.1));
+    }
+    let acting: Vec<Effect> = effects.iter().map(|(effect, _)| *effect).collect();
+    let (truth, mut random) = if number == 0 {
+        (first, air(0x1000))
+    } else {
+        let mut random = air(number);
+        (path::fly(&airframe, case.plan, &mut random), random)
+    };
+    let mut flight = record(&truth, &acting, &instruments, &mut random).flight;
+    match &case.kind {
+        Kind::Outside(outside, size) => {
+            let shape = outside.shape(&truth);
+            let spread = spread(&shape, &truth);
+            let own_noise_m = noise_m[usize::from(outside.is_inertial())];
+            let scale = if spread > 1e-9 { size * own_noise_m / spread } else { 0.0 };
+            let channel = if outside.is_inertial() { Channel::ImuSlaveAltM } else { Channel::BaroPa };
+            add(&mut flight, channel, &shape, scale)?;
+        }
+        Kind::Glitch(jump_m) => {
+            let captive_s = truth.iter().filter(|row| row.captive).count() as f64 * STEP_S;
+            let free_s = truth.len() as f64 * STEP_S - captive_s;
+            let start_s = captive_s + free_s * random.random_range(0.1..0.8);
+            let end_s = start_s + random.random_range(1.0..8.0);
+            let within = |row: &pylon::simulate::TruthSample| (start_s..end_s).contains(&row.time_s);
+            let shape: Vec<f64> = truth.iter().map(|row| f64::from(u8::from(within(row)))).collect();
+            add(&mut flight, Channel::GpsAltM, &shape, *jump_m)?;
+        }
+        Kind::Null | Kind::Effects(_) | Kind::SmoothedGps(_) => {}
+    }
+    flight.channels.retain(|(channel, _)| !case.missing.contains(&channel.name()));
+    for (effect, _) in &mut effects {
+        effect.coefficient /= instruments.effective(effect.id);
+    }
+    // Sizes are over each effect's own noise already.
+    Ok(Flown { flight, effects, noise_m: 1.0 })
+}
