@@ -16,7 +16,7 @@ use super::diagnosis::Diagnosis;
 use super::excitation::SEEN_SIGMAS;
 use super::from_replay::epochs;
 use super::information::{Information, Solution};
-use super::judge::SUSPECT;
+use super::judge::{SUSPECT, is_lift};
 use super::named_replay::NamedReplay;
 use super::noise::{Noise, NoisePrior};
 use super::outlook::{EffectOutlook, MemberOutlook, Outlook, SetOutlook};
@@ -172,7 +172,9 @@ impl Planner {
             };
             let members = set.into_iter().map(|(effect, share)| (effect, share, column(effect)));
             let members: Vec<_> = members.collect();
-            (members.len() > 1).then_some(Set { place, members })
+            let effects: Vec<EffectId> = members.iter().map(|(effect, ..)| *effect).collect();
+            let is_lift = members.iter().all(|(.., column)| column.is_some()) && is_lift(&effects);
+            (members.len() > 1 && !is_lift).then_some(Set { place, members })
         };
         let sets: Vec<Set> = findings.rivals.iter().enumerate().filter_map(set).collect();
         let of_sets = sets.iter().flat_map(|set| set.members.iter().filter_map(|(.., column)| *column));

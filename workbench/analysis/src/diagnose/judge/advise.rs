@@ -3,7 +3,7 @@
 use kf_core::effect::EffectId;
 use kf_core::sensor::Sensor;
 
-use super::{Findings, Judge};
+use super::{Findings, Judge, is_lift};
 use crate::diagnose::advice;
 use crate::diagnose::diagnosis::{SensorDiagnosis, Verdict};
 use crate::diagnose::manoeuvres::Trim;
@@ -124,7 +124,8 @@ impl Judge<'_> {
             let why = shared.map_or_else(String::new, |shared| {
                 format!(" Their regressors are correlated by {:.3} on these flights.", shared.sqrt())
             });
-            let found = sizes.filter(|_| columns.len() > 1).and_then(|sizes| {
+            let is_lift = hidden.is_empty() && is_lift(&set);
+            let found = sizes.filter(|_| columns.len() > 1 && !is_lift).and_then(|sizes| {
                 advice::to_separate(
                     self.problem,
                     &explanation.fit.noise,
@@ -135,21 +136,29 @@ impl Judge<'_> {
                 )
             });
             let names: Vec<&str> = set.iter().map(|effect| effect.name()).collect();
-            let fly = found.map_or_else(String::new, |advice| {
-                if advice.sigmas >= 3.0 {
-                    format!(
-                        " To separate them fly {} (they would differ by {:.0} sigma).",
-                        advice.manoeuvre, advice.sigmas
-                    )
-                } else if advice.sigmas >= 0.5 {
-                    format!(
-                        " No manoeuvre separates them well; the best is {} ({:.1} sigma).",
-                        advice.manoeuvre, advice.sigmas
-                    )
-                } else {
-                    " No manoeuvre separates them.".to_owned()
-                }
-            });
+            let unseparated = if is_lift {
+                " No manoeuvre separates them: lift makes the one of the other, and a vane answers later than an accelerometer."
+            } else {
+                ""
+            };
+            let fly = found.map_or_else(
+                || unseparated.to_owned(),
+                |advice| {
+                    if advice.sigmas >= 3.0 {
+                        format!(
+                            " To separate them fly {} (they would differ by {:.0} sigma).",
+                            advice.manoeuvre, advice.sigmas
+                        )
+                    } else if advice.sigmas >= 0.5 {
+                        format!(
+                            " No manoeuvre separates them well; the best is {} ({:.1} sigma).",
+                            advice.manoeuvre, advice.sigmas
+                        )
+                    } else {
+                        " No manoeuvre separates them.".to_owned()
+                    }
+                },
+            );
             // What one sensor alone shows may be its own or the reference's.
             let is_of_reference = |effect: &&EffectId| effect.subject().name() == "gps";
             let sensors = Sensor::ALL.iter().filter(|s| self.epochs.iter().any(|e| e.series.has(s.index())));

@@ -47,6 +47,13 @@ const STAND_INS: [(EffectId, EffectId); 6] = [
     (EffectId::ImuAccelBias, EffectId::ImuVibration),
 ];
 
+/// Whether a set is a load factor and an angle of attack alone. Where the load factor fits better, no flight separates them: it is measured at
+/// once, and a vane late.
+pub(super) fn is_lift(set: &[EffectId]) -> bool {
+    set.len() == 2
+        && [EffectId::BaroAcceleration, EffectId::BaroAngleOfAttack].iter().all(|effect| set.contains(effect))
+}
+
 /// The least probability at which an effect is a suspect: odds of 19 to 1.
 pub(super) const SUSPECT: f64 = 0.05;
 

@@ -9,10 +9,11 @@ use crate::diagnose::search::Search;
 
 const BLOCKS: usize = 400;
 
-/// The barometer's verdict on a flight with a roll angle that is `sine(4)`.
+/// The barometer's verdict on a flight at a steady airspeed with a roll angle that is `sine(4)`.
 fn of_baro(small: &Small) -> SensorDiagnosis {
     let roll = |block: usize| 0.4 * sine(4, block);
-    let epochs = [small.epochs(&[("roll_rad", &roll)])];
+    let airspeed = |_: usize| 30.0;
+    let epochs = [small.epochs(&[("roll_rad", &roll), ("tas_mps", &airspeed)])];
     let flights = [small.series.clone()];
     let (problem, suspects) = (problem(&flights), small.suspects());
     let mut search = Search::new(&problem, &suspects);
@@ -78,4 +79,43 @@ fn a_rest_that_follows_a_signal_is_an_unknown_effect() {
     let found = of_baro(&candidates(Small::new(BLOCKS, 4)).error(|block| 5.0 * 0.4 * sine(4, block)));
     assert_eq!(found.verdict, Verdict::UnknownEffect);
     assert_eq!(found.follows[0].signal, "roll_rad");
+}
+
+/// An angle of attack and a load factor that are not quite alike, and an error that is all the one's.
+fn lift(seed: u64, error: impl Fn(usize) -> f64) -> SensorDiagnosis {
+    let small = candidates(Small::new(BLOCKS, seed))
+        .candidate(EffectId::BaroAngleOfAttack, |block| sine(2, block))
+        .candidate(EffectId::BaroAcceleration, |block| sine(2, block) + sine(3, block))
+        .error(error);
+    of_baro(&small)
+}
+
+/// A load factor is measured at once and an angle of attack late, so that the load factor's better fit is no word against the angle; and no
+/// manoeuvre is advised, for none would change that.
+#[test]
+fn a_load_factor_that_fits_better_is_a_set_with_the_angle_of_attack() {
+    let found = lift(5, |block| 4.0 * (sine(2, block) + sine(3, block)));
+    assert_eq!(found.verdict, Verdict::Indistinguishable);
+    assert_eq!(found.indistinguishable, [["baro.acceleration", "baro.angle_of_attack"]]);
+    assert!(found.advice.contains("No manoeuvre separates them: lift makes"), "{}", found.advice);
+}
+
+/// The angle's better fit, though, is one.
+#[test]
+fn an_angle_of_attack_that_fits_better_is_identified() {
+    let found = lift(6, |block| 4.0 * sine(2, block));
+    assert_eq!((found.verdict, found.missing), (Verdict::Identified, vec!["baro.angle_of_attack".into()]));
+}
+
+/// What a tenth of a large effect's squares could make by an error of its shape is no effect of its own; twice that is.
+#[test]
+fn a_small_rest_beside_a_large_effect_is_its_shapes() {
+    let named = |share: f64| {
+        let error = move |block: usize| 1.5 * (10.0 * sine(0, block) + share * 100.0 * sine(1, block));
+        let found = of_baro(&candidates(Small::new(BLOCKS, 7)).error(error));
+        assert_eq!(found.verdict, Verdict::Identified, "{share}: {found:?}");
+        found.missing
+    };
+    assert_eq!(named(0.004), ["baro.lag"]);
+    assert_eq!(named(0.04).len(), 2);
 }
