@@ -446,6 +446,24 @@ fn logs_of_computers_without_a_receivers_altitude_are_named() {
     assert_eq!(files(path), ["flight.cfl", "raven.csv"]);
 }
 
+/// A MATLAB file of either version, with what to do instead.
+#[test]
+fn a_matlab_file_is_named_for_what_it_is() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    for version in ["5.0", "7.3"] {
+        let header = format!("{:<124}", format!("MATLAB {version} MAT-file, Platform: GLNXA64"));
+        fs::write(path.join("log.mat"), [header.as_bytes(), b"\x00\x01IM", &[0xe3; 300]].concat()).unwrap();
+        for command in
+            [&["open", "log.mat"][..], &["import", "log.mat", "-o", "flight.csv"], &["compare", "log.mat"]]
+        {
+            let said = refusal(path, command);
+            assert!(said.contains("log.mat: a MATLAB file (.mat)") && said.contains("writetable"), "{said}");
+        }
+    }
+    assert_eq!(files(path), ["log.mat"]);
+}
+
 /// Never `baro.scale = -1`, which is what a barometer that does not move looks like.
 #[test]
 fn a_barometer_that_is_stuck_is_said_and_nothing_is_diagnosed_by_it() {

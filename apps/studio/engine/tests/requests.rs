@@ -46,6 +46,7 @@ fn a_file_that_is_no_log_is_refused_in_the_importers_own_words_and_nothing_is_lo
     for (bytes, says) in [
         (&b""[..], "empty"),
         (b"PK\x03\x04rest", "ZIP archive"),
+        (b"MATLAB 5.0 MAT-file, Platform: GLNXA64", "writetable"),
         (b"# pylon-flight: 1\ntime_s,gps_alt_m,baro_alt_m\n0,1,2\nx,1,2\n", "row"),
         (b"\x00\x01\x02\x03\x04\x05\x06\x07", "expected"),
     ] {

@@ -139,6 +139,11 @@ pub enum ImportError {
         /// What kind of archive.
         kind: &'static str,
     },
+    /// A MATLAB file, which holds whatever its user put into it.
+    #[error(
+        "a MATLAB file (.mat), which pylon does not read: save its table as CSV (in MATLAB: writetable or writetimetable), and import that with --guess"
+    )]
+    Matlab,
     /// Text of two bytes a letter.
     #[error("text in UTF-16, expected UTF-8: save it as UTF-8 (iconv -f UTF-16 -t UTF-8) and import that")]
     Utf16,

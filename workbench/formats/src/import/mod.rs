@@ -151,6 +151,7 @@ pub fn as_logged(log: &[u8]) -> Result<(Flight, Vec<Note>), ImportError> {
         Some(importer) => importer.import(log),
         #[cfg(feature = "parquet")]
         None if parquet::is_cut(log) => Err(ImportError::Parquet(parquet::ParquetError::Cut)),
+        None if is_matlab(log) => Err(ImportError::Matlab),
         None if is_utf16(log) => Err(ImportError::Utf16),
         None => {
             let packed = || archive(log).map(|kind| ImportError::Packed { kind });
@@ -169,6 +170,11 @@ fn archive(log: &[u8]) -> Option<&'static str> {
         (b"BZh", "bzip2 archive"),
     ];
     KINDS.iter().find(|(magic, _)| log.starts_with(magic)).map(|(_, kind)| *kind)
+}
+
+/// A MAT-file of MATLAB 5 to 7, or of 7.3 ("MAT-File Format", MathWorks, chapter 1: the header's text).
+fn is_matlab(log: &[u8]) -> bool {
+    [&b"MATLAB 5.0 MAT-file"[..], b"MATLAB 7.3 MAT-file"].iter().any(|text| log.starts_with(text))
 }
 
 /// Text of two bytes a letter, as some programs of Windows save it: by its mark, or by zeros in every other place.
@@ -197,6 +203,9 @@ pub fn open(bytes: &[u8], name: &str, executor: &dyn Executor) -> Result<(Flight
     }
     if let Some(kind) = archive(bytes).filter(|_| !is_csv) {
         return Err(ImportError::Packed { kind }.into());
+    }
+    if is_matlab(bytes) {
+        return Err(ImportError::Matlab.into());
     }
     if !is_csv && is_utf16(bytes) {
         return Err(ImportError::Utf16.into());
