@@ -9,7 +9,7 @@ use replay::Replay;
 /// A fitted coefficient may be that many sigmas outside of a range and come from inside of it: 2.3 % one-sided.
 const SIGMAS: f64 = 2.0;
 
-/// A range is a round number: a quarter beyond it is not impossible yet.
+/// A range is a round number: where the climb rate is measured, a quarter beyond it is not impossible yet.
 const LENIENT: f64 = 1.25;
 
 /// By how much more than it has by itself an effect may reach that stands in for another one: an acceleration for an angle of attack (6.3 a
@@ -18,10 +18,12 @@ const LENIENT: f64 = 1.25;
 const STAND_INS: [(EffectId, f64); 2] = [(EffectId::BaroAcceleration, 3.0), (EffectId::BaroWarmUp, 2.0)];
 
 /// The range of a coefficient: nature's, its sign included. With one free sensor all that can be seen of a lag and of a latency is their
-/// difference, and its sign is what names it; with more of them, what would need an impossible size is another effect.
+/// difference, and its sign is what names it; with more of them, what would need an impossible size is another effect. Where the climb rate is not
+/// measured it is exactly nature's.
 #[must_use]
-pub fn range(effect: EffectId) -> [f64; 2] {
-    let reach = STAND_INS.iter().find(|(stand_in, _)| *stand_in == effect).map_or(1.0, |(_, reach)| *reach);
+pub fn range(effect: EffectId, has_climb_rate: bool) -> [f64; 2] {
+    let stand_in = STAND_INS.iter().find(|(stand_in, _)| *stand_in == effect);
+    let reach = if has_climb_rate { LENIENT * stand_in.map_or(1.0, |(_, reach)| *reach) } else { 1.0 };
     effect.plausible().map(|limit| reach * f64::from(limit))
 }
 
@@ -42,7 +44,7 @@ pub fn is_possible(bounds: &[Bounds], solution: &Solution) -> bool {
         let Bounds { range: [least, most], scale } = *bounds;
         let rough = scale * coefficient;
         let slack = SIGMAS * (solution.covariance[k * n + k] + rough * rough).sqrt();
-        (LENIENT * least - slack..=LENIENT * most + slack).contains(coefficient)
+        (least - slack..=most + slack).contains(coefficient)
     })
 }
 

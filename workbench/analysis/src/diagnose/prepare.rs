@@ -107,7 +107,10 @@ impl Prepared {
             is_rough: effects().map(|effect| is_rough(&self.epochs, effect)).collect(),
             shape: effects().map(|effect| shape(&self.epochs, effect)).collect(),
             bounds: effects()
-                .map(|effect| Bounds { range: range(effect), scale: scale(&self.epochs, effect) })
+                .map(|effect| Bounds {
+                    range: range(effect, self.has_climb_rate),
+                    scale: scale(&self.epochs, effect),
+                })
                 .collect(),
         };
         Suspects::new(&self.candidates, regressors, usable)
