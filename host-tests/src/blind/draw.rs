@@ -72,18 +72,22 @@ pub fn draw(family: Family, seed: u64) -> Case {
 
 fn dynamic(seed: u64) -> Case {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let plan = match random.random_range(0..100) {
-        0..60 => Plan::Rich,
-        60..85 => Plan::Poor,
-        _ => Plan::Level,
-    };
+    let plan = plan(&mut random);
     let kind = kind(&mut random);
-    let missing = missing(&mut random);
+    let missing = missing(&MAY_BE_MISSING, &mut random);
     let scenario = scenario(&mut random, plan, seed);
     Case { family: Family::Dynamic, seed, kind, plan, scenario, missing }
 }
 
-fn log_uniform(random: &mut impl Rng, low: f64, high: f64) -> f64 {
+pub(super) fn plan(random: &mut impl Rng) -> Plan {
+    match random.random_range(0..100) {
+        0..60 => Plan::Rich,
+        60..85 => Plan::Poor,
+        _ => Plan::Level,
+    }
+}
+
+pub(super) fn log_uniform(random: &mut impl Rng, low: f64, high: f64) -> f64 {
     (low.ln() + (high / low).ln() * random.random::<f64>()).exp()
 }
 
@@ -134,11 +138,16 @@ const MAY_BE_MISSING: [(&[&str], u32); 6] = [
     (&["imu_master_alt_m"], 20),
 ];
 
-fn missing(random: &mut impl Rng) -> Vec<&'static str> {
-    let mut missing = Vec::new();
-    for (columns, chance) in MAY_BE_MISSING {
-        if random.random_range(0..100) < chance {
-            missing.extend(columns);
+/// Draws the columns that were not recorded, of groups that a flight may lack with a chance in a hundred.
+pub(super) fn missing(may_be: &[(&'static [&'static str], u32)], random: &mut impl Rng) -> Vec<&'static str> {
+    let mut missing: Vec<&'static str> = Vec::new();
+    for (columns, chance) in may_be {
+        if random.random_range(0..100) < *chance {
+            for column in *columns {
+                if !missing.contains(column) {
+                    missing.push(column);
+                }
+            }
         }
     }
     missing

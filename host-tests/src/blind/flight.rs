@@ -1,5 +1,7 @@
 //! A trial's flight.
 
+use std::ops::Range;
+
 use anyhow::{Context as _, bail};
 use pylon::flight::{Channel, Column, Flight};
 use pylon::simulate::scenario::{Effect, EffectId, InjectionPhase};
@@ -8,6 +10,7 @@ use rand::{Rng, RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
 use super::draw::{Case, Family, Kind};
+use super::outside::Outside;
 
 /// A flown trial.
 #[derive(Clone, Debug)]
@@ -50,13 +53,7 @@ fn dynamic(case: &Case, number: u64) -> anyhow::Result<Flown> {
         Kind::Effects(drawn) => {
             let mut random = ChaCha8Rng::seed_from_u64(case.seed ^ 0x5eed);
             for (id, time_constant_s, size) in drawn {
-                let unit = Effect {
-                    id: *id,
-                    coefficient: 1.0,
-                    phase: phase(*id),
-                    time_constant_s: *time_constant_s,
-                    width_m: None,
-                };
+                let unit = unit(*id, *time_constant_s);
                 noise_m = if id.name().starts_with("imu") { noise(imu) } else { noise(baro) };
                 let spread =
                     spread(&regressor(&unit, &truth.trajectory, scenario.latitude_deg), &truth.trajectory);
@@ -77,31 +74,54 @@ fn dynamic(case: &Case, number: u64) -> anyhow::Result<Flown> {
     let (mut flight, truth) = simulate(&scenario, seed).map_err(|error| anyhow::anyhow!("{error}"))?;
     match &case.kind {
         Kind::Outside(outside, size) => {
-            let shape = outside.shape(&truth.trajectory);
-            let spread = spread(&shape, &truth.trajectory);
             if outside.is_inertial() {
                 noise_m = noise(imu);
             }
-            let scale = if spread > 1e-9 { size * noise_m / spread } else { 0.0 };
-            let channel = if outside.is_inertial() { Channel::ImuSlaveAltM } else { Channel::BaroPa };
-            add(&mut flight, channel, &shape, scale)?;
+            add_outside(&mut flight, &truth.trajectory, *outside, size * noise_m)?;
         }
         Kind::Glitch(jump_m) => {
-            let free_s = scenario.duration_s() - scenario.captive.duration_s;
             let mut random = ChaCha8Rng::seed_from_u64(seed);
-            let start_s = scenario.captive.duration_s + free_s * random.random_range(0.1..0.8);
-            let end_s = start_s + random.random_range(1.0..8.0);
-            let shape: Vec<f64> = truth
-                .trajectory
-                .iter()
-                .map(|sample| f64::from(u8::from((start_s..end_s).contains(&sample.time_s))))
-                .collect();
-            add(&mut flight, Channel::GpsAltM, &shape, *jump_m)?;
+            let free_s = scenario.captive.duration_s..scenario.duration_s();
+            add_glitch(&mut flight, &truth.trajectory, free_s, *jump_m, &mut random)?;
         }
         Kind::Null | Kind::Effects(_) | Kind::SmoothedGps(_) => {}
     }
     flight.channels.retain(|(channel, _)| !case.missing.contains(&channel.name()));
     Ok(Flown { flight, effects, noise_m })
+}
+
+/// One unit of an effect.
+pub(super) fn unit(id: EffectId, time_constant_s: Option<f64>) -> Effect {
+    Effect { id, coefficient: 1.0, phase: phase(id), time_constant_s, width_m: None }
+}
+
+/// Adds a cause from outside of the catalogue, with that rms in free flight, metres.
+pub(super) fn add_outside(
+    flight: &mut Flight,
+    truth: &[TruthSample],
+    outside: Outside,
+    size_m: f64,
+) -> anyhow::Result<()> {
+    let shape = outside.shape(truth);
+    let spread = spread(&shape, truth);
+    let scale = if spread > 1e-9 { size_m / spread } else { 0.0 };
+    let channel = if outside.is_inertial() { Channel::ImuSlaveAltM } else { Channel::BaroPa };
+    add(flight, channel, &shape, scale)
+}
+
+/// Adds a jump of the receiver's that comes back within seconds, somewhere in free flight.
+pub(super) fn add_glitch(
+    flight: &mut Flight,
+    truth: &[TruthSample],
+    free_s: Range<f64>,
+    jump_m: f64,
+    random: &mut impl Rng,
+) -> anyhow::Result<()> {
+    let start_s = free_s.start + (free_s.end - free_s.start) * random.random_range(0.1..0.8);
+    let end_s = start_s + random.random_range(1.0..8.0);
+    let is_off = |sample: &TruthSample| (start_s..end_s).contains(&sample.time_s);
+    let shape: Vec<f64> = truth.iter().map(|sample| f64::from(u8::from(is_off(sample)))).collect();
+    add(flight, Channel::GpsAltM, &shape, jump_m)
 }
 
 /// A drawn coefficient if nature allows it, else one that she does, of its sign if there is any.
@@ -114,7 +134,7 @@ pub(super) fn natural(id: EffectId, drawn: f64, random: &mut impl Rng) -> f64 {
 }
 
 /// The phase in which an effect acts by the catalogue's definition of its clock.
-pub(super) const fn phase(id: EffectId) -> InjectionPhase {
+const fn phase(id: EffectId) -> InjectionPhase {
     match id {
         EffectId::BaroWarmUp
         | EffectId::BaroDrift

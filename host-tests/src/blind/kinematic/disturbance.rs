@@ -4,6 +4,8 @@ use std::f64::consts::TAU;
 
 use rand::{Rng, RngExt as _};
 
+use crate::blind::draw::log_uniform;
+
 /// A standard normal number (Box and Muller).
 pub(super) fn normal(random: &mut impl Rng) -> f64 {
     let radius = (-2.0 * (1.0 - random.random::<f64>()).ln()).sqrt();
@@ -14,10 +16,6 @@ pub(super) fn normal(random: &mut impl Rng) -> f64 {
 pub(super) fn heavy_tailed(random: &mut impl Rng) -> f64 {
     let squares: f64 = (0..4).map(|_| normal(random).powi(2)).sum();
     normal(random) / (squares / 4.0).sqrt() / std::f64::consts::SQRT_2
-}
-
-pub(super) fn log_uniform(random: &mut impl Rng, low: f64, high: f64) -> f64 {
-    (low.ln() + (high / low).ln() * random.random::<f64>()).exp()
 }
 
 /// A gust: Gauss and Markov's process.

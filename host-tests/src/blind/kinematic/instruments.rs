@@ -6,9 +6,10 @@ use pylon::simulate::TruthSample;
 use pylon::simulate::scenario::{Effect, EffectId};
 use rand::{Rng, RngExt as _};
 
-use super::disturbance::{Gust, Steps, Tones, heavy_tailed, log_uniform, normal};
+use super::disturbance::{Gust, Steps, Tones, heavy_tailed, normal};
 use super::path::STEP_S;
-use super::physics::{altitude_m, barometer_pa, inertial_error_m, pressure_pa, receiver};
+use super::physics::{self, altitude_m, barometer_pa, inertial_error_m, pressure_pa, receiver};
+use crate::blind::draw::log_uniform;
 
 /// A signal that is measured late, scaled wrongly and with an offset.
 #[derive(Clone, Copy, Debug)]
@@ -134,229 +135,229 @@ fn quantised(value: f64, quantum: f64) -> f64 {
     (value / quantum).round() * quantum
 }
 
-/// A first-order lag of a row's value, then scale, offset and noise, at a rate.
-fn measured(
-    truth: &[TruthSample],
-    signal: &Signal,
-    rate_hz: f64,
-    random: &mut impl Rng,
-    value: &dyn Fn(&TruthSample) -> f64,
-) -> Column {
-    let mut column = Column::empty(truth.len());
-    let mut lagged: Option<f64> = None;
-    let mut next = due(truth.len(), rate_hz).peekable();
-    for (row, sample) in truth.iter().enumerate() {
-        let now = value(sample);
-        let last = lagged.unwrap_or(now);
-        let gain = if signal.lag_s > STEP_S { STEP_S / signal.lag_s } else { 1.0 };
-        let filtered = last + gain * (now - last);
-        lagged = Some(filtered);
-        if next.next_if(|due| *due == row).is_some() {
-            let reading = signal.scale * filtered + signal.offset + signal.sigma * heavy_tailed(random);
-            column.set(row, Some(reading as f32));
-        }
-    }
-    column
-}
-
 /// A channel, its signal, its rate (Hz) and what it measures.
 type Measured<'a> = (Channel, &'a Signal, f64, fn(&TruthSample) -> f64);
 
 /// Records a flight.
-pub(super) fn record(
+pub(super) fn record<R: Rng>(
     truth: &[TruthSample],
     effects: &[Effect],
     own: &Instruments,
-    random: &mut impl Rng,
+    random: &mut R,
 ) -> Recorded {
-    let rows = truth.len();
-    let mut flight = Flight {
+    let flight = Flight {
         header: Header {
             vehicle: "simulated".to_owned(),
             source: "host-tests' kinematic family, simulated".to_owned(),
             altitude_datum: AltitudeDatum::Msl,
-            other: vec![("latitude_deg".to_owned(), super::physics::LATITUDE_RAD.to_degrees().to_string())],
+            other: vec![("latitude_deg".to_owned(), physics::LATITUDE_RAD.to_degrees().to_string())],
         },
         time_s: truth.iter().map(|sample| sample.time_s).collect(),
         ..Flight::default()
     };
-    let mut launch = Column::with_capacity(rows);
-    for sample in truth {
-        launch.push(Some(if sample.captive { 0.0 } else { 1.0 }));
-    }
-    flight.set_channel(Channel::Launch, launch);
-
-    let gps_noise_m = gps(&mut flight, truth, effects, own, random);
-    let baro_noise_m = barometer(&mut flight, truth, effects, own, random);
-    let slave_noise_m = inertial_altitudes(&mut flight, truth, effects, own, random);
-    inertial(&mut flight, truth, own, random);
-
-    let signals: [Measured<'_>; 8] = [
-        (Channel::TasMps, &own.airspeed, 10.0, |s| s.airspeed_mps),
-        (Channel::AoaRad, &own.flow[0], 10.0, |s| s.angle_of_attack_rad),
-        (Channel::SideslipRad, &own.flow[1], 10.0, |s| s.sideslip_rad),
-        (Channel::RollRad, &own.attitude[0], 25.0, |s| s.euler_rad[0]),
-        (Channel::PitchRad, &own.attitude[1], 25.0, |s| s.euler_rad[1]),
-        (Channel::BaroTempC, &own.temperatures[0], own.baro_rate_hz, |s| s.baro_temperature_c),
-        (Channel::OatC, &own.temperatures[1], 2.0, |s| s.air_temperature_c),
-        (Channel::Throttle, &Signal { scale: 1.0, offset: 0.0, lag_s: 0.0, sigma: 0.005 }, 10.0, |s| {
-            s.throttle
-        }),
-    ];
-    for (channel, signal, rate_hz, value) in signals {
-        flight.set_channel(channel, measured(truth, signal, rate_hz, random, &value));
-    }
-    // A heading wraps, and is not filtered.
-    let heading = Signal { lag_s: 0.0, ..own.attitude[2] };
-    flight.set_channel(Channel::YawRad, measured(truth, &heading, 25.0, random, &|s| s.euler_rad[2]));
-
-    let noise_m = [
-        residual_noise_m(truth, &baro_noise_m, &gps_noise_m),
-        residual_noise_m(truth, &slave_noise_m, &gps_noise_m),
-    ];
-    Recorded { flight, noise_m }
+    let mut recorder = Recorder { truth, effects, own, random, flight };
+    recorder.launch();
+    let gps_noise_m = recorder.gps();
+    let baro_noise_m = recorder.barometer();
+    let slave_noise_m = recorder.inertial_altitudes();
+    recorder.inertial();
+    recorder.signals();
+    let noise_m = [&baro_noise_m, &slave_noise_m].map(|own| residual_noise_m(truth, own, &gps_noise_m));
+    Recorded { flight: recorder.flight, noise_m }
 }
 
-/// The receiver's fixes; its noise where there was a fix, m.
-fn gps(
-    flight: &mut Flight,
-    truth: &[TruthSample],
-    effects: &[Effect],
-    own: &Instruments,
-    random: &mut impl Rng,
-) -> Vec<f64> {
-    let rows = truth.len();
-    let mut noise_m = vec![f64::NAN; rows];
-    let channels = [
-        Channel::GpsAltM,
-        Channel::GpsVnMps,
-        Channel::GpsVeMps,
-        Channel::GpsVdMps,
-        Channel::GpsVaccM,
-        Channel::GpsSats,
-    ];
-    let mut columns: [Column; 6] = std::array::from_fn(|_| Column::empty(rows));
-    let mut wander = Gust::new(own.gps_wander[0], own.gps_wander[1]);
-    let [every_s, size, fade_s] = own.gps_steps;
-    let mut steps = Steps::new(every_s, size, fade_s);
-    let mut held_until_s = 0.0;
-    let mut last: Option<[f64; 6]> = None;
-    let mut smoothed = truth.first().map_or(0.0, |sample| sample.altitude_m);
-    let gain = if own.gps_smoothing_s > STEP_S { STEP_S / own.gps_smoothing_s } else { 1.0 };
-    let altitude_m: Vec<f64> = truth
-        .iter()
-        .map(|sample| {
-            smoothed += gain * (sample.altitude_m - smoothed);
-            smoothed
-        })
-        .collect();
-    for row in due(rows, own.gps_rate_hz) {
-        let sample = &truth[row];
-        let step_s = 1.0 / own.gps_rate_hz;
-        let (added_m, late_s) = receiver(sample, effects);
-        let at = row.saturating_add_signed(-(late_s / STEP_S).round() as isize).min(rows - 1);
-        let seen = &truth[at];
-        let noise =
-            wander.next(random, step_s) + steps.next(random, step_s) + own.gps_white_m * heavy_tailed(random);
-        let mut velocity = |k: usize| seen.velocity_mps[k] + own.gps_velocity_mps * heavy_tailed(random);
-        let fix = [
-            quantised(altitude_m[at] + added_m + noise, own.gps_quantum_m),
-            velocity(0),
-            velocity(1),
-            velocity(2),
-            1.5 * (own.gps_white_m + own.gps_wander[0]),
-            9.0,
+/// A flight while its instruments record it, one after the other.
+struct Recorder<'a, R> {
+    truth: &'a [TruthSample],
+    effects: &'a [Effect],
+    own: &'a Instruments,
+    random: &'a mut R,
+    flight: Flight,
+}
+
+impl<R: Rng> Recorder<'_, R> {
+    fn launch(&mut self) {
+        let mut launch = Column::with_capacity(self.truth.len());
+        for sample in self.truth {
+            launch.push(Some(if sample.captive { 0.0 } else { 1.0 }));
+        }
+        self.flight.set_channel(Channel::Launch, launch);
+    }
+
+    /// The receiver's fixes; its noise where there was a fix, m.
+    fn gps(&mut self) -> Vec<f64> {
+        let Self { truth, effects, own, .. } = *self;
+        let rows = truth.len();
+        let mut noise_m = vec![f64::NAN; rows];
+        let channels = [
+            Channel::GpsAltM,
+            Channel::GpsVnMps,
+            Channel::GpsVeMps,
+            Channel::GpsVdMps,
+            Channel::GpsVaccM,
+            Channel::GpsSats,
         ];
-        if own.gps_holds && sample.time_s > held_until_s && random.random::<f64>() < step_s / 40.0 {
-            held_until_s = sample.time_s + random.random_range(0.5..3.0);
-        }
-        let sent = match last {
-            Some(old) if sample.time_s < held_until_s => old,
-            _ => {
-                noise_m[row] = noise;
-                last = Some(fix);
-                fix
+        let mut columns: [Column; 6] = std::array::from_fn(|_| Column::empty(rows));
+        let mut wander = Gust::new(own.gps_wander[0], own.gps_wander[1]);
+        let [every_s, size, fade_s] = own.gps_steps;
+        let mut steps = Steps::new(every_s, size, fade_s);
+        let mut held_until_s = 0.0;
+        let mut last: Option<[f64; 6]> = None;
+        let mut smoothed = truth.first().map_or(0.0, |sample| sample.altitude_m);
+        let gain = if own.gps_smoothing_s > STEP_S { STEP_S / own.gps_smoothing_s } else { 1.0 };
+        let altitude_m: Vec<f64> = truth
+            .iter()
+            .map(|sample| {
+                smoothed += gain * (sample.altitude_m - smoothed);
+                smoothed
+            })
+            .collect();
+        for row in due(rows, own.gps_rate_hz) {
+            let sample = &truth[row];
+            let step_s = 1.0 / own.gps_rate_hz;
+            let (added_m, late_s) = receiver(sample, effects);
+            let at = row.saturating_add_signed(-(late_s / STEP_S).round() as isize).min(rows - 1);
+            let seen = &truth[at];
+            let noise = wander.next(self.random, step_s)
+                + steps.next(self.random, step_s)
+                + own.gps_white_m * heavy_tailed(self.random);
+            let mut velocity =
+                |k: usize| seen.velocity_mps[k] + own.gps_velocity_mps * heavy_tailed(self.random);
+            let fix = [
+                quantised(altitude_m[at] + added_m + noise, own.gps_quantum_m),
+                velocity(0),
+                velocity(1),
+                velocity(2),
+                1.5 * (own.gps_white_m + own.gps_wander[0]),
+                9.0,
+            ];
+            if own.gps_holds && sample.time_s > held_until_s && self.random.random::<f64>() < step_s / 40.0 {
+                held_until_s = sample.time_s + self.random.random_range(0.5..3.0);
             }
-        };
-        for (column, value) in columns.iter_mut().zip(sent) {
-            column.set(row, Some(value as f32));
+            let sent = match last {
+                Some(old) if sample.time_s < held_until_s => old,
+                _ => {
+                    noise_m[row] = noise;
+                    last = Some(fix);
+                    fix
+                }
+            };
+            for (column, value) in columns.iter_mut().zip(sent) {
+                column.set(row, Some(value as f32));
+            }
+        }
+        for (channel, column) in channels.into_iter().zip(columns) {
+            self.flight.set_channel(channel, column);
+        }
+        noise_m
+    }
+
+    fn barometer(&mut self) -> Vec<f64> {
+        let Self { truth, effects, own, .. } = *self;
+        let mut noise_m = vec![f64::NAN; truth.len()];
+        let mut column = Column::empty(truth.len());
+        let sensed = barometer_pa(truth, effects, own.is_hose);
+        let tones = Tones::draw(self.random, own.baro_wander_m, [8.0, 150.0]);
+        // The speed that the aircraft mostly flies at.
+        let cruise = truth.first().map_or(1.0, |sample| sample.airspeed_mps);
+        for row in due(truth.len(), own.baro_rate_hz) {
+            let buffet = own.baro_buffet_m * (truth[row].airspeed_mps / cruise).powi(2);
+            let noise = tones.at(truth[row].time_s)
+                + own.baro_white_m * heavy_tailed(self.random)
+                + buffet * normal(self.random);
+            noise_m[row] = noise;
+            let pascal = pressure_pa(altitude_m(sensed[row]) + own.baro_bias_m + noise);
+            column.set(row, Some(quantised(pascal, own.baro_quantum_pa) as f32));
+        }
+        self.flight.set_channel(Channel::BaroPa, column);
+        noise_m
+    }
+
+    fn inertial_altitudes(&mut self) -> Vec<f64> {
+        let Self { truth, effects, own, .. } = *self;
+        let mut noise_m = vec![f64::NAN; truth.len()];
+        let (mut slave, mut master) = (Column::empty(truth.len()), Column::empty(truth.len()));
+        let errors = inertial_error_m(truth, effects);
+        let tones = Tones::draw(self.random, own.slave_wander_m, [15.0, 200.0]);
+        let carrier = Tones::draw(self.random, 0.5, [20.0, 200.0]);
+        for row in due(truth.len(), 25.0) {
+            let sample = &truth[row];
+            let noise = tones.at(sample.time_s) + own.slave_white_m * heavy_tailed(self.random);
+            noise_m[row] = noise;
+            slave.set(row, Some((sample.altitude_m + own.slave_bias_m + errors[row] + noise) as f32));
+            if sample.captive {
+                let reading = sample.altitude_m + carrier.at(sample.time_s) + 0.2 * heavy_tailed(self.random);
+                master.set(row, Some(reading as f32));
+            }
+        }
+        self.flight.set_channel(Channel::ImuSlaveAltM, slave);
+        self.flight.set_channel(Channel::ImuMasterAltM, master);
+        noise_m
+    }
+
+    fn inertial(&mut self) {
+        let Self { truth, own, .. } = *self;
+        let axes = [
+            (Channel::AccelXMps2, Channel::GyroXRadps),
+            (Channel::AccelYMps2, Channel::GyroYRadps),
+            (Channel::AccelZMps2, Channel::GyroZRadps),
+        ];
+        for (axis, (accelerometer, gyro)) in axes.into_iter().enumerate() {
+            let (mut force, mut rate) = (Column::empty(truth.len()), Column::empty(truth.len()));
+            for (row, sample) in truth.iter().enumerate() {
+                let shake = sample.vibration_mps2 * normal(self.random) + 0.03 * normal(self.random);
+                let reading = sample.specific_force_mps2[axis] + own.accel_bias_mps2[axis] + shake;
+                force.set(row, Some(reading as f32));
+                let reading =
+                    sample.rate_radps[axis] + own.gyro_bias_radps[axis] + 0.004 * normal(self.random);
+                rate.set(row, Some(reading as f32));
+            }
+            self.flight.set_channel(accelerometer, force);
+            self.flight.set_channel(gyro, rate);
         }
     }
-    for (channel, column) in channels.into_iter().zip(columns) {
-        flight.set_channel(channel, column);
-    }
-    noise_m
-}
 
-fn barometer(
-    flight: &mut Flight,
-    truth: &[TruthSample],
-    effects: &[Effect],
-    own: &Instruments,
-    random: &mut impl Rng,
-) -> Vec<f64> {
-    let mut noise_m = vec![f64::NAN; truth.len()];
-    let mut column = Column::empty(truth.len());
-    let sensed = barometer_pa(truth, effects, own.is_hose);
-    let tones = Tones::draw(random, own.baro_wander_m, [8.0, 150.0]);
-    // The speed that the aircraft mostly flies at.
-    let cruise = truth.first().map_or(1.0, |sample| sample.airspeed_mps);
-    for row in due(truth.len(), own.baro_rate_hz) {
-        let buffet = own.baro_buffet_m * (truth[row].airspeed_mps / cruise).powi(2);
-        let noise =
-            tones.at(truth[row].time_s) + own.baro_white_m * heavy_tailed(random) + buffet * normal(random);
-        noise_m[row] = noise;
-        let pascal = pressure_pa(altitude_m(sensed[row]) + own.baro_bias_m + noise);
-        column.set(row, Some(quantised(pascal, own.baro_quantum_pa) as f32));
-    }
-    flight.set_channel(Channel::BaroPa, column);
-    noise_m
-}
-
-fn inertial_altitudes(
-    flight: &mut Flight,
-    truth: &[TruthSample],
-    effects: &[Effect],
-    own: &Instruments,
-    random: &mut impl Rng,
-) -> Vec<f64> {
-    let mut noise_m = vec![f64::NAN; truth.len()];
-    let (mut slave, mut master) = (Column::empty(truth.len()), Column::empty(truth.len()));
-    let errors = inertial_error_m(truth, effects);
-    let tones = Tones::draw(random, own.slave_wander_m, [15.0, 200.0]);
-    let carrier = Tones::draw(random, 0.5, [20.0, 200.0]);
-    for row in due(truth.len(), 25.0) {
-        let sample = &truth[row];
-        let noise = tones.at(sample.time_s) + own.slave_white_m * heavy_tailed(random);
-        noise_m[row] = noise;
-        slave.set(row, Some((sample.altitude_m + own.slave_bias_m + errors[row] + noise) as f32));
-        if sample.captive {
-            let reading = sample.altitude_m + carrier.at(sample.time_s) + 0.2 * heavy_tailed(random);
-            master.set(row, Some(reading as f32));
+    /// Air data, attitude, temperatures and throttle.
+    fn signals(&mut self) {
+        let own = self.own;
+        // The lever's own position.
+        let throttle = Signal { scale: 1.0, offset: 0.0, lag_s: 0.0, sigma: 0.005 };
+        // A heading wraps, and is not filtered.
+        let heading = Signal { lag_s: 0.0, ..own.attitude[2] };
+        let signals: [Measured<'_>; 9] = [
+            (Channel::TasMps, &own.airspeed, 10.0, |s| s.airspeed_mps),
+            (Channel::AoaRad, &own.flow[0], 10.0, |s| s.angle_of_attack_rad),
+            (Channel::SideslipRad, &own.flow[1], 10.0, |s| s.sideslip_rad),
+            (Channel::RollRad, &own.attitude[0], 25.0, |s| s.euler_rad[0]),
+            (Channel::PitchRad, &own.attitude[1], 25.0, |s| s.euler_rad[1]),
+            (Channel::BaroTempC, &own.temperatures[0], own.baro_rate_hz, |s| s.baro_temperature_c),
+            (Channel::OatC, &own.temperatures[1], 2.0, |s| s.air_temperature_c),
+            (Channel::Throttle, &throttle, 10.0, |s| s.throttle),
+            (Channel::YawRad, &heading, 25.0, |s| s.euler_rad[2]),
+        ];
+        for (channel, signal, rate_hz, value) in signals {
+            let column = self.measured(signal, rate_hz, value);
+            self.flight.set_channel(channel, column);
         }
     }
-    flight.set_channel(Channel::ImuSlaveAltM, slave);
-    flight.set_channel(Channel::ImuMasterAltM, master);
-    noise_m
-}
 
-fn inertial(flight: &mut Flight, truth: &[TruthSample], own: &Instruments, random: &mut impl Rng) {
-    let axes = [
-        (Channel::AccelXMps2, Channel::GyroXRadps),
-        (Channel::AccelYMps2, Channel::GyroYRadps),
-        (Channel::AccelZMps2, Channel::GyroZRadps),
-    ];
-    for (axis, (accelerometer, gyro)) in axes.into_iter().enumerate() {
-        let (mut force, mut rate) = (Column::empty(truth.len()), Column::empty(truth.len()));
-        for (row, sample) in truth.iter().enumerate() {
-            let shake = sample.vibration_mps2 * normal(random) + 0.03 * normal(random);
-            let reading = sample.specific_force_mps2[axis] + own.accel_bias_mps2[axis] + shake;
-            force.set(row, Some(reading as f32));
-            let reading = sample.rate_radps[axis] + own.gyro_bias_radps[axis] + 0.004 * normal(random);
-            rate.set(row, Some(reading as f32));
+    /// A first-order lag of a row's value, then scale, offset and noise, at a rate.
+    fn measured(&mut self, signal: &Signal, rate_hz: f64, value: fn(&TruthSample) -> f64) -> Column {
+        let mut column = Column::empty(self.truth.len());
+        let mut lagged: Option<f64> = None;
+        let mut next = due(self.truth.len(), rate_hz).peekable();
+        let gain = if signal.lag_s > STEP_S { STEP_S / signal.lag_s } else { 1.0 };
+        for (row, sample) in self.truth.iter().enumerate() {
+            let now = value(sample);
+            let last = lagged.unwrap_or(now);
+            let filtered = last + gain * (now - last);
+            lagged = Some(filtered);
+            if next.next_if(|due| *due == row).is_some() {
+                let noise = signal.sigma * heavy_tailed(self.random);
+                column.set(row, Some((signal.scale * filtered + signal.offset + noise) as f32));
+            }
         }
-        flight.set_channel(accelerometer, force);
-        flight.set_channel(gyro, rate);
+        column
     }
 }
 

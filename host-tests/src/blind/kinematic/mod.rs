@@ -6,13 +6,12 @@ mod instruments;
 mod path;
 mod physics;
 
-use pylon::flight::Channel;
 use pylon::simulate::scenario::Effect;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
-use super::draw::{Case, Family, Kind, Plan, kind};
-use super::flight::{Flown, add, natural, phase, spread};
+use super::draw::{Case, Family, Kind, kind, missing, plan};
+use super::flight::{Flown, add_glitch, add_outside, natural, spread, unit};
 use instruments::{Instruments, Recorded, record};
 use path::{Airframe, STEP_S};
 
@@ -30,22 +29,9 @@ const MAY_BE_MISSING: [(&[&str], u32); 7] = [
 /// Draws a trial of this family.
 pub(super) fn draw(seed: u64) -> Case {
     let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x6b69_6e65);
-    let plan = match random.random_range(0..100) {
-        0..60 => Plan::Rich,
-        60..85 => Plan::Poor,
-        _ => Plan::Level,
-    };
+    let plan = plan(&mut random);
     let kind = kind(&mut random);
-    let mut missing: Vec<&'static str> = Vec::new();
-    for (columns, chance) in MAY_BE_MISSING {
-        if random.random_range(0..100) < chance {
-            for column in columns {
-                if !missing.contains(column) {
-                    missing.push(column);
-                }
-            }
-        }
-    }
+    let missing = missing(&MAY_BE_MISSING, &mut random);
     let scenario = format!("kinematic family, seed {seed}\n");
     Case { family: Family::Kinematic, seed, kind, plan, scenario, missing }
 }
@@ -69,13 +55,7 @@ pub(super) fn fly(case: &Case, number: u64) -> anyhow::Result<Flown> {
     let mut effects: Vec<(Effect, f64)> = Vec::new();
     if let Kind::Effects(drawn) = &case.kind {
         for (id, time_constant_s, size) in drawn {
-            let unit = Effect {
-                id: *id,
-                coefficient: 1.0,
-                phase: phase(*id),
-                time_constant_s: *time_constant_s,
-                width_m: None,
-            };
+            let unit = unit(*id, *time_constant_s);
             let spread = spread(&physics::unit_m(&unit, &first), &first);
             if spread < 1e-9 {
                 continue;
@@ -97,21 +77,13 @@ pub(super) fn fly(case: &Case, number: u64) -> anyhow::Result<Flown> {
     let mut flight = record(&truth, &acting, &instruments, &mut random).flight;
     match &case.kind {
         Kind::Outside(outside, size) => {
-            let shape = outside.shape(&truth);
-            let spread = spread(&shape, &truth);
             let own_noise_m = noise_m[usize::from(outside.is_inertial())];
-            let scale = if spread > 1e-9 { size * own_noise_m / spread } else { 0.0 };
-            let channel = if outside.is_inertial() { Channel::ImuSlaveAltM } else { Channel::BaroPa };
-            add(&mut flight, channel, &shape, scale)?;
+            add_outside(&mut flight, &truth, *outside, size * own_noise_m)?;
         }
         Kind::Glitch(jump_m) => {
             let captive_s = truth.iter().filter(|row| row.captive).count() as f64 * STEP_S;
-            let free_s = truth.len() as f64 * STEP_S - captive_s;
-            let start_s = captive_s + free_s * random.random_range(0.1..0.8);
-            let end_s = start_s + random.random_range(1.0..8.0);
-            let within = |row: &pylon::simulate::TruthSample| (start_s..end_s).contains(&row.time_s);
-            let shape: Vec<f64> = truth.iter().map(|row| f64::from(u8::from(within(row)))).collect();
-            add(&mut flight, Channel::GpsAltM, &shape, *jump_m)?;
+            let end_s = truth.len() as f64 * STEP_S;
+            add_glitch(&mut flight, &truth, captive_s..end_s, *jump_m, &mut random)?;
         }
         Kind::Null | Kind::Effects(_) | Kind::SmoothedGps(_) => {}
     }

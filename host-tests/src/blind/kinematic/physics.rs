@@ -186,6 +186,7 @@ mod tests {
     use super::super::path::{Airframe, fly};
     use super::*;
     use crate::blind::draw::Plan;
+    use crate::blind::flight::unit;
 
     #[test]
     fn the_atmosphere_is_the_tables() {
@@ -206,11 +207,10 @@ mod tests {
         for id in EffectId::ALL.iter().copied().filter(|id| *id != EffectId::BaroHysteresis) {
             let time_constant_s =
                 matches!(id, EffectId::BaroWarmUp | EffectId::GpsConvergence).then_some(40.0);
-            let phase = crate::blind::flight::phase(id);
-            let effect = Effect { id, coefficient: 1.0, phase, time_constant_s, width_m: None };
+            let effect = unit(id, time_constant_s);
             let ours = unit_m(&effect, &flight);
             let theirs = regressor(&effect, &flight, LATITUDE_RAD.to_degrees());
-            let captive = phase != InjectionPhase::Free;
+            let captive = effect.phase != InjectionPhase::Free;
             let rows: Vec<usize> = (0..flight.len()).filter(|k| captive || !flight[*k].captive).collect();
             let mean = |values: &[f64]| rows.iter().map(|k| values[*k]).sum::<f64>() / rows.len() as f64;
             let (a, b) = (mean(&ours), mean(&theirs));

@@ -54,3 +54,40 @@ pub fn measures_climb_rate(replay: &Replay<'_>) -> bool {
     let down = replay.flight().channel(Channel::GpsVdMps);
     down.is_some_and(|column| column.samples().next().is_some())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn may_be(effect: EffectId, has_climb_rate: bool, coefficient: f64, sigma: f64) -> bool {
+        let bounds = Bounds { range: range(effect, has_climb_rate), scale: 0.0 };
+        let solution = Solution {
+            coefficients: vec![coefficient],
+            covariance: vec![sigma * sigma],
+            log_determinant: 0.0,
+            rest: 0.0,
+        };
+        is_possible(&[bounds], &solution)
+    }
+
+    /// Signs are part of it: a barometer is never early, and a receiver by a second at most.
+    #[test]
+    fn a_barometer_is_never_early() {
+        for has_climb_rate in [false, true] {
+            assert!(may_be(EffectId::BaroLag, has_climb_rate, 2.0, 0.1));
+            assert!(may_be(EffectId::BaroLag, has_climb_rate, -0.1, 0.06));
+            assert!(!may_be(EffectId::BaroLag, has_climb_rate, -0.3, 0.1));
+            assert!(!may_be(EffectId::GpsLatency, has_climb_rate, -2.0, 0.1));
+        }
+    }
+
+    /// A quarter beyond the range where the climb rate is measured, and three times an acceleration's for what it stands in for: not 67 m a g.
+    #[test]
+    fn beyond_nature_is_no_suspect() {
+        assert!(may_be(EffectId::BaroLag, true, 6.2, 0.01) && !may_be(EffectId::BaroLag, true, 6.4, 0.01));
+        assert!(!may_be(EffectId::BaroLag, false, 5.2, 0.01));
+        assert!(may_be(EffectId::BaroAcceleration, true, -30.0, 1.0));
+        assert!(!may_be(EffectId::BaroAcceleration, true, -67.0, 2.5));
+        assert!(!may_be(EffectId::BaroAcceleration, false, -30.0, 1.0));
+    }
+}

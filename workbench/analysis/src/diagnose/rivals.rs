@@ -11,7 +11,7 @@ use super::posterior::{INCLUSION, POWER};
 use super::problem::{NoiseFit, Problem};
 use super::search::{Explanation, Search};
 use super::series::BySensor;
-use super::shape_error::exposure;
+use super::shape_error;
 use super::suspects::Suspects;
 
 /// A pair of candidates is looked at where it leaves less by this than the chosen effect does, in squares under the chosen noise.
@@ -185,9 +185,9 @@ impl Place<'_> {
     /// The power of the likelihood of a set with further columns against that set alone, if it is right. None at all where the two can't be told
     /// apart: what a likelihood says of them then is rounding.
     fn tempered(&self, noise: &Noise, set: &[usize], further: &[usize]) -> f64 {
-        let Some(exposure) = exposure(self.problem, noise, set, further) else { return 0.0 };
-        let of_shapes: f64 =
-            set.iter().zip(exposure).map(|(column, exposure)| self.suspects.shape(*column) * exposure).sum();
+        let Some(of_shapes) = shape_error::variance(self.problem, self.suspects, noise, set, further) else {
+            return 0.0;
+        };
         1.0 / (1.0 / self.power + of_shapes)
     }
 

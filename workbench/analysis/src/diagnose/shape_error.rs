@@ -22,6 +22,7 @@ use super::noise::Noise;
 use super::problem::Problem;
 use super::repeatability::PARTS;
 use super::series::Series;
+use super::suspects::Suspects;
 use super::whitener::whiten;
 
 /// Products of a flight's whitened columns (the residual, its own, the picks) by part and sensor, and of all of it with what is believed
@@ -34,8 +35,7 @@ struct Parts {
 /// For each column of `kept`, the squares that its effect puts where the direction lies in which `kept` with `added` differs from `kept` alone
 /// (the mean over that direction): so many times its `S` is the variance that the error of its shape leaves in that direction. `None` where
 /// the columns can't be told apart.
-#[must_use]
-pub fn exposure(problem: &Problem<'_>, noise: &Noise, kept: &[usize], added: &[usize]) -> Option<Vec<f64>> {
+fn exposure(problem: &Problem<'_>, noise: &Noise, kept: &[usize], added: &[usize]) -> Option<Vec<f64>> {
     let picks: Vec<usize> = kept.iter().chain(added).copied().collect();
     let flights: Vec<Parts> =
         problem.flights.iter().map(|flight| cut(problem, flight, noise, &picks)).collect();
@@ -74,6 +74,20 @@ pub fn exposure(problem: &Problem<'_>, noise: &Noise, kept: &[usize], added: &[u
         }
     }
     (length > 0.0).then(|| sums.into_iter().map(|sum| sum / length).collect())
+}
+
+/// The variance, in squares of what chance makes, that the errors of the shapes of `kept` leave in the direction in which `added` differs from them.
+/// `None` where they can't be told apart.
+#[must_use]
+pub fn variance(
+    problem: &Problem<'_>,
+    suspects: &Suspects<'_>,
+    noise: &Noise,
+    kept: &[usize],
+    added: &[usize],
+) -> Option<f64> {
+    let exposure = exposure(problem, noise, kept, added)?;
+    Some(kept.iter().zip(exposure).map(|(column, exposure)| suspects.shape(*column) * exposure).sum())
 }
 
 fn cut(problem: &Problem<'_>, flight: &Series, noise: &Noise, picks: &[usize]) -> Parts {

@@ -46,32 +46,26 @@ pub fn errors(effect: EffectId) -> Vec<SignalError> {
     }
 }
 
-/// A column of block means, read so much ahead: between this block's mean and the next one's, or where the next block is another phase or
-/// after a gap, on from the one before.
+/// A column of block means, read so much ahead: between the means of the blocks around that time. Where they are of another phase, or behind a
+/// gap, the last two that belong together go on.
 pub(super) fn read_ahead(series: &Series, column: &mut [BySensor], late_s: f32) {
     let share = f64::from(late_s) / series.block_s;
-    let joins = |a: usize, b: usize| {
-        series.free.get(a) == series.free.get(b)
-            && series
-                .time_s
-                .get(b)
-                .zip(series.time_s.get(a))
-                .is_some_and(|(b, a)| b - a < 1.5 * series.block_s)
+    let seen = |block: usize, sensor: usize| series.readings.get(block).is_some_and(|of| of[sensor] > 0);
+    let joins = |block: usize, sensor: usize| {
+        let next = block + 1;
+        series.free.get(block) == series.free.get(next)
+            && seen(block, sensor)
+            && seen(next, sensor)
+            && series.time_s[next] - series.time_s[block] < 1.5 * series.block_s
     };
-    let seen = |block: usize, sensor: usize| series.readings[block][sensor] > 0;
     let old = column.to_vec();
     for (block, values) in column.iter_mut().enumerate() {
-        for (sensor, value) in values.iter_mut().enumerate() {
-            let from = if joins(block, block + 1) && seen(block + 1, sensor) {
-                Some((block, block + 1))
-            } else {
-                block
-                    .checked_sub(1)
-                    .filter(|last| joins(*last, block) && seen(*last, sensor))
-                    .map(|last| (last, block))
-            };
-            if let Some((a, b)) = from.filter(|_| seen(block, sensor)) {
-                *value += share * (old[b][sensor] - old[a][sensor]);
+        for (sensor, value) in values.iter_mut().enumerate().filter(|(sensor, _)| seen(block, *sensor)) {
+            let reachable = (block..).take_while(|from| joins(*from, sensor)).take(1 + share as usize).last();
+            let before = || block.checked_sub(1).filter(|last| joins(*last, sensor));
+            if let Some(from) = reachable.or_else(before) {
+                let beyond = share + block as f64 - from as f64;
+                *value = old[from][sensor] + beyond * (old[from + 1][sensor] - old[from][sensor]);
             }
         }
     }
@@ -101,13 +95,25 @@ mod tests {
         column.into_iter().map(|values| values[2]).collect()
     }
 
-    /// A ramp that is read half a second ahead is the ramp half a second later, in the last block too.
+    /// A ramp that is read ahead is the ramp so much later, in the last blocks too.
     #[test]
     fn a_ramp_is_read_ahead_everywhere() {
         let times_s: Vec<f64> = (0..20).map(|k| 1.0 + 2.0 * f64::from(k)).collect();
-        for (time_s, value) in times_s.iter().zip(ahead(&series(&times_s, 0), |t| 3.0 * t, 0.5)) {
-            assert!((value - 3.0 * (time_s + 0.5)).abs() < 1e-9, "{time_s}: {value}");
+        for late_s in [0.5, 2.0, 3.0] {
+            for (time_s, value) in times_s.iter().zip(ahead(&series(&times_s, 0), |t| 3.0 * t, late_s)) {
+                let expected = 3.0 * (time_s + f64::from(late_s));
+                assert!((value - expected).abs() < 1e-9, "{late_s} at {time_s}: {value}");
+            }
         }
+    }
+
+    /// More than a block ahead lies between the two blocks that are there, and is not the next one's rise drawn on.
+    #[test]
+    fn more_than_a_block_ahead_is_read_where_it_lies() {
+        let times_s: Vec<f64> = (0..5).map(|k| 1.0 + 2.0 * f64::from(k)).collect();
+        let found = ahead(&series(&times_s, 0), |t| (t * t).round(), 3.0);
+        // Of 1, 9, 25, 49 and 81; at the end the last rise of 32 a block goes on.
+        assert_eq!(found, [17.0, 37.0, 65.0, 97.0, 129.0]);
     }
 
     /// What happens at the launch or in a gap is not drawn into the blocks before it.

@@ -4,7 +4,7 @@ use kf_core::sensor::Sensor;
 
 use super::problem::Problem;
 use super::search::{BEAM, Explanation, extended};
-use super::shape_error::exposure;
+use super::shape_error;
 use super::suspects::Suspects;
 
 /// A smaller set on the same sensors that leaves no more than the errors of its effects' shapes may have made ([`super::shape_error`]), if
@@ -20,13 +20,8 @@ pub fn simpler(problem: &Problem<'_>, suspects: &Suspects<'_>, chosen: &Explanat
     // By how much chance and shapes together outdo chance alone in what sets the chosen one apart from a smaller one.
     let by_shapes = |set: &[usize]| {
         let further: Vec<usize> = chosen.columns.iter().copied().filter(|c| !set.contains(c)).collect();
-        exposure(problem, &chosen.fit.noise, set, &further).map_or(f64::INFINITY, |exposure| {
-            1.0 + set
-                .iter()
-                .zip(exposure)
-                .map(|(column, exposure)| suspects.shape(*column) * exposure)
-                .sum::<f64>()
-        })
+        1.0 + shape_error::variance(problem, suspects, &chosen.fit.noise, set, &further)
+            .unwrap_or(f64::INFINITY)
     };
     let is_joint = chosen.columns.iter().any(|column| sensor(column).is_none());
     let mut subjects: Vec<_> = chosen.columns.iter().map(sensor).collect();
