@@ -1,7 +1,7 @@
 //! Normal equations of a whitened regression with the biases projected out, and what subsets of its
 //! columns explain.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::matrix::product;
 
@@ -46,7 +46,7 @@ impl Information {
     /// left out.
     pub fn add_flight(&mut self, products: &DMatrix<f64>, own: usize, rows: usize, log_determinant: f64) {
         let width = self.raw.len();
-        let present: Vec<usize> = (1..=own).filter(|b| products[(*b, *b)] > 0.0).collect();
+        let present = present(products, own);
         let kept: Vec<usize> = std::iter::once(0).chain(1 + own..own + width).collect();
         let inner = products.select_rows(&present).select_columns(&present);
         let cross = products.select_rows(&present).select_columns(&kept);
@@ -171,12 +171,6 @@ impl Information {
         -self.log_determinant
     }
 
-    /// Twice the log likelihood with some columns, up to a constant that all fits of the same data share.
-    #[must_use]
-    pub fn twice_log_likelihood(&self, columns: &[usize]) -> Option<f64> {
-        self.solve(columns).map(|solution| -self.log_determinant - solution.rest)
-    }
-
     /// Square of the correlation of two columns after others are projected out of both.
     #[must_use]
     pub fn shared(&self, a: usize, b: usize, others: &[usize]) -> Option<f64> {
@@ -194,21 +188,31 @@ impl Information {
     }
 }
 
+/// The own columns of a flight that have a reading.
+fn present(products: &DMatrix<f64>, own: usize) -> Vec<usize> {
+    (1..=own).filter(|column| products[(*column, *column)] > 0.0).collect()
+}
+
+/// The own columns of a flight that have a reading, and Cholesky's factor of their normal equations; `None` where they can't be told apart.
+#[must_use]
+pub fn own_factor(products: &DMatrix<f64>, own: usize) -> Option<(Vec<usize>, Cholesky<f64, Dyn>)> {
+    let present = present(products, own);
+    let factor = products.select_rows(&present).select_columns(&present).cholesky()?;
+    Some((present, factor))
+}
+
 /// The own coefficients of a flight (biases first) given the common ones; zero where there is no reading.
 #[must_use]
 pub fn own_coefficients(products: &DMatrix<f64>, own: usize, common: &[f64]) -> Vec<f64> {
-    let present: Vec<usize> = (1..=own).filter(|b| products[(*b, *b)] > 0.0).collect();
-    let inner = products.select_rows(&present).select_columns(&present);
+    let mut coefficients = vec![0.0; own];
+    let Some((present, factor)) = own_factor(products, own) else { return coefficients };
     let right = DVector::from_fn(present.len(), |r, _| {
         let explained: f64 =
             common.iter().enumerate().map(|(k, value)| products[(present[r], 1 + own + k)] * value).sum();
         products[(present[r], 0)] - explained
     });
-    let mut coefficients = vec![0.0; own];
-    if let Some(factor) = inner.cholesky() {
-        for (at, value) in present.iter().zip(factor.solve(&right).iter()) {
-            coefficients[at - 1] = *value;
-        }
+    for (at, value) in present.iter().zip(factor.solve(&right).iter()) {
+        coefficients[at - 1] = *value;
     }
     coefficients
 }

@@ -60,6 +60,7 @@ mod repeatability;
 mod residuals;
 mod rivals;
 mod roughness;
+mod score;
 mod search;
 mod series;
 mod shape_error;

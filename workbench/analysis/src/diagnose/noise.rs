@@ -42,6 +42,57 @@ pub struct Noise {
     pub sensors: [SensorNoise; SENSORS],
 }
 
+impl Noise {
+    /// Variance of the white noise of a sensor's mean of a block, m^2.
+    #[must_use]
+    pub fn white_m2(&self, series: &Series, block: usize, sensor: usize) -> f64 {
+        let own = &self.sensors[sensor];
+        let white_m = if series.free[block] { own.free_white_m } else { own.captive_white_m };
+        white_m * white_m * white_share(series, block, sensor)
+    }
+}
+
+/// How many times a full block's variance the white noise of a block's mean has.
+#[must_use]
+pub fn white_share(series: &Series, block: usize, sensor: usize) -> f64 {
+    series.full_block[sensor] / f64::from(series.readings[block][sensor])
+}
+
+/// The slope of a function of the noise in a Gauss-Markov process' numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ProcessSlope {
+    /// In its variance, 1/m^2.
+    pub variance: f64,
+    /// In its correlation time, 1/s.
+    pub time: f64,
+}
+
+/// The same in a sensor's own noise.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SensorSlope {
+    /// In its wander in captive flight; the time's in all of the flight.
+    pub captive: ProcessSlope,
+    /// In the variance of its wander in free flight, 1/m^2.
+    pub free_variance: f64,
+    /// In the variance of its white noise in captive flight, 1/m^2.
+    pub captive_white_variance: f64,
+    /// In free flight.
+    pub free_white_variance: f64,
+}
+
+/// The slope of a function of the noise in its numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct NoiseSlope {
+    /// In the reference's wander.
+    pub reference: ProcessSlope,
+    /// In the slow wander.
+    pub slow: ProcessSlope,
+    /// In the variance of a fix, 1/m^2.
+    pub fix_variance: f64,
+    /// In the sensors' own.
+    pub sensors: [SensorSlope; SENSORS],
+}
+
 /// Which of a noise's numbers a parameter is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Part {
@@ -206,6 +257,60 @@ impl NoisePrior {
             }
         }
         noise
+    }
+
+    /// The slope in the parameters of what has this slope in the noise's numbers.
+    #[must_use]
+    pub fn slope(&self, values: &[f64], of: &NoiseSlope) -> Vec<f64> {
+        let noise = self.noise(values);
+        let has_factor = |i| self.parameters.iter().any(|other| other.part == Part::WhiteFactor(i));
+        let terms = self.parameters.iter().zip(values).map(|(parameter, value)| {
+            let by_number = match parameter.part {
+                Part::ReferenceSigma => 2.0 * noise.reference.sigma_m * of.reference.variance,
+                Part::ReferenceTime => of.reference.time,
+                Part::SlowSigma => 2.0 * noise.slow.sigma_m * of.slow.variance,
+                Part::FixSigma => 2.0 * noise.fix_sigma_m * of.fix_variance,
+                Part::WanderSigma(i) => {
+                    let (own, of) = (&noise.sensors[i], &of.sensors[i]);
+                    let free = own.free_flight_factor * own.free_flight_factor * of.free_variance;
+                    2.0 * own.wander.sigma_m * (of.captive.variance + free)
+                }
+                Part::WanderTime(i) => of.sensors[i].captive.time,
+                Part::CaptiveWhite(i) => {
+                    let (own, of) = (&noise.sensors[i], &of.sensors[i]);
+                    let captive = 2.0 * own.captive_white_m * of.captive_white_variance;
+                    let free = 2.0 * own.free_white_m * of.free_white_variance;
+                    // The white noise of free flight is a multiple of it.
+                    if has_factor(i) {
+                        captive + free * own.free_white_m / own.captive_white_m
+                    } else {
+                        captive
+                    }
+                }
+                Part::FreeWhite(i) => 2.0 * noise.sensors[i].free_white_m * of.sensors[i].free_white_variance,
+                Part::WhiteFactor(i) => {
+                    let (own, of) = (&noise.sensors[i], &of.sensors[i]);
+                    2.0 * own.free_white_m * own.captive_white_m * of.free_white_variance
+                }
+                Part::FreeFlightFactor(i) => {
+                    let (own, of) = (&noise.sensors[i], &of.sensors[i]);
+                    let sigma_m2 = own.wander.sigma_m * own.wander.sigma_m;
+                    2.0 * sigma_m2 * own.free_flight_factor * of.free_variance
+                }
+            };
+            // A number is its least and the exponential of its parameter.
+            by_number * libm::exp(*value)
+        });
+        terms.collect()
+    }
+
+    /// The slope of [`Self::log_density`].
+    #[must_use]
+    pub fn log_density_slope(&self, values: &[f64]) -> Vec<f64> {
+        let terms = self.parameters.iter().zip(values);
+        terms
+            .map(|(parameter, value)| (parameter.mean - value) / (parameter.sigma * parameter.sigma))
+            .collect()
     }
 
     /// The prior with a sensor's wander the same before and after launch; `None` where it is that already.

@@ -110,6 +110,13 @@ pub fn posterior(
             }
         }
         near.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut first: BTreeMap<Vec<EffectId>, Vec<usize>> = BTreeMap::new();
+        for (_, columns) in &near {
+            if first.len() < REFITTED {
+                first.entry(weigher.effects(columns)).or_insert_with(|| weigher.with_scale(columns));
+            }
+        }
+        search.look_at(&first.into_values().collect::<Vec<_>>(), &best.fit.values);
         let mut next: Option<(f64, Looked)> = None;
         let mut count = 0;
         for (_, columns) in near {

@@ -5,9 +5,10 @@ use executor::Executor;
 use kf_core::sensor::SENSORS;
 use nalgebra::DMatrix;
 
-use super::information::Information;
+use super::information::{Information, own_coefficients, own_factor};
 use super::noise::{Noise, NoisePrior};
-use super::quasi_newton::minimise;
+use super::quasi_newton::{Function, minimise};
+use super::score::score;
 use super::series::{BySensor, Series};
 use super::whitener::{LANES, whiten, whiten_by_groups};
 
@@ -176,17 +177,192 @@ impl<'a> Problem<'a> {
         weights
     }
 
+    /// The noise of several sets of columns from one start, side by side.
+    #[must_use]
+    pub fn fit_noises(&self, sets: &[Vec<usize>], start: &[f64]) -> Vec<NoiseFit> {
+        executor::map(self.executor, sets.iter().map(|picks| || self.fit_noise(&self.prior, picks, start)))
+    }
+
+    /// How many noises are fitted at a time.
+    #[must_use]
+    pub fn width(&self) -> usize {
+        self.executor.width().max(1)
+    }
+
     /// Finds the most probable noise given that the effects of these columns act.
     #[must_use]
     pub fn fit_noise(&self, prior: &NoisePrior, picks: &[usize], start: &[f64]) -> NoiseFit {
-        let all: Vec<usize> = (0..picks.len()).collect();
-        let objective = |values: &[f64]| -> f64 {
-            let noise = prior.noise(values);
-            let likelihood =
-                self.information(&noise, picks).twice_log_likelihood(&all).unwrap_or(f64::NEG_INFINITY);
-            -likelihood - 2.0 * prior.log_density(values)
-        };
-        let minimum = minimise(&objective, start, GAIN, self.executor);
+        let likelihood = Likelihood { problem: self, prior, picks };
+        let minimum = minimise(&likelihood, start, GAIN);
         NoiseFit { noise: prior.noise(&minimum.at), values: minimum.at, twice_log_posterior: -minimum.value }
+    }
+}
+
+/// Minus twice the log posterior of the noise's parameters, with the effects of some columns.
+struct Likelihood<'a> {
+    problem: &'a Problem<'a>,
+    prior: &'a NoisePrior,
+    picks: &'a [usize],
+}
+
+impl Function for Likelihood<'_> {
+    /// Each flight's normal equations and the common coefficients; nothing where they can't be told apart.
+    type Left = Option<(Vec<DMatrix<f64>>, Vec<f64>)>;
+
+    fn value(&self, values: &[f64]) -> (f64, Self::Left) {
+        let noise = self.prior.noise(values);
+        let mut information = Information::new(1 + self.picks.len());
+        let mut flights = Vec::new();
+        for flight in self.problem.flights {
+            let one =
+                self.problem.products(flight, &noise, &self.problem.columns(flight, self.picks), &|_| true);
+            information.add_flight(&one.products, self.problem.own(), one.rows, one.log_determinant);
+            flights.push(one.products);
+        }
+        let all: Vec<usize> = (0..self.picks.len()).collect();
+        let Some(solution) = information.solve(&all) else { return (f64::INFINITY, None) };
+        let value =
+            solution.rest - information.twice_log_determinant() - 2.0 * self.prior.log_density(values);
+        (value, Some((flights, solution.coefficients)))
+    }
+
+    /// Coefficients are where the squares are least, so that the slope in them is none: that of the squares is the one of what they
+    /// leave. The own columns' normal equations `B` add that of `log |B|`, the sum of squares of `L^-1` times them, with `B = L L'`.
+    fn slope(&self, values: &[f64], _: f64, left: &Self::Left) -> Vec<f64> {
+        let mut slope: Vec<f64> =
+            self.prior.log_density_slope(values).into_iter().map(|slope| -2.0 * slope).collect();
+        let Some((flights, common)) = left else { return slope };
+        let noise = self.prior.noise(values);
+        let own = self.problem.own();
+        for (flight, products) in self.problem.flights.iter().zip(flights) {
+            let columns = self.problem.columns(flight, self.picks);
+            let coefficients = own_coefficients(products, own, common);
+            let mut rest = vec![1.0];
+            rest.extend(coefficients.iter().chain(common).map(|value| -value));
+            let mut fixed = vec![combined(&columns, &rest)];
+            if let Some((present, factor)) = own_factor(products, own) {
+                let inverse = factor.inverse();
+                let root = inverse.cholesky().map(|root| root.l());
+                for j in 0..present.len() {
+                    let mut shares = vec![0.0; 1 + own];
+                    for (k, at) in present.iter().enumerate() {
+                        shares[*at] = root.as_ref().map_or(0.0, |root| root[(k, j)]);
+                    }
+                    fixed.push(combined(&columns, &shares));
+                }
+            }
+            let fixed: Vec<&[BySensor]> = fixed.iter().map(Vec::as_slice).collect();
+            let of_noise = score(flight, &noise, &fixed);
+            for (sum, new) in slope.iter_mut().zip(self.prior.slope(values, &of_noise)) {
+                *sum += new;
+            }
+        }
+        slope
+    }
+}
+
+/// A combination of the first columns.
+#[must_use]
+pub fn combined(columns: &[&[BySensor]], shares: &[f64]) -> Vec<BySensor> {
+    let length = columns.first().map_or(0, |column| column.len());
+    let mut sum = vec![[0.0; SENSORS]; length];
+    for (column, share) in columns.iter().zip(shares).filter(|(_, share)| **share != 0.0) {
+        for (sum, values) in sum.iter_mut().zip(*column) {
+            for (sum, value) in sum.iter_mut().zip(values) {
+                *sum += share * value;
+            }
+        }
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use model::Model;
+
+    use super::*;
+
+    /// Two sensors, the second one with gaps, captive for a third, and three regressors of any shape.
+    fn flight(seed: u32) -> Series {
+        let mut series = Series {
+            block_s: 1.0,
+            full_block: [10.0; SENSORS],
+            columns: vec![Arc::default(); 3],
+            ..Series::default()
+        };
+        let mut state = seed;
+        let mut next = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(state >> 8) / f64::from(1 << 24) - 0.5
+        };
+        let mut level = 0.0;
+        for block in 0..90_u32 {
+            level += next();
+            series.time_s.push(f64::from(block) + if block > 40 { 2.5 } else { 0.0 });
+            series.fixes.push(f64::from(1 + block % 5));
+            series.free.push(block >= 30);
+            series.readings.push([0, 4 + block % 7, 10]);
+            let gap = block % 11 == 3;
+            series.residual_m.push([
+                f64::NAN,
+                if gap { f64::NAN } else { level + next() },
+                level + 2.0 * next(),
+            ]);
+            for column in &mut series.columns {
+                Arc::make_mut(column).push([0.0, next() + f64::from(block) / 60.0, 2.0 * next()]);
+            }
+        }
+        series
+    }
+
+    /// The slope is that of the value: two flights, a known effect, two picks, every parameter of the noise. Differences of 1e-4 either way leave
+    /// errors of their square; 1e-5 of the largest slope is far more than these.
+    #[test]
+    fn the_slope_is_that_of_the_likelihood() {
+        let flights = [flight(1), flight(7)];
+        let model = Model::default();
+        for prior in [
+            NoisePrior::new(&flights, &model.reference, &model.sensors),
+            NoisePrior::new(&flights, &model.reference, &model.sensors).with_slow_wander(),
+        ] {
+            let known = vec![Known { column: 2, sigma: 0.7 }];
+            let problem = Problem::new(&flights, prior.clone(), known, &executor::Inline);
+            let likelihood = Likelihood { problem: &problem, prior: &prior, picks: &[0, 1] };
+            let at: Vec<f64> =
+                prior.means().iter().enumerate().map(|(k, mean)| mean + 0.3 - 0.1 * (k % 5) as f64).collect();
+            let (value, left) = likelihood.value(&at);
+            let slope = likelihood.slope(&at, value, &left);
+            let largest = slope.iter().fold(0.0_f64, |largest, slope| largest.max(slope.abs()));
+            for (k, slope) in slope.iter().enumerate() {
+                let moved = |by: f64| {
+                    let mut moved = at.clone();
+                    moved[k] += by;
+                    likelihood.value(&moved).0
+                };
+                let difference = (moved(1e-4) - moved(-1e-4)) / 2e-4;
+                assert!(
+                    (slope - difference).abs() < 1e-5 * largest,
+                    "{k}: {slope}, differences {difference}"
+                );
+            }
+        }
+    }
+
+    /// Picks that can't be told apart have no likelihood, and no slope but the prior's.
+    #[test]
+    fn columns_that_cannot_be_told_apart_have_no_likelihood() {
+        let mut twice = flight(1);
+        twice.columns[1] = Arc::clone(&twice.columns[0]);
+        let flights = [twice];
+        let model = Model::default();
+        let prior = NoisePrior::new(&flights, &model.reference, &model.sensors);
+        let problem = Problem::new(&flights, prior.clone(), Vec::new(), &executor::Inline);
+        let likelihood = Likelihood { problem: &problem, prior: &prior, picks: &[0, 1] };
+        let means = prior.means();
+        let (value, left) = likelihood.value(&means);
+        assert!(value == f64::INFINITY && left.is_none());
+        assert!(likelihood.slope(&means, value, &left).iter().all(|slope| *slope == 0.0));
     }
 }

@@ -1,5 +1,4 @@
-//! Minimisation without derivatives given: BFGS with differences (Nocedal and Wright, "Numerical
-//! Optimization", 2nd edition, algorithm 6.1).
+//! Minimisation by quasi-Newton steps: BFGS (Nocedal and Wright, "Numerical Optimization", 2nd edition, algorithm 6.1).
 
 use executor::Executor;
 use nalgebra::{DMatrix, DVector};
@@ -12,8 +11,44 @@ const ITERATIONS: usize = 40;
 /// A longest step: a factor of e^2 in any number.
 const LONGEST: f64 = 2.0;
 
-/// What is minimised. Its differences are taken side by side, by the executor.
-pub type Function<'a> = dyn Fn(&[f64]) -> f64 + Sync + 'a;
+/// What is minimised.
+pub trait Function {
+    /// What an evaluation leaves for the slope at the same place.
+    type Left;
+
+    /// The value, and what is left for the slope.
+    fn value(&self, at: &[f64]) -> (f64, Self::Left);
+
+    /// The slope in every argument.
+    fn slope(&self, at: &[f64], value: f64, left: &Self::Left) -> Vec<f64>;
+}
+
+/// A function without a slope of its own: differences take its place, side by side, by the executor.
+pub struct Differences<'a, F> {
+    /// The function.
+    pub function: F,
+    /// Who does the work.
+    pub executor: &'a dyn Executor,
+}
+
+impl<F: Fn(&[f64]) -> f64 + Sync> Function for Differences<'_, F> {
+    type Left = ();
+
+    fn value(&self, at: &[f64]) -> (f64, ()) {
+        ((self.function)(at), ())
+    }
+
+    fn slope(&self, at: &[f64], value: f64, (): &()) -> Vec<f64> {
+        let slope = |k: usize| {
+            move || {
+                let mut probe = at.to_vec();
+                probe[k] += DIFFERENCE;
+                ((self.function)(&probe) - value) / DIFFERENCE
+            }
+        };
+        executor::map(self.executor, (0..at.len()).map(slope))
+    }
+}
 
 /// Where a search ended.
 #[derive(Clone, Debug)]
@@ -25,11 +60,11 @@ pub struct Minimum {
 }
 
 /// Searches a minimum from `start` on until an iteration gains less than `tolerance`.
-pub fn minimise(function: &Function<'_>, start: &[f64], tolerance: f64, executor: &dyn Executor) -> Minimum {
+pub fn minimise<F: Function>(function: &F, start: &[f64], tolerance: f64) -> Minimum {
     let n = start.len();
     let mut at = DVector::from_column_slice(start);
-    let mut value = function(at.as_slice());
-    let mut slope = gradient(function, &at, value, executor);
+    let (mut value, left) = function.value(at.as_slice());
+    let mut slope = DVector::from_vec(function.slope(at.as_slice(), value, &left));
     let mut inverse = DMatrix::<f64>::identity(n, n) * 0.05;
     let mut fresh = true;
     let mut settled = false;
@@ -44,7 +79,7 @@ pub fn minimise(function: &Function<'_>, start: &[f64], tolerance: f64, executor
         if longest > LONGEST {
             direction *= LONGEST / longest;
         }
-        let Some((step, next)) = line_search(function, &at, value, &direction, &slope) else {
+        let Some((step, next, left)) = line_search(function, &at, value, &direction, &slope) else {
             if fresh {
                 break;
             }
@@ -56,7 +91,7 @@ pub fn minimise(function: &Function<'_>, start: &[f64], tolerance: f64, executor
         let moved = direction * step;
         at += &moved;
         value = next;
-        let next_slope = gradient(function, &at, value, executor);
+        let next_slope = DVector::from_vec(function.slope(at.as_slice(), value, &left));
         let bent = &next_slope - &slope;
         slope = next_slope;
         let curvature = bent.dot(&moved);
@@ -84,31 +119,20 @@ pub fn minimise(function: &Function<'_>, start: &[f64], tolerance: f64, executor
     Minimum { at: at.as_slice().to_vec(), value }
 }
 
-fn gradient(function: &Function<'_>, at: &DVector<f64>, value: f64, executor: &dyn Executor) -> DVector<f64> {
-    let slope = |k: usize| {
-        move || {
-            let mut probe = at.clone();
-            probe[k] += DIFFERENCE;
-            (function(probe.as_slice()) - value) / DIFFERENCE
-        }
-    };
-    DVector::from_vec(executor::map(executor, (0..at.len()).map(slope)))
-}
-
 /// Backtracking until the decrease is a tenth of a thousandth of what the slope promises (Armijo).
-fn line_search(
-    function: &Function<'_>,
+fn line_search<F: Function>(
+    function: &F,
     at: &DVector<f64>,
     value: f64,
     direction: &DVector<f64>,
     slope: &DVector<f64>,
-) -> Option<(f64, f64)> {
+) -> Option<(f64, f64, F::Left)> {
     let promised = direction.dot(slope);
     let mut step = 1.0;
     for _ in 0..12 {
-        let next = function((at + direction * step).as_slice());
+        let (next, left) = function.value((at + direction * step).as_slice());
         if next.is_finite() && next <= value + 1e-4 * step * promised {
-            return Some((step, next));
+            return Some((step, next, left));
         }
         step *= 0.4;
     }
@@ -123,7 +147,8 @@ mod tests {
     fn finds_the_bottom_of_a_bent_valley() {
         // Rosenbrock's function, its minimum at (1, 1), less steep: the differences are not exact.
         let valley = |x: &[f64]| (1.0 - x[0]).powi(2) + 10.0 * (x[1] - x[0] * x[0]).powi(2);
-        let minimum = minimise(&valley, &[-1.2, 1.0], 1e-12, &executor::Inline);
+        let valley = Differences { function: valley, executor: &executor::Inline };
+        let minimum = minimise(&valley, &[-1.2, 1.0], 1e-12);
         assert!(minimum.value < 1e-3, "{minimum:?}");
         assert!((minimum.at[0] - 1.0).abs() < 0.05);
     }

@@ -98,14 +98,29 @@ struct Place<'a> {
     power: f64,
 }
 
+/// Another effect in the place of a chosen one.
+struct Nearest {
+    /// Its best column.
+    column: usize,
+    /// The set with it, ascending.
+    set: Vec<usize>,
+    /// Squares that it leaves more than the chosen one, under the chosen one's noise.
+    behind: f64,
+    /// Whether a noise of its own would not help it.
+    is_hopeless: bool,
+}
+
 impl Place<'_> {
     fn rivals(&self, search: &mut Search<'_>) -> Rivals {
         // An effect's weight: the column of it that the logarithm is of, and the logarithm against the chosen effect's.
         let mut found: BTreeMap<EffectId, (f64, usize)> = BTreeMap::new();
-        for effect in self.others() {
-            if let Some((log_weight, column)) = self.of_effect(search, effect) {
-                found.insert(effect, (log_weight, column));
-            }
+        let nearest: Vec<Nearest> =
+            self.others().into_iter().filter_map(|effect| self.nearest(effect)).collect();
+        let near = nearest.iter().filter(|nearest| !nearest.is_hopeless);
+        search.look_at(&near.map(|nearest| nearest.set.clone()).collect::<Vec<_>>(), &self.chosen.fit.values);
+        for nearest in nearest {
+            let log_weight = self.log_weight(search, &nearest);
+            found.insert(self.effect(nearest.column), (log_weight, nearest.column));
         }
         for (log_weight, pair) in self.pairs(search) {
             for column in pair {
@@ -148,10 +163,8 @@ impl Place<'_> {
         effects
     }
 
-    /// The weight of another effect in this place against the chosen column, and its best column. How many time constants are tried does
-    /// not count against it, as little as how far its coefficient may reach, because the likelihood that would pay for it is
-    /// weakened. `None` where nature does not allow what it would have to be.
-    fn of_effect(&self, search: &mut Search<'_>, effect: EffectId) -> Option<(f64, usize)> {
+    /// The best column of another effect in this place. `None` where nature does not allow what it would have to be.
+    fn nearest(&self, effect: EffectId) -> Option<Nearest> {
         let mut worse: Vec<(f64, usize)> = Vec::new();
         for column in self.suspects.usable().iter().copied().filter(|column| self.effect(*column) == effect) {
             let set = self.with(&[column]);
@@ -162,17 +175,25 @@ impl Place<'_> {
                 worse.push((rest - self.best_rest, column));
             }
         }
-        let (least, best) = worse.iter().copied().min_by(|a, b| a.0.total_cmp(&b.0))?;
-        let set = self.with(&[best]);
-        let is_hopeless = least > HOPELESS * self.explained && least > FAR;
-        let (behind, power) = if is_hopeless {
-            (least, self.tempered(&self.chosen.fit.noise, &set, &[self.column]))
+        let (behind, column) = worse.iter().copied().min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let is_hopeless = behind > HOPELESS * self.explained && behind > FAR;
+        Some(Nearest { column, set: self.with(&[column]), behind, is_hopeless })
+    }
+
+    /// The weight of another effect in this place against the chosen column. How many time constants are tried does
+    /// not count against it, as little as how far its coefficient may reach, because the likelihood that would pay for it is
+    /// weakened.
+    fn log_weight(&self, search: &mut Search<'_>, nearest: &Nearest) -> f64 {
+        let Nearest { set, behind, is_hopeless, .. } = nearest;
+        let chosen = &self.chosen.fit;
+        let (behind, power) = if *is_hopeless {
+            (*behind, self.tempered(&chosen.noise, set, &[self.column]))
         } else {
-            let fit = search.fit(&set, &self.chosen.fit.values);
-            let behind = self.chosen.fit.twice_log_posterior - fit.twice_log_posterior;
-            (behind.max(0.0), self.tempered(&fit.noise, &set, &[self.column]))
+            let fit = search.fit(set, &chosen.values);
+            let behind = chosen.twice_log_posterior - fit.twice_log_posterior;
+            (behind.max(0.0), self.tempered(&fit.noise, set, &[self.column]))
         };
-        Some((-0.5 * power * behind, best))
+        -0.5 * power * behind
     }
 
     /// The columns beside this place and these, ascending.

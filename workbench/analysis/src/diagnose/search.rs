@@ -63,6 +63,16 @@ impl<'a> Search<'a> {
         }
     }
 
+    /// Fits the noise beside those of the sets that were not looked at yet, side by side.
+    pub fn look_at(&mut self, sets: &[Vec<usize>], start: &[f64]) {
+        let mut new: Vec<Vec<usize>> =
+            sets.iter().filter(|set| !self.seen.contains_key(*set)).cloned().collect();
+        new.sort();
+        new.dedup();
+        let fits = self.problem.fit_noises(&new, start);
+        self.seen.extend(new.into_iter().zip(fits));
+    }
+
     /// The better of the noise known for a set of columns and of a fit from another start.
     fn fit_again(&mut self, columns: &[usize], start: &[f64]) -> NoiseFit {
         let fit = self.problem.fit_noise(&self.problem.prior, columns, start);
@@ -96,9 +106,14 @@ impl<'a> Search<'a> {
             proposals.sort();
             proposals.dedup();
             let mut next = best.clone();
+            for some in proposals.chunks(self.problem.width()) {
+                self.look_at(some, &best.fit.values);
+                for _ in some {
+                    step(progress)?;
+                }
+            }
             for columns in std::mem::take(&mut proposals) {
                 let fit = self.fit(&columns, &best.fit.values);
-                step(progress)?;
                 if self.score(&columns, &fit) < self.score(&next.columns, &next.fit) {
                     next = Explanation { columns, fit };
                 }

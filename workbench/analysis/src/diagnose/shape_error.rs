@@ -12,36 +12,40 @@
 //! `var(e w) <= S sum over tenths and sensors of E W`,
 //!
 //! with the squares `E` that the effects put there and the share `W` of `w` that lies there. Where both are spread over n tenths that is
-//! `S E / n`. What effects do to another sensor, or at another time than that at which the two explanations differ, does not count.
+//! `S E / n`. An error is no larger in metres either: of the squares `M` that the effects make there in metres, a share `S`. The whitener takes
+//! slow errors for wander, so that a fast effect of a few metres has more squares than a slow one of tens; but an error of its shape cannot
+//! be these tens of metres. An error of so many metres makes no more along `w` than `S M H`, with the squares `H` of the weights that `w` gives
+//! the readings there ([`super::score::weights`]; Cauchy and Schwarz again). The smaller of the two counts:
+//!
+//! `var(e w) <= S sum over tenths and sensors of min(E W, M H)`.
+//!
+//! What effects do to another sensor, or at another time than that at which the two explanations differ, does not count.
 
 use kf_core::sensor::SENSORS;
 use nalgebra::{DMatrix, DVector};
 
 use super::information::Information;
 use super::noise::Noise;
-use super::problem::Problem;
+use super::problem::{Problem, combined};
 use super::repeatability::PARTS;
-use super::series::Series;
+use super::score::weights;
+use super::series::{BySensor, Series};
 use super::suspects::Suspects;
 use super::whitener::whiten;
-
-/// Products of a flight's whitened columns (the residual, its own, the picks) by part and sensor, and of all of it with what is believed
-/// of its own columns.
-struct Parts {
-    by_part: Vec<DMatrix<f64>>,
-    all: DMatrix<f64>,
-}
 
 /// For each column of `kept`, the squares that its effect puts where the direction lies in which `kept` with `added` differs from `kept` alone
 /// (the mean over that direction): so many times its `S` is the variance that the error of its shape leaves in that direction. `None` where
 /// the columns can't be told apart.
 fn exposure(problem: &Problem<'_>, noise: &Noise, kept: &[usize], added: &[usize]) -> Option<Vec<f64>> {
     let picks: Vec<usize> = kept.iter().chain(added).copied().collect();
-    let flights: Vec<Parts> =
-        problem.flights.iter().map(|flight| cut(problem, flight, noise, &picks)).collect();
+    let products: Vec<DMatrix<f64>> = problem
+        .flights
+        .iter()
+        .map(|flight| problem.products(flight, noise, &problem.columns(flight, &picks), &|_| true).products)
+        .collect();
     let mut information = Information::new(1 + picks.len());
-    for parts in &flights {
-        information.add_flight(&parts.all, problem.own(), 0, 0.0);
+    for products in &products {
+        information.add_flight(products, problem.own(), 0, 0.0);
     }
     let of_kept: Vec<usize> = (0..kept.len()).collect();
     let all: Vec<usize> = (0..picks.len()).collect();
@@ -53,27 +57,63 @@ fn exposure(problem: &Problem<'_>, noise: &Noise, kept: &[usize], added: &[usize
     }
     let mut length = 0.0;
     let mut sums = vec![0.0; kept.len()];
-    for parts in &flights {
-        let direction = beside_own(&parts.all, problem.own(), &beyond);
-        let effects: Vec<DVector<f64>> = put
-            .iter()
-            .enumerate()
-            .map(|(k, coefficient)| {
-                let mut one = vec![0.0; picks.len()];
-                one[k] = *coefficient;
-                beside_own(&parts.all, problem.own(), &one)
-            })
-            .collect();
-        for products in &parts.by_part {
-            let square = |vector: &DVector<f64>| vector.dot(&(products * vector)).max(0.0);
-            let here = square(&direction);
-            length += here;
-            for (sum, effect) in sums.iter_mut().zip(&effects) {
-                *sum += here * square(effect);
+    for (flight, products) in problem.flights.iter().zip(&products) {
+        let columns = problem.columns(flight, &picks);
+        let combination =
+            |picks: &[f64]| combined(&columns, beside_own(products, problem.own(), picks).as_slice());
+        let of_effects = put.iter().enumerate().map(|(k, coefficient)| {
+            let mut one = vec![0.0; picks.len()];
+            one[k] = *coefficient;
+            combination(&one)
+        });
+        let made: Vec<Vec<BySensor>> = std::iter::once(combination(&beyond)).chain(of_effects).collect();
+        for parts in squares(flight, noise, &made) {
+            length += parts.direction;
+            for (sum, effect) in sums.iter_mut().zip(&parts.effects) {
+                *sum += (parts.direction * effect.whitened).min(parts.weights * effect.metres);
             }
         }
     }
     (length > 0.0).then(|| sums.into_iter().map(|sum| sum / length).collect())
+}
+
+/// Squares of one sensor in one tenth of a flight.
+#[derive(Clone)]
+struct Part {
+    /// Of the direction, whitened.
+    direction: f64,
+    /// Of the weights that it gives the readings, 1/m^2.
+    weights: f64,
+    effects: Vec<Effect>,
+}
+
+/// Squares of an effect there.
+#[derive(Clone, Copy, Default)]
+struct Effect {
+    whitened: f64,
+    /// m^2.
+    metres: f64,
+}
+
+/// The squares of the direction, the first of some columns, and of effects, the others.
+fn squares(flight: &Series, noise: &Noise, made: &[Vec<BySensor>]) -> Vec<Part> {
+    let effects = vec![Effect::default(); made.len() - 1];
+    let mut parts = vec![Part { direction: 0.0, weights: 0.0, effects }; PARTS * SENSORS];
+    let part = |block: usize| (block * PARTS / flight.len().max(1)).min(PARTS - 1);
+    let columns: Vec<&[BySensor]> = made.iter().map(Vec::as_slice).collect();
+    whiten(flight, noise, &columns, &|_| true, &mut |block, sensor, row| {
+        let here = &mut parts[part(block) * SENSORS + sensor];
+        here.direction += row[0] * row[0];
+        for (k, effect) in here.effects.iter_mut().enumerate() {
+            let metres = columns[1 + k][block][sensor];
+            effect.whitened += row[1 + k] * row[1 + k];
+            effect.metres += metres * metres;
+        }
+    });
+    weights(flight, noise, &columns[..1], &mut |block, sensor, row| {
+        parts[part(block) * SENSORS + sensor].weights += row[0] * row[0];
+    });
+    parts
 }
 
 /// The variance, in squares of what chance makes, that the errors of the shapes of `kept` leave in the direction in which `added` differs from them.
@@ -88,24 +128,6 @@ pub fn variance(
 ) -> Option<f64> {
     let exposure = exposure(problem, noise, kept, added)?;
     Some(kept.iter().zip(exposure).map(|(column, exposure)| suspects.shape(*column) * exposure).sum())
-}
-
-fn cut(problem: &Problem<'_>, flight: &Series, noise: &Noise, picks: &[usize]) -> Parts {
-    let columns = problem.columns(flight, picks);
-    let width = columns.len();
-    let part = |block: usize| (block * PARTS / flight.len().max(1)).min(PARTS - 1);
-    let mut by_part = vec![DMatrix::zeros(width, width); PARTS * SENSORS];
-    whiten(flight, noise, &columns, &|_| true, &mut |block, sensor, row| {
-        let products: &mut DMatrix<f64> = &mut by_part[part(block) * SENSORS + sensor];
-        for (c, b) in row.iter().enumerate() {
-            for (r, a) in row.iter().enumerate() {
-                products[(r, c)] += a * b;
-            }
-        }
-    });
-    let mut all = by_part.iter().fold(DMatrix::zeros(width, width), |sum, part| sum + part);
-    problem.add_prior(&mut all);
-    Parts { by_part, all }
 }
 
 /// A combination of the picks less what of it a flight's own columns (biases first) take, over all of its columns.
@@ -134,19 +156,22 @@ mod tests {
     use super::super::noise::{GaussMarkov, NoisePrior, SensorNoise};
     use super::*;
 
-    /// Noise that is white but for a millionth, half a metre in each block.
+    /// White noise in each block, metres.
     const WHITE_M: f64 = 0.5;
 
-    fn noise() -> Noise {
+    fn noise(wander_m: f64) -> Noise {
         let none = GaussMarkov { sigma_m: 1e-6, time_s: 30.0 };
         let sensor = SensorNoise {
-            wander: none,
+            wander: GaussMarkov { sigma_m: wander_m, time_s: 30.0 },
             captive_white_m: WHITE_M,
             free_white_m: WHITE_M,
             free_flight_factor: 1.0,
         };
         Noise { reference: none, slow: none, fix_sigma_m: 1e-6, sensors: [sensor; SENSORS] }
     }
+
+    /// A wander of a millionth of it.
+    const NONE_M: f64 = 1e-6;
 
     const BLOCKS: u32 = 120;
     const INERTIAL: usize = 1;
@@ -163,6 +188,16 @@ mod tests {
 
     /// The exposure of an effect that puts three times the first column on a sensor, towards a second column on the barometer.
     fn towards(sensor: usize, first: impl Fn(u32) -> f64, second: impl Fn(u32) -> f64) -> f64 {
+        beside_wander(NONE_M, sensor, first, second)
+    }
+
+    /// The same beside a wander of so many metres.
+    fn beside_wander(
+        wander_m: f64,
+        sensor: usize,
+        first: impl Fn(u32) -> f64,
+        second: impl Fn(u32) -> f64,
+    ) -> f64 {
         let mut series = Series {
             block_s: 1.0,
             full_block: [10.0; SENSORS],
@@ -188,7 +223,7 @@ mod tests {
         let model = model::Model::default();
         let prior = NoisePrior::new(&flights, &model.reference, &model.sensors);
         let problem = Problem::new(&flights, prior, Vec::new(), &executor::Inline);
-        exposure(&problem, &noise(), &[0], &[1]).unwrap()[0]
+        exposure(&problem, &noise(wander_m), &[0], &[1]).unwrap()[0]
     }
 
     /// Squares of three metres in each of so many blocks.
@@ -231,5 +266,17 @@ mod tests {
         assert_is(towards(BARO, kept, second), (3.1_f64 / 3.0).powi(2) * squares(BLOCKS) / 10.0);
         // The kept column in the first half alone takes all of it there: nothing is left where it acts.
         assert_is(towards(BARO, |block| if block < 60 { kept(block) } else { 0.0 }, second), 0.0);
+    }
+
+    /// A slow direction of which the wander leaves little: the fast effect's error of a share of its three metres cannot make more of it than of
+    /// any three metres, though its own squares are a hundred times as many.
+    #[test]
+    fn a_fast_effects_error_is_no_larger_in_metres_towards_a_slow_direction() {
+        let slow = |block: u32| (std::f64::consts::TAU * f64::from(block) / f64::from(BLOCKS)).sin();
+        let fast = beside_wander(5.0, BARO, kept, added);
+        let towards_slow = beside_wander(5.0, BARO, kept, slow);
+        assert!(towards_slow < 0.03 * fast, "{towards_slow} of {fast}");
+        // Without a wander metres and squares are one.
+        assert!(towards(BARO, kept, slow) > 0.9 * squares(BLOCKS) / 10.0);
     }
 }

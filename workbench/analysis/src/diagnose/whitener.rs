@@ -8,17 +8,20 @@ use kf_core::sensor::SENSORS;
 use super::noise::Noise;
 use super::series::{BySensor, Series};
 
-/// Where the sensors' wanders begin among the states.
-const OWN: usize = 3;
+/// Where the white noise of a block's fixes is among the states.
+pub const FIX: usize = 1;
+/// Where the sensors' wanders begin.
+pub const OWN: usize = 3;
 /// Reference's wander, a block's white noise of the fixes, the slow wander, and each sensor's wander.
-const STATES: usize = OWN + SENSORS;
-type State = [f64; STATES];
+pub const STATES: usize = OWN + SENSORS;
+/// A number a state.
+pub type State = [f64; STATES];
 
 /// Columns that the filter takes together: they are in one another's neighbourhood in memory, and the
 /// processor works on several at once.
 pub const LANES: usize = 4;
 /// The filter's means for some columns, by state.
-type Means = [[f64; LANES]; STATES];
+pub type Means = [[f64; LANES]; STATES];
 
 /// Runs the noise's filter over a flight. `columns` are the residuals first and then whatever is
 /// regressed on; `sink` is given block, sensor and the whitened values of all columns, a row a reading.
@@ -45,6 +48,45 @@ pub fn whiten_by_groups<S: FnMut(usize, usize, &[[f64; LANES]])>(
     used: &dyn Fn(usize) -> bool,
     sink: &mut S,
 ) -> f64 {
+    struct Rows<'a, S>(&'a mut S);
+    impl<S: FnMut(usize, usize, &[[f64; LANES]])> Pass for Rows<'_, S> {
+        fn reading(&mut self, reading: &Reading<'_>) {
+            (self.0)(reading.block, reading.sensor, reading.row);
+        }
+    }
+    filter(series, noise, columns, used, &mut Rows(sink))
+}
+
+/// A reading that the filter takes.
+pub struct Reading<'a> {
+    /// Its block.
+    pub block: usize,
+    /// Its sensor.
+    pub sensor: usize,
+    /// The states' covariance with what is read, m^2.
+    pub gain: &'a State,
+    /// One over the root of the innovation's variance, 1/m.
+    pub scale: f64,
+    /// The innovations of all columns times that scale.
+    pub row: &'a [[f64; LANES]],
+}
+
+/// What looks at a pass of the filter.
+pub trait Pass {
+    /// Before a block, the states as they were after the last one, and what carries them to it.
+    fn block(&mut self, _covariance: &[State; STATES], _means: &[Means], _decay: &Decay) {}
+    /// After a reading's innovation, in the filter's order.
+    fn reading(&mut self, reading: &Reading<'_>);
+}
+
+/// Runs the filter, see [`whiten`].
+pub fn filter<P: Pass>(
+    series: &Series,
+    noise: &Noise,
+    columns: &[&[BySensor]],
+    used: &dyn Fn(usize) -> bool,
+    pass: &mut P,
+) -> f64 {
     let groups = columns.len().div_ceil(LANES);
     let mut means: Vec<Means> = vec![[[0.0; LANES]; STATES]; groups];
     let mut covariance = [[0.0; STATES]; STATES];
@@ -64,8 +106,9 @@ pub fn whiten_by_groups<S: FnMut(usize, usize, &[[f64; LANES]])>(
         if decay.elapsed_s != elapsed_s || decay.free != free {
             decay = Decay::over(noise, elapsed_s, free);
         }
+        pass.block(&covariance, &means, &decay);
         decay.propagate(&mut covariance, &mut means);
-        covariance[1][1] = square(noise.fix_sigma_m) / series.fixes[block];
+        covariance[FIX][FIX] = square(noise.fix_sigma_m) / series.fixes[block];
         if !used(block) {
             continue;
         }
@@ -73,10 +116,7 @@ pub fn whiten_by_groups<S: FnMut(usize, usize, &[[f64; LANES]])>(
             if !series.residual_m[block][sensor].is_finite() {
                 continue;
             }
-            let readings = f64::from(series.readings[block][sensor]);
-            let own = &noise.sensors[sensor];
-            let white_m = if free { own.free_white_m } else { own.captive_white_m };
-            let white = square(white_m) * series.full_block[sensor] / readings;
+            let white = noise.white_m2(series, block, sensor);
             // The measurement's row is [1, 1, 1, ..., 1 at the sensor's wander, ...].
             let own = OWN + sensor;
             let mut gain = [0.0; STATES];
@@ -109,7 +149,7 @@ pub fn whiten_by_groups<S: FnMut(usize, usize, &[[f64; LANES]])>(
                 }
             }
             log_determinant.multiply(variance);
-            sink(block, sensor, &row);
+            pass.reading(&Reading { block, sensor, gain: &gain, scale, row: &row });
         }
     }
     log_determinant.value()
@@ -155,10 +195,15 @@ impl LogarithmOfProduct {
 }
 
 /// What is left of the processes after some time, and what is new; the white noise of the fixes starts anew.
-struct Decay {
-    elapsed_s: f64,
-    free: bool,
-    keep: State,
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Decay {
+    /// The time, seconds.
+    pub elapsed_s: f64,
+    /// Whether the flight is free then.
+    pub free: bool,
+    /// The share of each state that is left.
+    pub keep: State,
+    /// The variance that each one gets, m^2.
     added: State,
 }
 
@@ -201,14 +246,15 @@ const fn square(x: f64) -> f64 {
     x * x
 }
 
+/// A small flight of which all can be written down.
 #[cfg(test)]
-mod tests {
+pub(super) mod small {
     use nalgebra::DMatrix;
 
     use super::super::noise::{GaussMarkov, SensorNoise};
     use super::*;
 
-    fn noise() -> Noise {
+    pub fn noise() -> Noise {
         let sensor = |sigma_m, time_s, white| SensorNoise {
             wander: GaussMarkov { sigma_m, time_s },
             captive_white_m: white,
@@ -224,7 +270,7 @@ mod tests {
     }
 
     /// Uneven times, gaps, a sensor that comes and goes, blocks that are not full.
-    fn series() -> Series {
+    pub fn series() -> Series {
         let mut series = Series { block_s: 1.0, full_block: [10.0; SENSORS], ..Series::default() };
         for k in 0..24_u32 {
             let t = f64::from(k) + if k > 10 { 3.5 } else { 0.0 };
@@ -240,7 +286,7 @@ mod tests {
     }
 
     /// Covariance of all readings, written down from the processes.
-    fn dense(series: &Series, noise: &Noise) -> (DMatrix<f64>, Vec<f64>) {
+    pub fn dense(series: &Series, noise: &Noise) -> (DMatrix<f64>, Vec<f64>) {
         let mut at = Vec::new();
         for block in 0..series.len() {
             for sensor in 0..SENSORS {
@@ -273,6 +319,12 @@ mod tests {
         let values = at.iter().map(|(block, sensor)| series.residual_m[*block][*sensor]).collect();
         (covariance, values)
     }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::small::{dense, noise, series};
+    use super::*;
 
     #[test]
     fn the_likelihood_is_that_of_the_dense_covariance() {

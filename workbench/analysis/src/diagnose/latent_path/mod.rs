@@ -21,7 +21,7 @@ mod path_model;
 
 use executor::Executor;
 
-use super::quasi_newton::minimise;
+use super::quasi_newton::{Differences, minimise};
 use super::reference_path::Fix;
 use filter::{Sighting, smoothed, twice_log_likelihood};
 use path_model::{PARAMETERS, PathModel};
@@ -171,7 +171,7 @@ fn fitted(sightings: &[Sighting], start: &[f64], executor: &dyn Executor) -> Vec
         let likelihood: f64 = parts.iter().map(|part| twice_log_likelihood(part, &model)).sum();
         PathModel::twice_prior(values) - likelihood
     };
-    minimise(&objective, start, GAIN, executor).at
+    minimise(&Differences { function: objective, executor }, start, GAIN).at
 }
 
 #[cfg(test)]
