@@ -27,6 +27,16 @@ pub fn range(effect: EffectId, has_climb_rate: bool) -> [f64; 2] {
     effect.plausible().map(|limit| reach * f64::from(limit))
 }
 
+/// Whether a coefficient of that sigma is beyond what nature allows of the effect itself, so that the effect is there for another one whose part it
+/// takes; where the climb rate is measured.
+#[must_use]
+pub fn stands_in(effect: EffectId, coefficient: f64, sigma: f64) -> bool {
+    let [least, most] = effect.plausible().map(|limit| LENIENT * f64::from(limit));
+    let slack = SIGMAS * sigma;
+    STAND_INS.iter().any(|(stand_in, _)| *stand_in == effect)
+        && !(least - slack..=most + slack).contains(&coefficient)
+}
+
 /// A coefficient's range, and the share of it that is unsure beside its noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
@@ -89,5 +99,13 @@ mod tests {
         assert!(may_be(EffectId::BaroAcceleration, true, -30.0, 1.0));
         assert!(!may_be(EffectId::BaroAcceleration, true, -67.0, 2.5));
         assert!(!may_be(EffectId::BaroAcceleration, false, -30.0, 1.0));
+    }
+
+    /// A warming up of more than its own 62.5 m is there for a temperature; one within two sigmas of it may be itself, and a scale is nobody else.
+    #[test]
+    fn what_is_beyond_its_own_range_stands_in() {
+        assert!(stands_in(EffectId::BaroWarmUp, -89.5, 4.4) && stands_in(EffectId::BaroWarmUp, 70.0, 3.0));
+        assert!(!stands_in(EffectId::BaroWarmUp, -40.0, 4.0) && !stands_in(EffectId::BaroWarmUp, 70.0, 4.0));
+        assert!(!stands_in(EffectId::BaroScale, 5.0, 0.1));
     }
 }

@@ -360,8 +360,15 @@ impl Posterior {
         found.sort_by(|a, b| b.0.total_cmp(&a.0));
         let empty =
             self.share(|set| lacks_own(set) && set.iter().all(|other| self.has(chosen, self.effects[other])));
-        let mut rivals =
-            Rivals { column, others: Vec::new(), odds: Vec::new(), explained, acts: Some(acts), empty };
+        let mut rivals = Rivals {
+            column,
+            others: Vec::new(),
+            odds: Vec::new(),
+            explained,
+            acts: Some(acts),
+            empty,
+            is_stand_in: false,
+        };
         for (probability, other) in found {
             rivals.add(other, probability / acts);
         }

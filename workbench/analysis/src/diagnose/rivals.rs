@@ -7,6 +7,7 @@ use kf_core::effect::EffectId;
 use super::coefficient_prior::CoefficientPrior;
 use super::information::{Information, Solution};
 use super::noise::Noise;
+use super::physical_range::stands_in;
 use super::posterior::{INCLUSION, POWER};
 use super::problem::{NoiseFit, Problem};
 use super::search::{Explanation, Search};
@@ -40,6 +41,8 @@ pub struct Rivals {
     pub acts: Option<f64>,
     /// The probability that nothing acts in this place.
     pub empty: f64,
+    /// Whether the chosen effect is larger than nature allows of it, and there for another one ([`stands_in`]).
+    pub is_stand_in: bool,
 }
 
 impl Rivals {
@@ -78,7 +81,12 @@ pub fn rivals(
             explained,
             power: POWER.min(1.0 / inflation.get(k).copied().unwrap_or(1.0)),
         };
-        all.push(place.rivals(search));
+        let n = best.coefficients.len();
+        let sigma = best.covariance[k * n + k].sqrt();
+        all.push(Rivals {
+            is_stand_in: stands_in(suspects.candidate(*column).effect(), best.coefficients[k], sigma),
+            ..place.rivals(search)
+        });
     }
     all
 }
@@ -140,6 +148,7 @@ impl Place<'_> {
             explained: self.explained,
             acts: None,
             empty: 0.0,
+            is_stand_in: false,
         };
         for (odds, other) in found {
             rivals.add(other, odds);

@@ -319,6 +319,7 @@ impl Judge<'_> {
                 hidden == EffectId::BaroDynamicPressure && lacks_airspeed(self.epochs, hidden);
             let is_hidden = is_told_worse
                 || lacks_airspeed
+                || (rivals.is_stand_in && seen == own)
                 || self.candidates.iter().enumerate().any(|(column, candidate)| {
                     candidate.effect() == hidden && self.epochs.iter().any(|epochs| !epochs.available[column])
                 });

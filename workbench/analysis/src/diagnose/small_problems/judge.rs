@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use super::*;
 use crate::diagnose::diagnosis::{SensorDiagnosis, Verdict};
 use crate::diagnose::judge::Judge;
+use crate::diagnose::physical_range::range;
 use crate::diagnose::search::Search;
 
 const BLOCKS: usize = 400;
@@ -105,6 +106,23 @@ fn a_load_factor_that_fits_better_is_a_set_with_the_angle_of_attack() {
 fn an_angle_of_attack_that_fits_better_is_identified() {
     let found = lift(6, |block| 4.0 * sine(2, block));
     assert_eq!((found.verdict, found.missing), (Verdict::Identified, vec!["baro.angle_of_attack".into()]));
+}
+
+/// A warming up of twice its own range is there for what else warms, though the thermometer's words fit worse; one within it is itself.
+#[test]
+fn a_warming_up_beyond_its_own_range_is_a_set_with_the_temperature() {
+    let of = |metres: f64| {
+        let small = candidates(Small::new(BLOCKS, 8))
+            .candidate_in(EffectId::BaroWarmUp, range(EffectId::BaroWarmUp, true), |block| {
+                0.2 * sine(2, block)
+            })
+            .candidate(EffectId::BaroTemperature, |block| 0.2 * (sine(2, block) + sine(3, block)))
+            .error(move |block| metres * 0.2 * sine(2, block));
+        of_baro(&small)
+    };
+    let beyond = of(100.0);
+    assert_eq!(beyond.indistinguishable, [["baro.warm_up", "baro.temperature"]], "{beyond:?}");
+    assert_eq!(of(40.0).missing, ["baro.warm_up"]);
 }
 
 /// A rest of 4 % beside a large effect may be an error of that one's shape; one of 40 % is an effect of its own.
