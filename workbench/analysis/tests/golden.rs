@@ -18,6 +18,8 @@ use executor::Inline;
 use flight_data::Flight;
 use kf_core::effect::EffectId;
 use model::Model;
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
 use replay::Replay;
 use serde::Serialize;
 use serde_json::{Number, Value};
@@ -26,12 +28,9 @@ const GRAVITY_MPS2: f64 = 9.806_65;
 const LAUNCH_S: f64 = 80.0;
 
 /// Numbers between -1 and 1 that follow nothing.
-fn random(seed: u32) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        f64::from(state >> 8) / f64::from(1_u32 << 23) - 1.0
-    }
+fn random(seed: u64) -> impl FnMut() -> f64 {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    move || random.random_range(-1.0..1.0)
 }
 
 /// The true state of the aircraft.
@@ -86,7 +85,7 @@ struct Errors<'a> {
 const NONE: Errors<'_> = Errors { baro_m: &|_| 0.0, inertial_m: &|_| 0.0, late_s: 0.0 };
 
 /// A flight under a pylon and on its own with every column, at 10 Hz with five fixes a second.
-fn flight(seed: u32, errors: &Errors<'_>) -> Flight {
+fn flight(seed: u64, errors: &Errors<'_>) -> Flight {
     let mut random = random(seed);
     let mut csv = "# pylon-flight: 1\n# vehicle: golden\ntime_s,launch,gps_alt_m,gps_vn_mps,gps_ve_mps,gps_vd_mps,baro_alt_m,baro_temp_c,\
         imu_master_alt_m,imu_slave_alt_m,accel_x_mps2,accel_y_mps2,accel_z_mps2,gyro_x_radps,gyro_y_radps,gyro_z_radps,roll_rad,\
@@ -125,7 +124,7 @@ fn flight(seed: u32, errors: &Errors<'_>) -> Flight {
             0.3 * libm::sin(time_s / 6.0),
             0.1 * random(),
             -load + 0.1 * random(),
-            0.7 / 8.0 * libm::cos(now.free_s() / 8.0),
+            0.7 / 8.0 * libm::cos(now.free_s() / 8.0) + 0.02 * random(),
             0.01 * random(),
             1.0 / 40.0,
             now.roll_rad,
@@ -140,7 +139,7 @@ fn flight(seed: u32, errors: &Errors<'_>) -> Flight {
 }
 
 /// A quarter of an hour at 1 Hz without a launch or a climb rate, on the ground for its first two minutes: a glider's log.
-fn glider(seed: u32, late_s: f64, scale: f64) -> Flight {
+fn glider(seed: u64, late_s: f64, scale: f64) -> Flight {
     let mut random = random(seed);
     let mut csv = "# pylon-flight: 1\ntime_s,gps_alt_m,gps_vn_mps,gps_ve_mps,baro_alt_m\n".to_owned();
     let height_m = |time_s: f64| {

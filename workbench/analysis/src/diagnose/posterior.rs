@@ -110,20 +110,19 @@ pub fn posterior(
             }
         }
         near.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let mut first: BTreeMap<Vec<EffectId>, Vec<usize>> = BTreeMap::new();
-        for (_, columns) in &near {
-            if first.len() < REFITTED {
-                first.entry(weigher.effects(columns)).or_insert_with(|| weigher.with_scale(columns));
+        // The nearest of each set of effects.
+        let mut nearest: Vec<(Vec<EffectId>, Vec<usize>)> = Vec::new();
+        for (_, columns) in near {
+            let effects = weigher.effects(&columns);
+            if nearest.len() < REFITTED && nearest.iter().all(|(others, _)| *others != effects) {
+                nearest.push((effects, columns));
             }
         }
-        search.look_at(&first.into_values().collect::<Vec<_>>(), &best.fit.values);
+        let count = nearest.len();
+        let with_scale: Vec<_> = nearest.iter().map(|(_, columns)| weigher.with_scale(columns)).collect();
+        search.look_at(&with_scale, &best.fit.values);
         let mut next: Option<(f64, Looked)> = None;
-        let mut count = 0;
-        for (_, columns) in near {
-            if count == REFITTED || refitted.contains_key(&weigher.effects(&columns)) {
-                continue;
-            }
-            count += 1;
+        for (effects, columns) in nearest {
             let looked = weigher.look(search, &columns, &best.fit.values);
             step(progress)?;
             let information = suspects.information(problem, &looked.fit.noise);
@@ -132,7 +131,7 @@ pub fn posterior(
                 most = most.max(weighed.log_weight);
                 sets.insert(effects, weighed);
             }
-            refitted.insert(weigher.effects(&columns), looked.clone());
+            refitted.insert(effects, looked.clone());
             if most > best_weight && next.as_ref().is_none_or(|(weight, _)| most > *weight) {
                 next = Some((most, looked));
             }

@@ -20,7 +20,7 @@ pub trait Function {
     fn value(&self, at: &[f64]) -> (f64, Self::Left);
 
     /// The slope in every argument.
-    fn slope(&self, at: &[f64], value: f64, left: &Self::Left) -> Vec<f64>;
+    fn slope(&self, at: &[f64], left: &Self::Left) -> Vec<f64>;
 }
 
 /// A function without a slope of its own: differences take its place, side by side, by the executor.
@@ -32,13 +32,15 @@ pub struct Differences<'a, F> {
 }
 
 impl<F: Fn(&[f64]) -> f64 + Sync> Function for Differences<'_, F> {
-    type Left = ();
+    /// The value itself.
+    type Left = f64;
 
-    fn value(&self, at: &[f64]) -> (f64, ()) {
-        ((self.function)(at), ())
+    fn value(&self, at: &[f64]) -> (f64, f64) {
+        let value = (self.function)(at);
+        (value, value)
     }
 
-    fn slope(&self, at: &[f64], value: f64, (): &()) -> Vec<f64> {
+    fn slope(&self, at: &[f64], value: &f64) -> Vec<f64> {
         let slope = |k: usize| {
             move || {
                 let mut probe = at.to_vec();
@@ -64,7 +66,7 @@ pub fn minimise<F: Function>(function: &F, start: &[f64], tolerance: f64) -> Min
     let n = start.len();
     let mut at = DVector::from_column_slice(start);
     let (mut value, left) = function.value(at.as_slice());
-    let mut slope = DVector::from_vec(function.slope(at.as_slice(), value, &left));
+    let mut slope = DVector::from_vec(function.slope(at.as_slice(), &left));
     let mut inverse = DMatrix::<f64>::identity(n, n) * 0.05;
     let mut fresh = true;
     let mut settled = false;
@@ -91,7 +93,7 @@ pub fn minimise<F: Function>(function: &F, start: &[f64], tolerance: f64) -> Min
         let moved = direction * step;
         at += &moved;
         value = next;
-        let next_slope = DVector::from_vec(function.slope(at.as_slice(), value, &left));
+        let next_slope = DVector::from_vec(function.slope(at.as_slice(), &left));
         let bent = &next_slope - &slope;
         slope = next_slope;
         let curvature = bent.dot(&moved);

@@ -80,13 +80,13 @@ pub fn rivals(
             best_rest: best.rest,
             explained,
             power: POWER.min(1.0 / inflation.get(k).copied().unwrap_or(1.0)),
+            is_stand_in: stands_in(
+                suspects.candidate(*column).effect(),
+                best.coefficients[k],
+                best.covariance[k * best.coefficients.len() + k].sqrt(),
+            ),
         };
-        let n = best.coefficients.len();
-        let sigma = best.covariance[k * n + k].sqrt();
-        all.push(Rivals {
-            is_stand_in: stands_in(suspects.candidate(*column).effect(), best.coefficients[k], sigma),
-            ..place.rivals(search)
-        });
+        all.push(place.rivals(search));
     }
     all
 }
@@ -104,6 +104,7 @@ struct Place<'a> {
     explained: f64,
     /// The power of the likelihood where shapes have no errors.
     power: f64,
+    is_stand_in: bool,
 }
 
 /// Another effect in the place of a chosen one.
@@ -148,7 +149,7 @@ impl Place<'_> {
             explained: self.explained,
             acts: None,
             empty: 0.0,
-            is_stand_in: false,
+            is_stand_in: self.is_stand_in,
         };
         for (odds, other) in found {
             rivals.add(other, odds);

@@ -6,6 +6,8 @@
 //!
 //! `log |V| + sum over q of q' V^-1 q`.
 
+use kf_core::sensor::SENSORS;
+
 use super::noise::{Noise, NoiseSlope, ProcessSlope, white_share};
 use super::series::{BySensor, Series};
 use super::whitener::{Decay, FIX, LANES, Means, OWN, Pass, Reading, STATES, State, filter};
@@ -136,36 +138,58 @@ fn dot(one: &[f64; LANES], other: &[f64; LANES]) -> f64 {
     one.iter().zip(other).map(|(one, other)| one * other).sum()
 }
 
+/// The way back over a flight, reading by reading and block by block, the last first: `reading` is given each one's diagonal of `V^-1` and its weights,
+/// `block` each step into a block before it is taken back. Where it ends is before the first block.
+fn back(
+    tape: &Tape,
+    groups: usize,
+    mut reading: impl FnMut(&Kept, f64, &[[f64; LANES]]),
+    mut block: impl FnMut(usize, &Step, &Backward),
+) -> Backward {
+    let mut backward = Backward::new(groups);
+    let mut weights = vec![[0.0; LANES]; groups];
+    let mut last = tape.readings.len();
+    for (k, step) in tape.steps.iter().enumerate().rev() {
+        for at in (step.first..last).rev() {
+            let innovations = &tape.innovations[at * groups..(at + 1) * groups];
+            let diagonal = backward.take(&tape.readings[at], innovations, &mut weights);
+            reading(&tape.readings[at], diagonal, &weights);
+        }
+        last = step.first;
+        block(k, step, &backward);
+        backward.carry(&step.decay.keep);
+    }
+    backward
+}
+
 /// The slope of `log |V| + sum of q' V^-1 q` over the columns.
 #[must_use]
 pub fn score(series: &Series, noise: &Noise, columns: &[&[BySensor]]) -> NoiseSlope {
     let groups = columns.len().div_ceil(LANES);
     let tape = recorded(series, noise, columns);
-    let mut backward = Backward::new(groups);
-    let mut weights = vec![[0.0; LANES]; groups];
+    let mut whites = [[0.0; 2]; SENSORS];
     let mut slope = NoiseSlope::default();
-    let mut last = tape.readings.len();
-    for (block, step) in tape.steps.iter().enumerate().rev() {
-        for at in (step.first..last).rev() {
-            let reading = &tape.readings[at];
-            let innovations = &tape.innovations[at * groups..(at + 1) * groups];
-            let diagonal = backward.take(reading, innovations, &mut weights);
+    let first = back(
+        &tape,
+        groups,
+        |reading, diagonal, weights| {
             let squares: f64 = weights.iter().map(|weights| dot(weights, weights)).sum();
-            let own = &mut slope.sensors[reading.sensor];
-            let white =
-                if step.decay.free { &mut own.free_white_variance } else { &mut own.captive_white_variance };
-            *white += white_share(series, block, reading.sensor) * (diagonal - squares);
-        }
-        last = step.first;
-        slope.fix_variance += backward.slope(FIX, FIX) / series.fixes[block];
-        let means = &tape.means[block * groups..(block + 1) * groups];
-        step.add(&mut slope, noise, &backward, means);
-        backward.carry(&step.decay.keep);
-    }
-    slope.reference.variance += backward.slope(0, 0);
-    slope.slow.variance += backward.slope(2, 2);
-    for (i, sensor) in slope.sensors.iter_mut().enumerate() {
-        sensor.captive.variance += backward.slope(OWN + i, OWN + i);
+            let share = white_share(series, reading.block, reading.sensor);
+            let phase = usize::from(series.free[reading.block]);
+            whites[reading.sensor][phase] += share * (diagonal - squares);
+        },
+        |block, step, backward| {
+            slope.fix_variance += backward.slope(FIX, FIX) / series.fixes[block];
+            let means = &tape.means[block * groups..(block + 1) * groups];
+            step.add(&mut slope, noise, backward, means);
+        },
+    );
+    slope.reference.variance += first.slope(0, 0);
+    slope.slow.variance += first.slope(2, 2);
+    for (i, (sensor, [captive, free])) in slope.sensors.iter_mut().zip(whites).enumerate() {
+        sensor.captive.variance += first.slope(OWN + i, OWN + i);
+        sensor.captive_white_variance = captive;
+        sensor.free_white_variance = free;
     }
     slope
 }
@@ -214,20 +238,15 @@ pub fn weights(
     columns: &[&[BySensor]],
     sink: &mut dyn FnMut(usize, usize, &[f64]),
 ) {
-    let groups = columns.len().div_ceil(LANES);
     let tape = recorded(series, noise, columns);
-    let mut backward = Backward::new(groups);
-    let mut weights = vec![[0.0; LANES]; groups];
-    let mut last = tape.readings.len();
-    for step in tape.steps.iter().rev() {
-        for at in (step.first..last).rev() {
-            let reading = &tape.readings[at];
-            backward.take(reading, &tape.innovations[at * groups..(at + 1) * groups], &mut weights);
+    back(
+        &tape,
+        columns.len().div_ceil(LANES),
+        |reading, _, weights| {
             sink(reading.block, reading.sensor, &weights.as_flattened()[..columns.len()]);
-        }
-        last = step.first;
-        backward.carry(&step.decay.keep);
-    }
+        },
+        |_, _, _| (),
+    );
 }
 
 #[cfg(test)]
