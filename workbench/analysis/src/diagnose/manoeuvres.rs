@@ -4,6 +4,9 @@
 use kf_core::input::{GpsFix, ImuSample, Signals, TickInput};
 
 const GRAVITY: f64 = 9.806_65;
+/// Pull-ups and push-overs: the climb rate's amplitude over the cruise's speed, and its angular frequency, rad/s (a period of 6 s).
+const PULL: f64 = 0.08;
+const PULL_RATE: f64 = 1.05;
 /// Ticks a second.
 const RATE: f64 = 10.0;
 /// Straight and level before every manoeuvre, as in captive flight, seconds.
@@ -13,7 +16,7 @@ pub const LENGTH_S: f64 = 120.0;
 
 /// A manoeuvre: what the pilot or autopilot holds as a function of the time since its start.
 pub struct Manoeuvre {
-    /// What to fly, with `{slow}`, `{cruise}` and `{fast}` for speeds in m/s.
+    /// What to fly, with `{slow}`, `{cruise}` and `{fast}` for speeds in m/s, and `{light}` and `{heavy}` for a pull-up's load factors.
     say: &'static str,
     /// Speed over the cruise's.
     speed: fn(f64) -> f64,
@@ -23,7 +26,7 @@ pub struct Manoeuvre {
     bank: fn(f64) -> f64,
     /// Sideslip, rad.
     sideslip: fn(f64) -> f64,
-    /// Whether it brings the load factor far from one by itself.
+    /// Throttle over what drag and acceleration ask for.
     power: fn(f64) -> f64,
 }
 
@@ -66,9 +69,9 @@ pub const MANOEUVRES: [Manoeuvre; 9] = [
         power: none,
     },
     Manoeuvre {
-        say: "pull-ups and push-overs of 3 s each between 0.5 and 1.5 g at {cruise} m/s",
-        speed: |t| 1.0 - 0.03 * libm::cos(t * 1.05),
-        climb: |t| -0.08 * libm::cos(t * 1.05),
+        say: "pull-ups and push-overs of 3 s each between {light} and {heavy} g at {cruise} m/s",
+        speed: |t| 1.0 - 0.03 * libm::cos(t * PULL_RATE),
+        climb: |t| -PULL * libm::cos(t * PULL_RATE),
         bank: none,
         sideslip: none,
         power: none,
@@ -147,10 +150,13 @@ impl Manoeuvre {
     #[must_use]
     pub fn say(&self, trim: &Trim) -> String {
         let speed = |factor: f64| format!("{:.0}", trim.speed_mps * factor);
+        let pull = PULL * PULL_RATE * trim.speed_mps / GRAVITY;
         self.say
             .replace("{slow}", &speed(0.75))
             .replace("{cruise}", &speed(1.0))
             .replace("{fast}", &speed(1.25))
+            .replace("{light}", &format!("{:.1}", 1.0 - pull))
+            .replace("{heavy}", &format!("{:.1}", 1.0 + pull))
     }
 
     /// The manoeuvre's ticks, after straight and level captive flight: exact signals of a point mass.
@@ -256,6 +262,22 @@ mod tests {
     fn the_words_have_the_speeds() {
         assert!(MANOEUVRES[0].say(&TRIM).contains("from 30 to 50 m/s"));
         assert!(MANOEUVRES[1].say(&TRIM).contains("at constant 40 m/s"));
+    }
+
+    /// A pull-up at such a speed takes more lift the faster the aircraft is, and the words have what is flown.
+    #[test]
+    fn the_words_have_the_load_factors_of_that_speed() {
+        for (speed_mps, words) in [(40.0, "between 0.7 and 1.3 g"), (80.0, "between 0.3 and 1.7 g")] {
+            let trim = Trim { speed_mps, ..TRIM };
+            assert!(MANOEUVRES[2].say(&trim).contains(words), "{}", MANOEUVRES[2].say(&trim));
+            let loads = MANOEUVRES[2].fly(&trim).into_iter().filter(|tick| tick.launch).map(|tick| {
+                let [_, shake, z] = tick.imu.unwrap().accel_mps2.map(f64::from);
+                (shake - z) / GRAVITY
+            });
+            let (least, most) =
+                loads.fold((f64::MAX, f64::MIN), |(least, most), load| (least.min(load), most.max(load)));
+            assert_eq!(format!("between {least:.1} and {most:.1} g"), words);
+        }
     }
 
     fn signals(tick: &TickInput) -> (f64, [f64; 3], [f64; 3]) {
