@@ -135,9 +135,9 @@ pub struct CandidateFacts {
     pub probability: Option<f64>,
     /// Chance of as strong a fit if the effect did not act, times the number of effects tried.
     pub p_value: f64,
-    /// Root mean square of the held-out errors without it, m.
+    /// Root mean square of the held-out errors without it, with every other chosen one, m.
     pub rms_before_m: Option<f64>,
-    /// With it, m; neither is there where most of the error would be the coefficient's own, which what is held out alone shows.
+    /// With it beside those, m; neither is there where most of the error would be the coefficient's own, which what is held out alone shows.
     pub rms_after_m: Option<f64>,
     /// Whether it is part of the explanation.
     pub chosen: bool,

@@ -53,16 +53,16 @@ impl Judge<'_> {
         subject: Option<Sensor>,
     ) -> Vec<CandidateFacts> {
         let explanation = &findings.explanation;
-        // Chosen effects are listed in the order in which they count, each on top of those before it.
+        // Chosen effects are listed in the order in which they count, each held out beside all others.
         let mut chosen: Vec<(f64, usize)> =
             (0..explanation.columns.len()).map(|k| (self.size_m(findings, k), k)).collect();
         chosen.sort_by(|a, b| b.0.total_cmp(&a.0));
         let chosen: Vec<usize> = chosen.into_iter().map(|(_, k)| explanation.columns[k]).collect();
         let mut facts = Vec::new();
-        for (k, column) in chosen.iter().enumerate() {
+        for column in &chosen {
             if self.candidates[*column].sensor() == subject {
-                let fact = self.candidate(findings, *column, &chosen[..k], &chosen[..=k]);
-                facts.extend(fact);
+                let others: Vec<usize> = chosen.iter().copied().filter(|other| other != column).collect();
+                facts.extend(self.candidate(findings, *column, &others, &chosen));
             }
         }
         let mut others = Vec::new();
