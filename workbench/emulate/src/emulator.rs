@@ -8,6 +8,7 @@ use std::thread;
 use std::time::Duration;
 
 use super::error::FlyError;
+use super::one_processor;
 
 /// The emulated machine: an STM32F405RG.
 const MACHINE: &str = "netduinoplus2";
@@ -35,7 +36,8 @@ pub fn emulate(
     timeout: Duration,
 ) -> Result<Emulation, FlyError> {
     let serial = serial.map_or_else(|| "none".to_owned(), |file| format!("file:{file}"));
-    let mut qemu = Command::new("qemu-system-arm")
+    let mut command = Command::new("qemu-system-arm");
+    command
         .args(["-machine", MACHINE, "-nographic", "-monitor", "none", "-serial", &serial])
         .args(["-icount", "shift=0,sleep=off", "-semihosting-config", "enable=on,target=native"])
         .arg("-kernel")
@@ -43,12 +45,16 @@ pub fn emulate(
         .current_dir(directory)
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .map_err(|error| match error.kind() {
+        .stderr(Stdio::piped());
+    // Held until the emulation has ended.
+    let _processor;
+    let mut qemu;
+    (qemu, _processor) = one_processor::spawn(&mut command, &image.with_file_name("")).map_err(|error| {
+        match error.kind() {
             io::ErrorKind::NotFound => FlyError::NoEmulator,
             _ => FlyError::Io { what: "qemu-system-arm".to_owned(), source: error },
-        })?;
+        }
+    })?;
     // Both pipes are drained while it runs, or a full one would stop it.
     let drained = drain(qemu.stdout.take()).and_then(|stdout| Ok((stdout, drain(qemu.stderr.take())?)));
     let (stdout, stderr) = match drained {

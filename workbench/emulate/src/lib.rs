@@ -16,6 +16,7 @@ mod image;
 mod log;
 mod made_of;
 mod old_images;
+mod one_processor;
 mod record;
 mod registry_paths;
 mod starts;
