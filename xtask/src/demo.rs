@@ -4,6 +4,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::thread;
 
 use anyhow::{Context, bail};
 use serde::de::DeserializeOwned;
@@ -34,9 +35,19 @@ pub fn run(echo: bool) -> anyhow::Result<()> {
         }
     }
     let mut stages = Stages::new(1 + STAGES);
-    stages.run("building the workbench", |news| {
-        child::run_heard(&mut workspace::build_workbench(), echo, &|line| news.hear(line))?;
-        Ok(())
+    stages.run("building the workbench, and what every image of the flight computer needs", |news| {
+        // A crate by itself has work for one processor, so they are built side by side.
+        thread::scope(|scope| {
+            let image = scope.spawn(|| {
+                child::run_heard(&mut workspace::firmware_build("flight", "board-qemu"), echo, &|_| ())
+            });
+            child::run_heard(&mut workspace::build_workbench(), echo, &|line| news.hear(line))?;
+            // What kept it from being built, whoever flies it says; it may be no more than a panic of the thread.
+            if let Ok(built) = image.join() {
+                built?;
+            }
+            Ok(())
+        })
     })?;
     let mut demo = Demo { workbench: workspace::workbench(), echo, stages };
     print!("{}", demo.fly()?);
