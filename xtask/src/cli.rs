@@ -15,7 +15,7 @@ use crate::{campaign, hil};
 Examples:
   cargo xtask demo           see Pylon work: a flight is calibrated, latched, flagged and drawn
   cargo xtask test           install what is missing and run every test
-  cargo xtask test budgets   only the steps whose name contains `budgets`, and their set-up
+  cargo xtask test budgets   only the steps and programs of tests whose name contains `budgets`, and their set-up
   cargo xtask site           the studio as one file, which any browser opens from the disk
   cargo xtask bench          speed and size, compared with other filters
   cargo xtask blind 400      how often the diagnosis is right, on 400 simulated flights
@@ -47,9 +47,9 @@ pub enum Job {
     Demo,
     /// Run every test; ends with `N passed, N failed, N skipped`.
     Test {
-        /// Only the steps whose name contains one of these words.
+        /// Only the steps and the programs of tests whose name contains one of these words.
         words: Vec<String>,
-        /// Only list the steps.
+        /// Only list the steps and the programs of tests.
         #[arg(long)]
         list: bool,
     },

@@ -24,6 +24,7 @@ mod steps;
 mod story;
 mod table;
 mod test_job;
+mod test_programs;
 mod test_report;
 mod wasm;
 #[cfg(test)]

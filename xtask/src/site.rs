@@ -37,24 +37,24 @@ pub fn build(echo: bool) -> anyhow::Result<String> {
     Ok(made.stdout.trim().replace(&file.display().to_string(), &workspace::shown(&file)))
 }
 
-/// Builds the site, checks the page's types, and opens the page in a browser.
-pub fn test(echo: bool) -> anyhow::Result<Done> {
+/// Builds the site and checks the page's types.
+pub fn check(echo: bool) -> anyhow::Result<Done> {
     let made = build(echo)?;
     child::run(npm(&["run", "--silent", "check"]).current_dir(folder()), echo)?;
+    Ok(Done::all(made))
+}
+
+/// What opens the page in a browser and compares it with the command line, once [`check`] has run and the tests are built.
+pub fn browser_tests() -> anyhow::Result<Command> {
     if fs::read_dir(folder().join("e2e")).map_or(0, Iterator::count) == 0 {
         bail!("{PAGE}/e2e has no test");
     }
-    // The page is compared with the command line and served by it, so that has to be of this tree.
-    child::run(&mut workspace::test(["--no-run"]), echo)?;
-    let pylon = workspace::tested("pylon");
+    if !file().is_file() {
+        bail!("{} is missing: `cargo xtask site` makes it", workspace::shown(&file()));
+    }
     let mut tests = npm(&["run", "--silent", "e2e"]);
-    tests.current_dir(folder()).env("PYLON_STUDIO", file()).env("PYLON_BIN", pylon);
-    let said = child::run(&mut tests, echo)?;
-    let mut counts = said.all.lines().filter(|line| line.starts_with("# pass") || line.starts_with("ℹ pass"));
-    Ok(Done::all(format!(
-        "{} tests; {made}",
-        counts.next_back().unwrap_or("").trim_matches(|c: char| !c.is_ascii_digit())
-    )))
+    tests.current_dir(folder()).env("PYLON_STUDIO", file()).env("PYLON_BIN", workspace::tested("pylon"));
+    Ok(tests)
 }
 
 /// Fetches the page's packages, once a lock file.

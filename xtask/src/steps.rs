@@ -19,7 +19,28 @@ pub struct Done {
     /// What it had to leave out, and why.
     pub skipped: Vec<String>,
     /// What its parts took, where it has any.
-    pub parts: Vec<(String, Duration)>,
+    pub parts: Parts,
+}
+
+/// The parts of a step, which may have run side by side.
+#[derive(Clone, Debug, Default)]
+pub struct Parts {
+    /// What each took by itself.
+    pub each: Vec<(String, Duration)>,
+    /// What all of them took together: less than their sum where they ran side by side.
+    pub together: Duration,
+}
+
+impl Parts {
+    /// The part of [`Self::together`] that a part is charged with: in proportion to what it took.
+    fn charge(&self, took: Duration) -> Duration {
+        let sum: Duration = self.each.iter().map(|(_, took)| *took).sum();
+        if sum.is_zero() {
+            Duration::ZERO
+        } else {
+            self.together.mul_f64(took.as_secs_f64() / sum.as_secs_f64())
+        }
+    }
 }
 
 impl Done {
@@ -42,7 +63,7 @@ struct Row {
     name: String,
     outcome: Outcome,
     took: Duration,
-    parts: Vec<(String, Duration)>,
+    parts: Parts,
 }
 
 /// The steps of a job so far.
@@ -79,7 +100,7 @@ impl Steps {
                         name: name.to_owned(),
                         outcome: Outcome::Skipped(what),
                         took: Duration::ZERO,
-                        parts: Vec::new(),
+                        parts: Parts::default(),
                     });
                 }
                 true
@@ -89,7 +110,7 @@ impl Steps {
                     eprintln!("\n{}", output.all.trim_end());
                 }
                 eprintln!("FAILED, {}: {error:#}", seconds(took));
-                add(Outcome::Failed(format!("{error:#}")), Vec::new());
+                add(Outcome::Failed(format!("{error:#}")), Parts::default());
                 false
             }
         }
@@ -119,31 +140,36 @@ impl Steps {
         table.trim_fmt()
     }
 
-    /// Where the time went, slowest first: of a step with parts, each of them, and what is left of it.
+    /// Where the time went, slowest first: of a step with parts, each of them, and what is left of it. Parts that ran side by side have
+    /// their share of the time that they took together.
     pub fn slowest(&self) -> String {
-        let mut shares: Vec<(String, Duration)> = Vec::new();
+        let mut rows: Vec<(String, Duration, Duration)> = Vec::new();
         for Row { name, took, parts, .. } in &self.rows {
-            let of_parts = parts.iter().map(|(_, took)| *took).sum();
             let left =
-                if parts.is_empty() { name.clone() } else { format!("{name}: building, and the rest") };
-            shares.push((left, took.saturating_sub(of_parts)));
-            shares.extend(parts.iter().map(|(part, took)| (format!("{name}: {part}"), *took)));
+                if parts.each.is_empty() { name.clone() } else { format!("{name}: building, and the rest") };
+            let rest = took.saturating_sub(parts.together);
+            rows.push((left, rest, rest));
+            let charged = |took| parts.charge(took);
+            rows.extend(
+                parts.each.iter().map(|(part, took)| (format!("{name}: {part}"), *took, charged(*took))),
+            );
         }
-        shares.sort_by_key(|(_, took)| std::cmp::Reverse(*took));
-        let total: Duration = shares.iter().map(|(_, took)| *took).sum();
+        rows.sort_by_key(|(_, took, _)| std::cmp::Reverse(*took));
+        let total: Duration = rows.iter().map(|(_, _, charged)| *charged).sum();
         let mut table = plain([Cell::new("slowest first"), right("took"), right("share")]);
-        let (mut few, mut short) = (0, Duration::ZERO);
-        for (name, took) in shares {
-            let share = took.as_secs_f64() / total.as_secs_f64();
+        let (mut few, mut short, mut short_charged) = (0, Duration::ZERO, Duration::ZERO);
+        for (name, took, charged) in rows {
+            let share = charged.as_secs_f64() / total.as_secs_f64();
             if share >= SMALLEST_SHARE {
                 table.add_row([Cell::new(name), right(seconds(took)), right(percent(share))]);
             } else if !took.is_zero() {
                 few += 1;
                 short += took;
+                short_charged += charged;
             }
         }
         if few > 0 {
-            let share = short.as_secs_f64() / total.as_secs_f64();
+            let share = short_charged.as_secs_f64() / total.as_secs_f64();
             let name = format!("{few} of less than {} each", percent(SMALLEST_SHARE));
             table.add_row([Cell::new(name), right(seconds(short)), right(percent(share))]);
         }
@@ -193,25 +219,30 @@ mod tests {
         assert_eq!(table.lines().count(), 5, "{table}");
     }
 
-    #[test]
-    fn the_slowest_part_comes_first_and_nothing_is_left_out() {
-        let row = |name: &str, took, parts: &[(&str, u64)]| Row {
+    fn row(name: &str, took: u64, together: u64, parts: &[(&str, u64)]) -> Row {
+        let each =
+            parts.iter().map(|(name, took)| ((*name).to_owned(), Duration::from_secs(*took))).collect();
+        Row {
             name: name.to_owned(),
             outcome: Outcome::Passed(String::new()),
             took: Duration::from_secs(took),
-            parts: parts
-                .iter()
-                .map(|(name, took)| ((*name).to_owned(), Duration::from_secs(*took)))
-                .collect(),
-        };
+            parts: Parts { each, together: Duration::from_secs(together) },
+        }
+    }
+
+    /// The table's rows without their columns' width, but for its head.
+    fn slowest(rows: Vec<Row>) -> Vec<String> {
+        let table = Steps { planned: rows.len(), begun: rows.len(), rows }.slowest();
+        table.lines().skip(1).map(|line| line.split_whitespace().collect::<Vec<_>>().join(" ")).collect()
+    }
+
+    #[test]
+    fn the_slowest_part_comes_first_and_nothing_is_left_out() {
         let rows = vec![
-            row("clippy", 100, &[]),
-            row("tests", 890, &[("oracle", 250), ("budgets", 600), ("quick", 1)]),
-            row("formatting", 10, &[]),
+            row("clippy", 100, 0, &[]),
+            row("tests", 890, 851, &[("oracle", 250), ("budgets", 600), ("quick", 1)]),
+            row("formatting", 10, 0, &[]),
         ];
-        let table = Steps { planned: 3, begun: 3, rows }.slowest();
-        let rows: Vec<_> =
-            table.lines().skip(1).map(|line| line.split_whitespace().collect::<Vec<_>>().join(" ")).collect();
         let expected = [
             "tests: budgets 600.0 s 60 %",
             "tests: oracle 250.0 s 25 %",
@@ -221,6 +252,19 @@ mod tests {
             "1 of less than 1 % each 1.0 s 0 %",
             "all 1000.0 s 100 %",
         ];
-        assert_eq!(rows, expected, "{table}");
+        assert_eq!(slowest(rows), expected);
+    }
+
+    /// Two lanes: 400 s and 200 s of parts took 300 s, which are all that the step is charged with.
+    #[test]
+    fn parts_that_ran_side_by_side_share_the_time_that_they_took_together() {
+        let rows = vec![row("clippy", 100, 0, &[]), row("tests", 300, 300, &[("long", 400), ("short", 200)])];
+        let expected = [
+            "tests: long 400.0 s 50 %",
+            "tests: short 200.0 s 25 %",
+            "clippy 100.0 s 25 %",
+            "all 400.0 s 100 %",
+        ];
+        assert_eq!(slowest(rows), expected);
     }
 }

@@ -1,5 +1,7 @@
 //! `cargo xtask test`: every test of every kind.
 
+use std::mem;
+
 use anyhow::{anyhow, bail};
 
 use crate::campaign;
@@ -7,8 +9,9 @@ use crate::child::{self, Failure};
 use crate::demo;
 use crate::setup::{self, Need, Provided};
 use crate::site;
-use crate::steps::{Done, Steps};
-use crate::test_report::{TestProgress, TestReport};
+use crate::steps::{Done, Parts, Steps};
+use crate::test_programs::{self, Ended, TestProgram};
+use crate::test_report::TestReport;
 use crate::wasm;
 use crate::workspace::{self, TARGET};
 
@@ -16,43 +19,67 @@ use crate::workspace::{self, TARGET};
 struct Step {
     name: &'static str,
     needs: &'static [Need],
-    run: fn(echo: bool) -> anyhow::Result<Done>,
+    run: Run,
 }
 
+/// How a step is done.
+enum Run {
+    /// By itself.
+    Alone(fn(echo: bool) -> anyhow::Result<Done>),
+    /// By these of the programs of tests, or all.
+    Programs,
+}
+
+/// The step that runs programs of tests.
+const TESTS: &str = "tests";
+
 const STEPS: &[Step] = &[
-    Step { name: "formatting", needs: &[Need::Rustfmt], run: formatting },
-    Step { name: "clippy, host", needs: &[Need::Clippy, Need::Npm], run: clippy_host },
-    Step { name: "formats, one by one", needs: &[], run: formats_one_by_one },
-    Step { name: "clippy, board-qemu", needs: &[Need::Clippy, Need::Target], run: clippy_qemu },
-    Step { name: "clippy, board-hil", needs: &[Need::Clippy, Need::Target], run: clippy_hil },
-    Step { name: "clippy, board-f405", needs: &[Need::Clippy, Need::Target], run: clippy_f405 },
-    Step { name: "workbench, wasm32", needs: &[Need::Wasm], run: wasm::check },
-    Step { name: "studio", needs: &[Need::Wasm, Need::Npm, Need::Chromium], run: site::test },
-    Step { name: "documentation, host", needs: &[Need::Npm], run: documentation_host },
-    Step { name: "documentation, firmware", needs: &[Need::Target], run: documentation_firmware },
-    Step { name: "image, board-qemu", needs: &[Need::Target], run: image_qemu },
-    Step { name: "image, board-hil", needs: &[Need::Target], run: image_hil },
-    Step { name: "image, board-f405", needs: &[Need::Target], run: image_f405 },
+    Step { name: "formatting", needs: &[Need::Rustfmt], run: Run::Alone(formatting) },
+    Step { name: "clippy, host", needs: &[Need::Clippy, Need::Npm], run: Run::Alone(clippy_host) },
+    Step { name: "formats, one by one", needs: &[], run: Run::Alone(formats_one_by_one) },
+    Step { name: "clippy, board-qemu", needs: &[Need::Clippy, Need::Target], run: Run::Alone(clippy_qemu) },
+    Step { name: "clippy, board-hil", needs: &[Need::Clippy, Need::Target], run: Run::Alone(clippy_hil) },
+    Step { name: "clippy, board-f405", needs: &[Need::Clippy, Need::Target], run: Run::Alone(clippy_f405) },
+    Step { name: "workbench, wasm32", needs: &[Need::Wasm], run: Run::Alone(wasm::check) },
+    Step { name: "studio", needs: &[Need::Wasm, Need::Npm], run: Run::Alone(site::check) },
+    Step { name: "documentation, host", needs: &[Need::Npm], run: Run::Alone(documentation_host) },
+    Step { name: "documentation, firmware", needs: &[Need::Target], run: Run::Alone(documentation_firmware) },
+    Step { name: "image, board-qemu", needs: &[Need::Target], run: Run::Alone(image_qemu) },
+    Step { name: "image, board-hil", needs: &[Need::Target], run: Run::Alone(image_hil) },
+    Step { name: "image, board-f405", needs: &[Need::Target], run: Run::Alone(image_f405) },
     Step {
-        name: "tests",
+        name: TESTS,
         needs: &[Need::Target, Need::Wasm, Need::Qemu, Need::Npm, Need::Chromium, Need::Pymavlink],
-        run: tests,
+        run: Run::Programs,
     },
-    Step { name: "fault campaign", needs: &[Need::Npm], run: campaign::test },
-    Step { name: "demo", needs: &[Need::Target, Need::Qemu, Need::Npm], run: demo::test },
+    Step { name: "fault campaign", needs: &[Need::Npm], run: Run::Alone(campaign::test) },
+    Step { name: "demo", needs: &[Need::Target, Need::Qemu, Need::Npm], run: Run::Alone(demo::test) },
 ];
 
-/// Runs the steps whose name contains one of the words, or all; says whether none failed.
+/// Runs the steps and the programs of tests whose name contains one of the words, or all; says whether none failed.
 pub fn run(words: &[String], list: bool, echo: bool) -> anyhow::Result<bool> {
-    let wanted =
-        |step: &&Step| words.is_empty() || words.iter().any(|word| step.name.contains(word.as_str()));
-    let chosen: Vec<_> = STEPS.iter().filter(wanted).collect();
+    let is_meant = |name: &str| words.is_empty() || words.iter().any(|word| name.contains(word.as_str()));
+    let mut programs = test_programs::all()?;
+    if !is_meant(TESTS) {
+        programs.retain(|program| is_meant(&program.name));
+    }
+    let chosen: Vec<_> = STEPS
+        .iter()
+        .filter(|step| match step.run {
+            Run::Alone(_) => is_meant(step.name),
+            Run::Programs => !programs.is_empty(),
+        })
+        .collect();
     if chosen.is_empty() {
-        bail!("no step is called {}; `cargo xtask test --list` names them", words.join(" or "));
+        let words = words.join(" or ");
+        bail!("no step and no program of tests is called {words}; `cargo xtask test --list` names them");
     }
     if list {
         for step in chosen {
             println!("{}", step.name);
+            if matches!(step.run, Run::Programs) {
+                programs.iter().for_each(|program| println!("  {}", program.name));
+            }
         }
         return Ok(true);
     }
@@ -67,9 +94,10 @@ pub fn run(words: &[String], list: bool, echo: bool) -> anyhow::Result<bool> {
         }
     }
     for step in chosen {
-        steps.run(step.name, || match step.needs.iter().find(|need| missing.contains(need)) {
-            Some(need) => Err(anyhow!("not run: {} is missing", need.name())),
-            None => (step.run)(echo),
+        steps.run(step.name, || match (step.needs.iter().find(|need| missing.contains(need)), &step.run) {
+            (Some(need), _) => Err(anyhow!("not run: {} is missing", need.name())),
+            (None, Run::Alone(run)) => run(echo),
+            (None, Run::Programs) => tests(mem::take(&mut programs), echo),
         });
     }
     println!("\n{}\n\n{}\n\n{}", steps.table(), steps.slowest(), steps.verdict());
@@ -163,27 +191,42 @@ fn image(board: &str, echo: bool) -> anyhow::Result<Done> {
     Ok(Done::default())
 }
 
-/// The tests of every crate but the firmware: unit, property, documentation and whole-chain tests, the
+/// The tests of every crate but the firmware, of the page and of the documentation's examples: unit, property and whole-chain tests, the
 /// flights in the emulator among them.
-fn tests(echo: bool) -> anyhow::Result<Done> {
-    let mut cargo = workspace::test(["--no-fail-fast", "--", "--show-output"]);
+fn tests(programs: Vec<TestProgram>, echo: bool) -> anyhow::Result<Done> {
     eprintln!();
-    let mut progress = TestProgress::default();
-    let mut show = |line: &str| {
-        if let Some(ended) = progress.hear(line) {
-            eprintln!("           {ended}");
+    let mut report = TestReport::default();
+    let mut parts = Parts::default();
+    let mut failed = Vec::new();
+    let mut take = |Ended { program: TestProgram { name, kind, .. }, outcome, took }: Ended| {
+        let mut own = TestReport::default();
+        let failure = match outcome {
+            Ok(output) => {
+                own.hear(kind, &output.all);
+                report.hear(kind, &output.all);
+                None
+            }
+            Err(failure) => {
+                if let Some(Failure::Ended { output, .. }) = failure.downcast_ref() {
+                    own.hear(kind, &output.all);
+                    report.hear(kind, &output.all);
+                    eprintln!("\n{}", output.all.trim_end());
+                }
+                Some(failure)
+            }
+        };
+        let counts = format!("{} passed, {} failed", own.passed(), own.failed);
+        eprintln!("           {name}: {counts}, {:.1} s", took.as_secs_f64());
+        if let Some(failure) = failure {
+            eprintln!("           {failure:#}");
+            failed.push(name.clone());
         }
+        parts.each.push((name, took));
     };
-    let report = match child::run_in_order(&mut cargo, echo, &mut show) {
-        Ok(output) => TestReport::read(&output.all),
-        Err(failure) => {
-            let report = match &failure {
-                Failure::Ended { output, .. } => TestReport::read(&output.all),
-                Failure::NotStarted { .. } => TestReport::default(),
-            };
-            let counts = format!("{} tests passed, {} failed", report.passed(), report.failed);
-            return Err(anyhow::Error::from(failure).context(counts));
-        }
-    };
-    Ok(Done { what: report.to_string(), skipped: report.skipped, parts: progress.took })
+    parts.together = test_programs::run(programs, echo, &mut take)?;
+    if !failed.is_empty() {
+        let counts = format!("{} tests passed, {} failed", report.passed(), report.failed);
+        bail!("{counts}, in {}", failed.join(", "));
+    }
+    Ok(Done { what: report.to_string(), skipped: report.skipped, parts })
 }

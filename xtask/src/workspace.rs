@@ -45,8 +45,11 @@ pub fn cargo<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Command {
     command
 }
 
-/// What runs every test but the firmware's own: always with the same packages, or cargo builds them anew with other features.
-const TESTED: [&str; 4] = ["test", "--workspace", "--exclude", "firmware"];
+/// The crate without tests of its own, which only builds for the target.
+pub const UNTESTED: &str = "firmware";
+
+/// What runs every test but that one's: always with the same packages, or cargo builds them anew with other features.
+const TESTED: [&str; 4] = ["test", "--workspace", "--exclude", UNTESTED];
 
 /// Cargo, to run these tests.
 pub fn test<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Command {

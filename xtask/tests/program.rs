@@ -32,8 +32,17 @@ fn steps_are_listed_without_running_them_and_an_unknown_one_is_refused() {
     assert!(!unknown.status.success() && unknown.stdout.is_empty());
     assert_eq!(
         text(&unknown.stderr),
-        "error: no step is called no-such-step; `cargo xtask test --list` names them\n"
+        "error: no step and no program of tests is called no-such-step; `cargo xtask test --list` names them\n"
     );
+}
+
+#[test]
+fn a_program_of_tests_can_be_chosen_by_its_name() {
+    assert_eq!(text(&xtask(&["test", "--list", "budgets"]).stdout), "tests\n  budgets\n");
+    let studio = text(&xtask(&["test", "--list", "studio"]).stdout);
+    assert!(studio.starts_with("studio\ntests\n  studio\n"), "{studio}");
+    let all = text(&xtask(&["test", "--list", "tests"]).stdout);
+    assert!(all.lines().any(|line| line == "  golden") && all.lines().count() > 50, "{all}");
 }
 
 #[test]
