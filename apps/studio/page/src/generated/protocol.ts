@@ -269,11 +269,11 @@ probability: number | null,
  */
 p_value: number, 
 /**
- * Root mean square of the held-out errors without it, m.
+ * Root mean square of the held-out errors without it, with every other chosen one, m.
  */
 rms_before_m: number | null, 
 /**
- * With it, m; neither is there where most of the error would be the coefficient's own, which what is held out alone shows.
+ * With it beside those, m; neither is there where most of the error would be the coefficient's own, which what is held out alone shows.
  */
 rms_after_m: number | null, 
 /**
