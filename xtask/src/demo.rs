@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::thread;
 
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 use serde::de::DeserializeOwned;
 
 use crate::child;
@@ -50,9 +50,9 @@ pub fn run(echo: bool) -> anyhow::Result<()> {
         })
     })?;
     let mut demo = Demo { workbench: workspace::workbench(), echo, stages };
-    print!("{}", demo.fly()?);
-    print!("{}", demo.improve()?);
+    let (story, improvement) = demo.tell()?;
     demo.stages.finish();
+    print!("{story}{improvement}");
     Ok(())
 }
 
@@ -65,8 +65,7 @@ const DRAWN: &str = "figure-4-free-flight.svg";
 pub fn test(echo: bool) -> anyhow::Result<Done> {
     child::run(&mut workspace::test(["--no-run"]), echo)?;
     let mut demo = Demo { workbench: workspace::tested("pylon"), echo, stages: Stages::new(STAGES) };
-    let story = demo.fly()?;
-    let improvement = demo.improve()?;
+    let (story, improvement) = demo.tell()?;
     demo.stages.finish();
     let drawn = story.pictures.iter().find(|picture| picture.ends_with(DRAWN));
     let drawn = drawn.with_context(|| format!("the demo draws no {DRAWN}"))?;
@@ -82,8 +81,8 @@ pub fn test(echo: bool) -> anyhow::Result<Done> {
     )))
 }
 
-/// The steps of [`Demo::fly`] and [`Demo::improve`].
-const STAGES: usize = 9;
+/// The steps of [`Demo::tell`].
+const STAGES: usize = 8;
 
 /// The demo on its way.
 struct Demo {
@@ -94,60 +93,78 @@ struct Demo {
 }
 
 impl Demo {
-    /// Does all there is to tell about.
-    fn fly(&mut self) -> anyhow::Result<Story> {
+    /// Does all there is to tell about: the paper's flight, and one with a hidden effect, its diagnosis, the improved model and a flight that was
+    /// held out.
+    fn tell(&mut self) -> anyhow::Result<(Story, Improvement)> {
         let folder = folder();
-        let (flight, pictures) = (folder.join("paper-reconstruction.csv"), folder.join("pictures"));
         if folder.exists() {
             fs::remove_dir_all(&folder).with_context(|| format!("{} cannot be emptied", folder.display()))?;
         }
         fs::create_dir_all(&folder).with_context(|| format!("{} cannot be made", folder.display()))?;
-
-        self.simulate(SCENARIO, &flight)?;
-        let mut fly = self.pylon("fly");
-        fly.arg(&flight).args(["--model", MODEL, "--json"]);
-        let flown: Flown =
-            self.json("building the flight computer's image and flying it in QEMU, bit for bit", fly)?;
-        let mut compare = self.pylon("compare");
-        compare.arg(&flight).args(["--model", MODEL, "--json", "--plots"]).arg(&pictures);
-        let comparison: Comparison = self.json("comparing the flight with the paper's model", compare)?;
-        Ok(Story { flown, comparison, flight, pictures: drawn(&pictures)? })
-    }
-
-    /// A flight with a hidden effect, the diagnosis, the improved model and a flight that was held out.
-    fn improve(&mut self) -> anyhow::Result<Improvement> {
-        let folder = folder();
+        let flight = folder.join("paper-reconstruction.csv");
         let (first, second) = (folder.join("first.csv"), folder.join("second.csv"));
-        self.simulate(HIDDEN, &first)?;
-        self.simulate(SECOND, &second)?;
+        for (scenario, flight) in [(SCENARIO, &flight), (HIDDEN, &first), (SECOND, &second)] {
+            self.simulate(scenario, flight)?;
+        }
+
         let mut diagnose = self.pylon("diagnose");
         diagnose.arg(&first).arg("--json");
-        let diagnosis: Diagnosis = self.json("diagnosing the first flight", diagnose)?;
+        let diagnosis: Diagnosis = self.json("diagnosing the flight with a hidden effect", diagnose)?;
         let missing = diagnosis.missing();
         let [effect] = missing.as_slice() else {
             bail!("the diagnosis says {}: {}", diagnosis.verdict, missing.join(", "));
         };
         let model = folder.join("improved.toml");
-        let (sensor, _) = effect.split_once('.').context("an effect's id is SENSOR.EFFECT")?;
         let mut add = self.pylon("add");
         add.arg(effect).args(["--model", "default", "--from"]).arg(&first);
         add.arg("--hold-out").arg(&second).arg("-o").arg(&model).arg("--json");
         let addition: Addition = self.json(&format!("adding {effect} to the model"), add)?;
-        let mut fly = self.pylon("fly");
-        fly.arg(&second).arg("--model").arg(&model).arg("--json");
-        let flown: Flown =
-            self.json("building the image with that model and flying the second flight in QEMU", fly)?;
+
+        let [flown, flown_second] = self.fly([(&flight, Path::new(MODEL)), (&second, &model)])?;
+
+        let pictures = folder.join("pictures");
+        let mut compare = self.pylon("compare");
+        compare.arg(&flight).args(["--model", MODEL, "--json", "--plots"]).arg(&pictures);
+        let comparison: Comparison = self.json("comparing the paper's flight with its model", compare)?;
         let report = folder.join("report.html");
         let mut write = self.pylon("report");
         write.args([&first, &second]).arg("--model").arg(&model).arg("-o").arg(&report);
-        self.run("writing a report of both flights with the improved model", write)?;
+        self.run("writing a report of the other two with the improved model", write)?;
         let page =
             fs::read_to_string(&report).with_context(|| format!("{} cannot be read", report.display()))?;
         if !page.contains("data-chart=\"ladder-2\"") || !page.contains(*effect) {
             bail!("{} does not show how the error fell on the second flight", report.display());
         }
+
+        let (sensor, _) = effect.split_once('.').context("an effect's id is SENSOR.EFFECT")?;
         let (effect, sensor) = ((*effect).to_owned(), sensor.to_owned());
-        Ok(Improvement { effect, sensor, addition, ticks: flown.ticks, model, report })
+        Ok((
+            Story { flown, comparison, flight, pictures: drawn(&pictures)? },
+            Improvement { effect, sensor, addition, ticks: flown_second.ticks, model, report },
+        ))
+    }
+
+    /// Builds the images with these models and flies the flights in QEMU, side by side: while one image is linked, the other flies.
+    fn fly(&mut self, flights: [(&Path, &Path); 2]) -> anyhow::Result<[Flown; 2]> {
+        let commands = flights.map(|(flight, model)| {
+            let mut fly = self.pylon("fly");
+            fly.arg(flight).arg("--model").arg(model).arg("--json");
+            fly
+        });
+        let echo = self.echo;
+        let name =
+            "building the flight computer's image with each model and flying both in QEMU, bit for bit";
+        self.stages.run(name, |news| {
+            let hear = |line: &str| news.hear(line);
+            let [mut paper, mut improved] = commands;
+            thread::scope(|scope| {
+                let paper = scope.spawn(|| json(&mut paper, echo, &hear));
+                let improved = json(&mut improved, echo, &hear);
+                let paper =
+                    paper.join().map_err(|_| anyhow!("what flies the paper's flight has panicked"))?;
+                Ok([paper?, improved?])
+            })
+        })
     }
 
     /// The workbench with a command of its.
@@ -171,11 +188,21 @@ impl Demo {
     }
 
     /// Runs a command as a step, and reads what it says.
-    fn json<T: DeserializeOwned>(&mut self, name: &str, command: Command) -> anyhow::Result<T> {
-        let shown = child::shown(&command);
-        let said = self.run(name, command)?;
-        serde_json::from_str(&said.stdout).with_context(|| format!("`{shown}` said something unexpected"))
+    fn json<T: DeserializeOwned + Send>(&mut self, name: &str, mut command: Command) -> anyhow::Result<T> {
+        let echo = self.echo;
+        self.stages.run(name, |news| json(&mut command, echo, &|line| news.hear(line)))
     }
+}
+
+/// Runs a command, and reads what it says.
+fn json<T: DeserializeOwned>(
+    command: &mut Command,
+    echo: bool,
+    hear: &(dyn Fn(&str) + Sync),
+) -> anyhow::Result<T> {
+    let said = child::run_heard(command, echo, hear)?;
+    serde_json::from_str(&said.stdout)
+        .with_context(|| format!("`{}` said something unexpected", child::shown(command)))
 }
 
 /// Where it all goes.
