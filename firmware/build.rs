@@ -1,7 +1,7 @@
 //! Hands the linker the memory map and the scripts of the runtime and of the log.
 //!
-//! `PYLON_TELEMETRY_BAUD` is the rate of the telemetry's line (default: 921600). `PYLON_MUTATE` (one of [`MUTATIONS`]) plants an
-//! error or a load (`src/mutation.rs`).
+//! `PYLON_TELEMETRY_BAUD` is the rate of the telemetry's line (default: 921600). `PYLON_MUTATE` (one of
+//! [`MUTATIONS`]) plants an error or a load (`src/mutation.rs`).
 
 use std::error::Error;
 use std::path::{Path, PathBuf};

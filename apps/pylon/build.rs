@@ -1,7 +1,7 @@
 //! Puts uPlot, which draws the page of `pylon report`, where `src/report/page.rs` includes it from.
 //!
-//! npm fetches the version that `npm/package-lock.json` pins and checks it against the checksum there, once: it is
-//! kept beside what cargo builds. `PYLON_UPLOT` names a folder that has the package already.
+//! npm fetches the version that `npm/package-lock.json` pins and checks it against the checksum there, once:
+//! it is kept beside what cargo builds. `PYLON_UPLOT` names a folder that has the package already.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};

@@ -1,11 +1,11 @@
 //! Copies and fills of memory, eight words at a time where it is aligned, four where it is not.
 //!
-//! The compiler's own runtime copies a word in five instructions, and what a tick takes and says is moved several times: it was a
-//! third of all that a tick took, and its copies of unaligned bytes and its clearing a tenth; these here are 246 bytes of flash.
-//! The functions are those of Arm's run-time ABI (IHI 0043, section 4.3.4); the linker takes them in
-//! the place of the runtime's, which are weak. A Cortex-M4 loads and stores single words anywhere unless it is told to trap that
-//! (ARMv7-M, section A3.2.1), which nothing here does. `bin/copy_check.rs` holds every length and place against copies and fills
-//! byte by byte.
+//! The compiler's own runtime copies a word in five instructions, and what a tick takes and says is moved
+//! several times: it was a third of all that a tick took, and its copies of unaligned bytes and its clearing
+//! a tenth; these here are 246 bytes of flash. The functions are those of Arm's run-time ABI (IHI 0043,
+//! section 4.3.4); the linker takes them in the place of the runtime's, which are weak. A Cortex-M4 loads and
+//! stores single words anywhere unless it is told to trap that (ARMv7-M, section A3.2.1), which nothing here
+//! does. `bin/copy_check.rs` holds every length and place against copies and fills byte by byte.
 
 core::arch::global_asm!(
     ".section .text.pylon_copies,\"ax\",%progbits",

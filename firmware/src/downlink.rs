@@ -27,7 +27,8 @@ pub type FramesIn = Producer<'static, telemetry::Frame>;
 /// The line's.
 pub type FramesOut = Consumer<'static, telemetry::Frame>;
 
-/// Ticks that wait for telemetry, one slot of which stays empty: the task that takes them has all of the time between two.
+/// Ticks that wait for telemetry, one slot of which stays empty: the task that takes them has all of the time
+/// between two.
 const TICKS: usize = 3;
 
 /// What telemetry needs of a tick.

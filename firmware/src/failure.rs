@@ -41,8 +41,8 @@ fn panicked(info: &PanicInfo) -> ! {
     SCB::sys_reset()
 }
 
-/// A handler that takes a stack which is known to be good, and goes on with the address of what the core stacked on the
-/// one that it found.
+/// A handler that takes a stack which is known to be good, and goes on with the address of what the core
+/// stacked on the one that it found.
 macro_rules! on_crash_stack {
     ($(#[$doc:meta])* $handler:ident => $goes_on:ident) => {
         $(#[$doc])*

@@ -1,9 +1,10 @@
 //! The flight computer's image: the estimator inside a 200 Hz timer interrupt.
 //!
-//! Priorities: `tick` (TIM2) preempts everything and never waits. Below it `tell` makes the telemetry's messages of what a
-//! tick said, and `transmit` hands the line its next frame. With what time is left `report` writes what the tick said, and
-//! `feed` brings the flight record (only the emulated board has one). `tell`, `report` and `feed` run on interrupts that no
-//! device of the board uses, pended by software: to pend one that runs runs it again.
+//! Priorities: `tick` (TIM2) preempts everything and never waits. Below it `tell` makes the telemetry's
+//! messages of what a tick said, and `transmit` hands the line its next frame. With what time is left
+//! `report` writes what the tick said, and `feed` brings the flight record (only the emulated board has one).
+//! `tell`, `report` and `feed` run on interrupts that no device of the board uses, pended by software: to
+//! pend one that runs runs it again.
 #![no_std]
 #![no_main]
 
@@ -81,7 +82,8 @@ impl TickCounts {
 /// The chain of a tick.
 type Computer = FlightComputer<Mutated<Sensors>, Flown<'static>>;
 
-// What is large is made where it stays, in a call of its own: or what it needs of the stack would be taken while everything else is made.
+// What is large is made where it stays, in a call of its own: or what it needs of the stack would be taken
+// while everything else is made.
 
 #[inline(never)]
 fn made(place: &'static mut MaybeUninit<FlownMission>) -> Result<&'static mut FlownMission, ConfigError> {
@@ -344,8 +346,8 @@ mod app {
         }
     }
 
-    /// Gives the telemetry's line its next frame: when the last is through, and when there are new ones. The real board's
-    /// DMA raises this interrupt; the emulated one has a timer pend it.
+    /// Gives the telemetry's line its next frame: when the last is through, and when there are new ones. The
+    /// real board's DMA raises this interrupt; the emulated one has a timer pend it.
     #[task(binds = DMA2_STREAM7, priority = 2, local = [line, frames_out])]
     fn transmit(cx: transmit::Context) {
         let transmit::LocalResources { line, frames_out, .. } = cx.local;

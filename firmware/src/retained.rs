@@ -6,8 +6,8 @@ use survival::{CrashRecord, RETAINED_WORDS, WordMemory, keep_crash};
 
 use crate::board;
 
-/// The board's retained memory. Each of its parts is for one owner: the marks for the tick, the snapshots for the task that
-/// keeps them, the crash and the history for the start, the board's own words for the board.
+/// The board's retained memory. Each of its parts is for one owner: the marks for the tick, the snapshots for
+/// the task that keeps them, the crash and the history for the start, the board's own words for the board.
 pub struct RetainedWords(());
 
 impl RetainedWords {

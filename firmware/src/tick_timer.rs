@@ -12,8 +12,8 @@ impl TickTimer {
     /// Starts the timer, which the board clocks at `timer_hz`.
     pub fn start(tim2: TIM2, rcc: &RCC, timer_hz: u32) -> Self {
         rcc.apb1enr().modify(|_, w| w.tim2en().enabled());
-        // Counter and prescaler have their reset values. No update event is made: QEMU 7.2 would add the time since its start
-        // to every period.
+        // Counter and prescaler have their reset values. No update event is made: QEMU 7.2 would add the time
+        // since its start to every period.
         tim2.arr().write(|w| w.arr().set(timer_hz / TICK_HZ - 1));
         tim2.sr().modify(|_, w| w.uif().clear());
         tim2.dier().modify(|_, w| w.uie().enabled());

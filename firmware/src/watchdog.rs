@@ -1,5 +1,5 @@
-//! The watchdog: a timer that keeps who was late and resets ([`crate::failure`]), and behind it, where the board has one,
-//! an independent watchdog for what the timer cannot catch.
+//! The watchdog: a timer that keeps who was late and resets ([`crate::failure`]), and behind it, where the
+//! board has one, an independent watchdog for what the timer cannot catch.
 //!
 //! It is fed by the tick, when everything that must be alive has been seen ([`survival::Supervisor`]).
 

@@ -1,5 +1,5 @@
-//! What is done with bytes that nobody meant as a log. Nothing of it may panic, hang, or take memory without a bound; what is read can
-//! be written, and says what is in it.
+//! What is done with bytes that nobody meant as a log. Nothing of it may panic, hang, or take memory without
+//! a bound; what is read can be written, and says what is in it.
 
 use pylon::flight::{self, Flight};
 use pylon::import::mapping::{self, Layout, LoggedTable};

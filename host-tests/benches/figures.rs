@@ -1,8 +1,8 @@
 //! What `cargo xtask bench` measures, one thing a process; results as JSON.
 //!
-//! `csv FLIGHT` iterates the flight's CSV with the csv crate and does nothing with it; `parse FLIGHT` makes numbers
-//! of its cells as well; `replay FLIGHT` flies it through kf-core, from memory, and prints the ticks a second;
-//! `target` counts instructions in QEMU.
+//! `csv FLIGHT` iterates the flight's CSV with the csv crate and does nothing with it; `parse FLIGHT` makes
+//! numbers of its cells as well; `replay FLIGHT` flies it through kf-core, from memory, and prints the ticks
+//! a second; `target` counts instructions in QEMU.
 
 use std::error::Error;
 use std::hint::black_box;

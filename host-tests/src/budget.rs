@@ -16,14 +16,15 @@ use crate::bench::{Row, cheapest_peer, named};
 const FILTER_AND_MONITORS: &str = "kf-core filter and monitors";
 /// And of the filter with eight states.
 const FILTER_4_EFFECTS: &str = "kf-core filter 4 effects";
-/// Of formulas, each with its number of operations: one as an effect has it, every operation that is the machine's own, and every one
-/// with a memory.
+/// Of formulas, each with its number of operations: one as an effect has it, every operation that is the
+/// machine's own, and every one with a memory.
 const FORMULA_EFFECT: (&str, f64) = ("formula effect of 9 operations", 9.0);
 const FORMULA_ARITHMETIC: (&str, f64) = ("formula arithmetic of 24 operations", 24.0);
 const FORMULA_MEMORY: (&str, f64) = ("formula memory of 17 operations", 17.0);
 
-/// Effects by formula over what the board measures, as a user writes them, each with its unit and its sigma: a static port that reads
-/// otherwise in turns, a rotor's wash at low speed, a heater in the bay, a slow pressure line.
+/// Effects by formula over what the board measures, as a user writes them, each with its unit and its sigma:
+/// a static port that reads otherwise in turns, a rotor's wash at low speed, a heater in the bay, a slow
+/// pressure line.
 const FORMULAS: [(&str, &str, &str, &str, f64); 4] = [
     ("baro.port_in_turns", "baro", "airspeed_mps^2 / (2*g) * (load_factor - 1) * step(launch)", "1", 0.1),
     ("baro.rotor_wash", "baro", "max(20[m/s] - airspeed_mps, 0) * step(launch)", "s", 0.1),
@@ -31,8 +32,9 @@ const FORMULAS: [(&str, &str, &str, &str, f64); 4] = [
     ("baro.slow_line", "baro", "lowpass(climb_rate_mps, 2[s])", "s", 0.3),
 ];
 
-/// As [`FORMULAS`], of the most expensive functions: a delay on the reference, a double integral from launch on, a threshold, and one with a
-/// density, an exponential, a rate and a mean. Together 43 operations and 42 of the 48 numbers that four may remember.
+/// As [`FORMULAS`], of the most expensive functions: a delay on the reference, a double integral from launch
+/// on, a threshold, and one with a density, an exponential, a rate and a mean. Together 43 operations and 42
+/// of the 48 numbers that four may remember.
 const EXPENSIVE_FORMULAS: [(&str, &str, &str, &str, f64); 4] = [
     ("gps.late_climb", "gps", "delay(climb_rate_mps, 0.4[s])", "s", 0.3),
     ("imu.cross_axis", "imu_slave", "integral2(lowpass(accel_x_mps2, 0.5[s]) * gyro_y_radps)", "s/rad", 0.02),
@@ -53,10 +55,12 @@ const EXPENSIVE_FORMULAS: [(&str, &str, &str, &str, f64); 4] = [
     ),
 ];
 
-/// The models that the budgets are for: both presets, one with four effects as states, and two with four effects by formula as states.
+/// The models that the budgets are for: both presets, one with four effects as states, and two with four
+/// effects by formula as states.
 ///
-/// The four of the catalogue are expensive ones: two on the reference, which its own row of H is not spared then, one that is integrated from
-/// launch on, one with a low pass. For those by formula see `FORMULAS` and `EXPENSIVE_FORMULAS`.
+/// The four of the catalogue are expensive ones: two on the reference, which its own row of H is not spared
+/// then, one that is integrated from launch on, one with a low pass. For those by formula see `FORMULAS` and
+/// `EXPENSIVE_FORMULAS`.
 ///
 /// # Errors
 /// The model is none.
@@ -221,7 +225,8 @@ impl Budgets {
         toml::from_str(&text).with_context(|| file.display().to_string())
     }
 
-    /// Builds the flight computer's images, for all boards with every model, and the mission's tick alone, and checks them.
+    /// Builds the flight computer's images, for all boards with every model, and the mission's tick alone,
+    /// and checks them.
     ///
     /// # Errors
     /// An image does not build.
@@ -248,8 +253,8 @@ impl Budgets {
         Ok(checks)
     }
 
-    /// What of these is not as it should be, a line each: a budget that is not kept and not known to be, and one that is further off than is
-    /// known.
+    /// What of these is not as it should be, a line each: a budget that is not kept and not known to be, and
+    /// one that is further off than is known.
     #[must_use]
     pub fn unexpected(&self, checks: &[Check]) -> Vec<String> {
         let known = |check: &Check| self.known_excess.iter().find(|known| known.what == check.what);
@@ -324,8 +329,8 @@ impl Budgets {
         Check::at_most(what, instructions_worst, self.flight.instructions_worst)
     }
 
-    /// Checks what a restart took: instructions from the reset until the first tick may come, and bytes of the stack, which the
-    /// flight after it hardly uses.
+    /// Checks what a restart took: instructions from the reset until the first tick may come, and bytes of
+    /// the stack, which the flight after it hardly uses.
     #[must_use]
     pub fn check_restart(&self, instructions: u32, stack_used_bytes: u32) -> [Check; 2] {
         let what = "restart in free flight";
@@ -369,7 +374,8 @@ impl Budgets {
 }
 
 impl SymbolBudget {
-    /// Checks an image, which must have symbols with each of these names: an empty one would keep every budget.
+    /// Checks an image, which must have symbols with each of these names: an empty one would keep every
+    /// budget.
     fn check(&self, name: &str, image: &Image, ours: &[&str]) -> Vec<Check> {
         let check = |forbidden: &String| {
             let found: Vec<&str> = image

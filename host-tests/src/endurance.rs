@@ -1,4 +1,5 @@
-//! A captive flight as long as one likes, tick by tick, that needs no memory: for what only shows after hours.
+//! A captive flight as long as one likes, tick by tick, that needs no memory: for what only shows after
+//! hours.
 
 use kf_core::atmosphere::pressure_altitude_m;
 use kf_core::input::{BaroReading, GpsFix, ImuSample, Signals, TickInput};
@@ -17,12 +18,12 @@ const PRESSURE_PA: f32 = 79_495.2;
 const SCALE_HEIGHT_M: f64 = 8_054.0;
 /// White noise of the fixes, the pressure's altitude and the inertial altitudes, metres.
 const SIGMA_M: [f64; 3] = [1.5, 0.4, 0.3];
-/// Biases of the barometer, the UAV's and the mother ship's inertial altitude, metres. The barometer's has to it what
-/// [`PRESSURE_PA`] is off the altitude flown.
+/// Biases of the barometer, the UAV's and the mother ship's inertial altitude, metres. The barometer's has to
+/// it what [`PRESSURE_PA`] is off the altitude flown.
 const BIAS_M: [f64; 3] = [35.0, -12.0, 4.0];
 
-/// Captive flight of some hours in a slow swing of 5 m, then launch and a minute of free flight. Noise is a function of
-/// the tick's number, so a clone goes on alike.
+/// Captive flight of some hours in a slow swing of 5 m, then launch and a minute of free flight. Noise is a
+/// function of the tick's number, so a clone goes on alike.
 #[derive(Clone, Debug)]
 pub struct LongFlight {
     next: u64,
@@ -96,8 +97,8 @@ impl Iterator for LongFlight {
     }
 }
 
-/// A standard normal number of a counter: two of SplitMix64's outputs (Steele, Lea and Flood, 2014) through Box and
-/// Muller's transform.
+/// A standard normal number of a counter: two of SplitMix64's outputs (Steele, Lea and Flood, 2014) through
+/// Box and Muller's transform.
 fn gaussian(counter: u64) -> f64 {
     let uniform = |k: u64| {
         let mut z = k.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(0x632b_e59b_d9b4_e019);

@@ -1,4 +1,5 @@
-//! Real flight logs, where they lie, with known effects added to what they measured. See SOURCES.md beside them.
+//! Real flight logs, where they lie, with known effects added to what they measured. See SOURCES.md beside
+//! them.
 
 use std::path::{Path, PathBuf};
 

@@ -5,7 +5,8 @@ use std::fmt::Write as _;
 /// Bounds of the probabilities that are counted together.
 const BOUNDS: [f64; 7] = [0.01, 0.1, 0.5, 0.9, 0.95, 0.99, 1.0];
 
-/// A reliability diagram of effects with the probability that was said of each, and whether it acts; and the Brier score.
+/// A reliability diagram of effects with the probability that was said of each, and whether it acts; and the
+/// Brier score.
 #[must_use]
 pub fn diagram(said: &[(f64, bool)]) -> String {
     if said.is_empty() {

@@ -1,5 +1,5 @@
-//! A part of the blind trials (`cargo run --release -p host-tests --bin blind` flies more): simulated flights with hidden
-//! effects, and how often the diagnosis is right about them.
+//! A part of the blind trials (`cargo run --release -p host-tests --bin blind` flies more): simulated flights
+//! with hidden effects, and how often the diagnosis is right about them.
 //!
 //! `cargo test -p host-tests --release --test blind_trials -- --nocapture` prints the table.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]

@@ -1,5 +1,5 @@
-//! Runs of the fault campaign that have shown something which is mended: chips' registers, lines and wires in; latch, flags and telemetry
-//! out. docs/fault-campaign.md names what each has shown.
+//! Runs of the fault campaign that have shown something which is mended: chips' registers, lines and wires
+//! in; latch, flags and telemetry out. docs/fault-campaign.md names what each has shown.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -14,8 +14,9 @@ fn violations(seed: u64, index: u64) -> Vec<String> {
     judge(&case, &flown).violations.iter().map(|violation| violation.what.clone()).collect()
 }
 
-/// The supply dips at the launch. Three quarters of a minute later a unit's altitude is 5 m too high, the barometer 2 m, and the receiver 3 m too
-/// low: how far it explains the two must not hang on what the dip has left of its climb rate.
+/// The supply dips at the launch. Three quarters of a minute later a unit's altitude is 5 m too high, the
+/// barometer 2 m, and the receiver 3 m too low: how far it explains the two must not hang on what the dip has
+/// left of its climb rate.
 #[test]
 fn a_dip_at_the_launch_keeps_no_sensor_from_its_flag() {
     assert_eq!(violations(7010, 1971), [""; 0]);
@@ -27,7 +28,8 @@ fn a_receiver_that_converges_blames_no_sensor() {
     assert_eq!(violations(7010, 3008), [""; 0]);
 }
 
-/// A receiver jumps by 11 m at the release, is believed at length, and comes back; meanwhile a barometer drifts.
+/// A receiver jumps by 11 m at the release, is believed at length, and comes back; meanwhile a barometer
+/// drifts.
 #[test]
 fn a_receiver_that_comes_back_from_a_jump_flags_the_barometer() {
     assert_eq!(violations(7008, 1157), [""; 0]);
@@ -39,13 +41,15 @@ fn a_unit_that_is_saturated_before_the_release_keeps_no_barometer_from_its_flag(
     assert_eq!(violations(7008, 1940), [""; 0]);
 }
 
-/// The supply dips in flight, the wire breaks half a second after the start, and two more dips follow: it is called broken before they do.
+/// The supply dips in flight, the wire breaks half a second after the start, and two more dips follow: it is
+/// called broken before they do.
 #[test]
 fn a_wire_that_breaks_between_dips_of_the_supply_is_no_launch() {
     assert_eq!(violations(7013, 1227), [""; 0]);
 }
 
-/// A receiver converges in the calibration and calls itself accurate: what is calibrated by its two levels is trusted by nobody.
+/// A receiver converges in the calibration and calls itself accurate: what is calibrated by its two levels is
+/// trusted by nobody.
 #[test]
 fn a_calibration_of_two_levels_of_the_receiver_promises_nothing() {
     assert_eq!(violations(7013, 866), [""; 0]);
@@ -57,7 +61,8 @@ fn an_altitude_that_is_far_off_is_not_silenced_by_a_dip_of_the_supply() {
     assert_eq!(violations(7014, 663), [""; 0]);
 }
 
-/// Bits of a force flip for 0.4 s, after fourteen fixes have matched the level: that is not what they then contradict.
+/// Bits of a force flip for 0.4 s, after fourteen fixes have matched the level: that is not what they then
+/// contradict.
 #[test]
 fn a_disturbance_of_a_level_that_is_known_does_not_begin_the_alignment_anew() {
     assert_eq!(violations(7013, 836), [""; 0]);
@@ -81,20 +86,22 @@ fn a_receiver_that_falls_silent_after_its_first_solution_is_configured_anew_at_o
     assert_eq!(violations(7019, 1395), [""; 0]);
 }
 
-/// A receiver jumps by 23 m while the inertial unit is being aligned: biases are of the level before, and all of the altitude's readings of the
-/// one after.
+/// A receiver jumps by 23 m while the inertial unit is being aligned: biases are of the level before, and all
+/// of the altitude's readings of the one after.
 #[test]
 fn an_altitude_whose_readings_contradict_its_bias_is_not_blamed() {
     assert_eq!(violations(7018, 1744), [""; 0]);
 }
 
-/// A receiver jumps by 3 km, is refused under the pylon until the reference is lost, and is all there is at the launch.
+/// A receiver jumps by 3 km, is refused under the pylon until the reference is lost, and is all there is at
+/// the launch.
 #[test]
 fn a_receiver_that_was_lost_kilometres_off_blames_no_sensor() {
     assert_eq!(violations(7025, 1178), [""; 0]);
 }
 
-/// The inertial unit reads free fall from 1.3 s before the wire breaks, which the receiver's climb rate denies.
+/// The inertial unit reads free fall from 1.3 s before the wire breaks, which the receiver's climb rate
+/// denies.
 #[test]
 fn a_wire_that_breaks_while_the_unit_reads_free_fall_is_no_launch() {
     assert_eq!(violations(7026, 961), [""; 0]);
@@ -112,7 +119,8 @@ fn a_receiver_that_is_off_as_the_calibration_begins_costs_no_sensor() {
     assert_eq!(violations(7033, 22), [""; 0]);
 }
 
-/// The inertial unit reads free fall from just before the release on, and its own departure is no witness of it.
+/// The inertial unit reads free fall from just before the release on, and its own departure is no witness of
+/// it.
 #[test]
 fn a_release_while_the_unit_reads_free_fall_is_seen() {
     assert_eq!(violations(7036, 2266), [""; 0]);

@@ -170,9 +170,10 @@ fn an_injected_coefficient_is_within_two_sigma_as_often_as_a_normal_error() {
     let mut failures = Vec::new();
     // Regressors have errors of their own, of which the filter knows nothing: a flow angle's noise attenuates
     // by 3 %, the accelerometers' own noise, integrated twice over 90 s, is 2 to 4 % of the tilt's, and the
-    // measured variance of a vibration is not its expectation, by 2 to 5 %. That is no error of the filter's, and is
-    // larger than its sigma where the effect is: their coefficients here are so small that it is at most 0.3 sigma.
-    // A mean that is off by so much leaves 94.5 % within two sigma instead of 95.45 %: 3.9 of 400, less than chance.
+    // measured variance of a vibration is not its expectation, by 2 to 5 %. That is no error of the filter's,
+    // and is larger than its sigma where the effect is: their coefficients here are so small that it is at
+    // most 0.3 sigma. A mean that is off by so much leaves 94.5 % within two sigma instead of 95.45 %: 3.9 of
+    // 400, less than chance.
     for (id, coefficient) in [
         (EffectId::BaroDynamicPressure, 0.06),
         (EffectId::BaroAngleOfAttack, 0.2),

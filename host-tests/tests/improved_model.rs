@@ -66,8 +66,8 @@ duration_s = 20.0
 "#;
 
 fn flight(plan: &str, effect: EffectId, coefficient: f64, seed: u64) -> Flight {
-    // What is integrated starts at launch; an accelerometer that was off for minutes before would have a velocity
-    // error as well, which is another effect.
+    // What is integrated starts at launch; an accelerometer that was off for minutes before would have a
+    // velocity error as well, which is another effect.
     let phase = if effect.name().starts_with("imu") { "phase = \"free\"\n" } else { "" };
     let text =
         format!("{plan}\n[[effect]]\nid = \"{}\"\ncoefficient = {coefficient}\n{phase}", effect.name());
@@ -121,7 +121,8 @@ fn a_flag_of_the_old_model_is_not_raised_with_the_improved_one_at_the_desk_or_in
         let addition = added("", effect, &first, &second, estimate);
         assert!(addition.concerns.is_empty() && addition.warnings.is_empty(), "{addition:?}");
         assert!((f64::from(addition.coefficient) - 0.12).abs() < 4.0 * f64::from(addition.sigma));
-        // What is left on the second flight is the reference's own wander, which no model takes off: the oracle's.
+        // What is left on the second flight is the reference's own wander, which no model takes off: the
+        // oracle's.
         let oracle_m = oracle_rms_m(effect, 0.12, &second);
         assert!(addition.rms_after_m.unwrap() < OVER_ORACLE * oracle_m, "{addition:?} {oracle_m}");
         assert!(addition.rms_before_m.unwrap() > OVER_ORACLE * oracle_m, "{addition:?} {oracle_m}");
@@ -161,9 +162,10 @@ fn after_add_the_held_out_error_is_within_15_per_cent_of_the_oracles() {
             sigma += f64::from(addition.sigma) / (coefficient * SEEDS as f64);
         }
         let together = (after / oracle).sqrt();
-        // A coefficient that is off by a share d adds d f to an error e that the oracle has too, f being the effect's
-        // own size: (e + d f)^2 is larger by 2 d <e f> + d^2 f^2. Over the flights the first is normal with at most
-        // 2 sigma |e| |f| / sqrt(flights), of which four sigmas are left room for; and |f| is at most |before| + |e|.
+        // A coefficient that is off by a share d adds d f to an error e that the oracle has too, f being the
+        // effect's own size: (e + d f)^2 is larger by 2 d <e f> + d^2 f^2. Over the flights the first is
+        // normal with at most 2 sigma |e| |f| / sqrt(flights), of which four sigmas are left room for; and |f|
+        // is at most |before| + |e|.
         let size = (before / oracle).sqrt() + 1.0;
         let chance = sigma * sigma * size * size + 4.0 * 2.0 * sigma * size / (SEEDS as f64).sqrt();
         println!(

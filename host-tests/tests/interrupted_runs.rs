@@ -1,4 +1,5 @@
-//! A flight computer that is interrupted on the host at every word of what it writes, and goes on with the code of the firmware.
+//! A flight computer that is interrupted on the host at every word of what it writes, and goes on with the
+//! code of the firmware.
 #![allow(clippy::unwrap_used)]
 
 mod ticks;
@@ -172,7 +173,8 @@ fn any_number_of_dips_ends_no_mission_and_costs_no_latch() {
     }
 }
 
-/// A program that crashes as soon as it runs stands by for longer and longer, and goes on with the latch whenever it tries.
+/// A program that crashes as soon as it runs stands by for longer and longer, and goes on with the latch
+/// whenever it tries.
 #[test]
 fn crashes_in_a_row_back_off_and_the_latch_is_there_when_they_end() {
     let whole = undisturbed();

@@ -1,5 +1,5 @@
-//! One fault of the umbilical, of a chip, or of both, on the whole chain from the chips' registers to the mission: none of
-//! them launches what hangs under its pylon, and none hides a release.
+//! One fault of the umbilical, of a chip, or of both, on the whole chain from the chips' registers to the
+//! mission: none of them launches what hangs under its pylon, and none hides a release.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use chip_models::flown::{Chip, ChipFault, Fault, ModelledSuite};
@@ -30,8 +30,8 @@ impl Noise {
     }
 }
 
-/// Level flight under the pylon, in light turbulence; from the release on a fall at a load factor, until a second later it
-/// carries itself.
+/// Level flight under the pylon, in light turbulence; from the release on a fall at a load factor, until a
+/// second later it carries itself.
 fn flight(released: bool, load: f32) -> Vec<TickInput> {
     let mut noise = Noise(11);
     let (mut altitude_m, mut climb_mps, mut gust) = (2_000.0_f32, 0.0_f32, 0.0_f32);
@@ -201,8 +201,8 @@ fn a_torn_cable_is_no_launch_without_a_receiver_either() {
     assert!(released.launched_s.is_some_and(|at_s| at_s < RELEASE_S + 1.0), "{released:?}");
 }
 
-/// A release that falls is found through every fault but a wire that is shorted; one that carries itself also needs a wire that can be
-/// read, and a cable that was whole.
+/// A release that falls is found through every fault but a wire that is shorted; one that carries itself also
+/// needs a wire that can be read, and a cable that was whole.
 #[test]
 fn no_single_fault_hides_a_release() {
     for (load, name) in [(0.4, "falls"), (1.0, "carries itself")] {
@@ -236,8 +236,8 @@ fn a_line_that_floats_after_a_launch_is_not_read() {
     assert_eq!(sound.launched_s, floating.launched_s);
 }
 
-/// A cable that tore under the pylon, and a minute later a dip of the supply: what opened before it says nothing of a release in it. A wire
-/// that opens in the dip does.
+/// A cable that tore under the pylon, and a minute later a dip of the supply: what opened before it says
+/// nothing of a release in it. A wire that opens in the dip does.
 #[test]
 fn a_dip_of_the_supply_makes_no_launch_of_a_wire_that_was_known_to_be_broken() {
     let flight = flight(false, 1.0);

@@ -1,6 +1,6 @@
-//! The paper's flight, reconstructed (flights/README.md), gives the paper's figures back: over fifty seeds, and
-//! by two ways that share nothing: eqs 9 to 17 written out in f64, and the flight estimator with the paper's
-//! preset.
+//! The paper's flight, reconstructed (flights/README.md), gives the paper's figures back: over fifty seeds,
+//! and by two ways that share nothing: eqs 9 to 17 written out in f64, and the flight estimator with the
+//! paper's preset.
 //!
 //! `cargo test -p host-tests --release --test paper_reconstruction -- --nocapture` prints the spread.
 #![allow(clippy::unwrap_used)] // Clippy's exception for tests does not reach their helper functions.
@@ -266,7 +266,8 @@ fn paper_spread() {
             // f32 keeps a posterior sigma's hundredth; a sigma of the bias here is a metre at most.
             assert!((page.bias_m - estimator.bias_m).abs() < 0.05, "{page:?} {estimator:?}");
             assert!((page.sigma_m / estimator.sigma_m - 1.0).abs() < 1e-3, "{page:?} {estimator:?}");
-            // The estimator's window is made of 32 parts: 1/32 of it shorter at the most, so half of that earlier.
+            // The estimator's window is made of 32 parts: 1/32 of it shorter at the most, so half of that
+            // earlier.
             assert!((page.doubtful_s - estimator.doubtful_s).abs() < 0.1, "{page:?} {estimator:?}");
             assert!((page.untrustworthy_s - estimator.untrustworthy_s).abs() < 0.1, "{page:?} {estimator:?}");
             assert!((page.end_m - estimator.end_m).abs() < 1.0, "{page:?} {estimator:?}");

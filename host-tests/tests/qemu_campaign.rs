@@ -1,5 +1,5 @@
-//! A sample of the fault campaign in QEMU: short flights with their faults, every tick with the host's bits, and none dearer than the
-//! budget. Ten runs; `cargo xtask campaign --qemu 50` flies more.
+//! A sample of the fault campaign in QEMU: short flights with their faults, every tick with the host's bits,
+//! and none dearer than the budget. Ten runs; `cargo xtask campaign --qemu 50` flies more.
 //!
 //! Needs qemu-system-arm and the Rust target; without them the test fails and says what to install
 //! (`cargo xtask test` installs it).
@@ -78,8 +78,8 @@ fn bits(output: &TickOutput) -> Vec<u8> {
     postcard::to_slice(output, &mut buffer).unwrap().to_vec()
 }
 
-/// Holds a flight that was interrupted to the host's: the whole chain up to the first restart, the mission from there on, which goes
-/// on from the snapshots that the flight computer says.
+/// Holds a flight that was interrupted to the host's: the whole chain up to the first restart, the mission
+/// from there on, which goes on from the snapshots that the flight computer says.
 fn check_struck(flown: &RawFlight, inputs: &[TickInput], faults: &[PlannedFault], what: &str) {
     let model = Model::default();
     let mut chain = Vec::new();

@@ -1,6 +1,6 @@
-//! Flights on models of the sensors' chips, through their drivers, in the emulated flight computer: every tick has the host's
-//! bits, the calibration is that of ideal sensors within what the chips' resolution and delays explain, and a chip that
-//! fails costs its own samples, counted, and comes back.
+//! Flights on models of the sensors' chips, through their drivers, in the emulated flight computer: every
+//! tick has the host's bits, the calibration is that of ideal sensors within what the chips' resolution and
+//! delays explain, and a chip that fails costs its own samples, counted, and comes back.
 //!
 //! Needs qemu-system-arm and the Rust target; without them the tests fail and say what to install
 //! (`cargo xtask test` installs it).
@@ -65,7 +65,8 @@ fn check_healthy(name: &str, report: &FlyReport) {
     }
 }
 
-/// `one-hour.toml` is left out: it is captive flight for a benchmark, of which the others have two minutes each.
+/// `one-hour.toml` is left out: it is captive flight for a benchmark, of which the others have two minutes
+/// each.
 #[test]
 fn bundled_flights_have_the_hosts_bits_and_the_ideal_sensors_calibration() {
     for name in ["quickstart.toml", "clean.toml", "hidden-static-port.toml", "hidden-static-port-second.toml"]
@@ -172,7 +173,8 @@ fn fly_inputs_with(inputs: &[TickInput], faults: &[&str]) -> Vec<(Step, u32)> {
     assert_eq!(steps.len(), TICKS, "{faults:?}");
     // Whatever fails, what is latched is of the tick at which the wire opened.
     assert_eq!(report.latch.as_ref().unwrap().time_us, 1_000_000 + LAUNCH as u64 * TICK_US, "{faults:?}");
-    // The mother ship's messages, ten a second, must have been missed five times, or nothing spoke for three seconds.
+    // The mother ship's messages, ten a second, must have been missed five times, or nothing spoke for three
+    // seconds.
     let confirmed = steps.iter().position(|(step, _)| step.output.latched_now);
     assert!(
         confirmed.is_some_and(|at| (LAUNCH + 4..LAUNCH + 620).contains(&at)),
@@ -187,8 +189,8 @@ const PHASES: [(f64, f64); 3] = [(8.0, 11.0), (20.5, 22.5), (24.0, 27.0)];
 /// From a fault's end until the sensor is as it was: an initialisation takes a tenth of that.
 const RECOVERY_S: f64 = 1.2;
 
-/// A fault of one chip in each phase. It is counted each time, the others' samples are as without it, and its own are
-/// back afterwards.
+/// A fault of one chip in each phase. It is counted each time, the others' samples are as without it, and its
+/// own are back afterwards.
 fn check_in_each_phase(chip: usize, fault: &str, silences: bool) {
     let planned: Vec<String> = PHASES.iter().map(|(start, end)| format!("{fault} {start}..{end}")).collect();
     check(chip, &planned, silences);
@@ -281,7 +283,8 @@ fn a_receiver_that_can_not_be_configured_at_first_is_counted_and_comes_back() {
     }
 }
 
-/// Its registers answer, and what it measures does not move any more: no driver can know, the mission does, after two seconds.
+/// Its registers answer, and what it measures does not move any more: no driver can know, the mission does,
+/// after two seconds.
 #[test]
 fn a_barometer_that_repeats_itself_is_rejected_and_counted_in_every_phase() {
     for (start_s, end_s) in [(8.0, 12.0), (18.0, 24.0), (24.0, 29.0)] {
@@ -314,8 +317,8 @@ fn a_barometer_that_repeats_itself_is_rejected_and_counted_in_every_phase() {
     }
 }
 
-/// [`flight`] with the three seconds of free fall that it takes to reach its rate of descent: without a receiver nothing else
-/// tells a launch from a torn cable.
+/// [`flight`] with the three seconds of free fall that it takes to reach its rate of descent: without a
+/// receiver nothing else tells a launch from a torn cable.
 fn falling_flight() -> impl Iterator<Item = TickInput> {
     flight().into_iter().enumerate().map(|(k, mut input)| {
         if let Some(imu) = &mut input.imu
@@ -362,8 +365,8 @@ fn without_a_receiver_barometer_and_inertial_altitude_are_checked_against_each_o
     assert!((moved_m + 51.0).abs() < 2.0, "{moved_m}");
 }
 
-/// Longer than the reference may be gone, at launch: nobody is watched, and that is said; with fixes the watch begins. The wire, the messages
-/// and the free fall show the launch.
+/// Longer than the reference may be gone, at launch: nobody is watched, and that is said; with fixes the
+/// watch begins. The wire, the messages and the free fall show the launch.
 #[test]
 fn without_a_receiver_in_free_flight_nobody_is_monitored_until_it_is_back() {
     let inputs: Vec<TickInput> = falling_flight().collect();

@@ -1,5 +1,6 @@
-//! Chips that fail before, while and after the emulated flight computer restarts in free flight: it resumes with what it had latched,
-//! whatever they do; what is dead is counted and is silent, the others are watched, and each comes back.
+//! Chips that fail before, while and after the emulated flight computer restarts in free flight: it resumes
+//! with what it had latched, whatever they do; what is dead is counted and is silent, the others are watched,
+//! and each comes back.
 //!
 //! Needs qemu-system-arm and the Rust target; without them the tests fail and say what to install
 //! (`cargo xtask test` installs it).
@@ -104,8 +105,8 @@ fn healthy() -> &'static RawFlight {
     })
 }
 
-/// A fault of one chip that ends at 28 s at the latest: it is counted after the restart, silences the chip for as long as it lasts if
-/// `silent_s` says so, leaves the others as they are, and is over when it ends.
+/// A fault of one chip that ends at 28 s at the latest: it is counted after the restart, silences the chip
+/// for as long as it lasts if `silent_s` says so, leaves the others as they are, and is over when it ends.
 fn check(chip: usize, fault: &str, silent_s: Option<(f64, f64)>) {
     let flown = fly(&[fault]);
     let healthy = healthy();
@@ -123,8 +124,8 @@ fn check(chip: usize, fault: &str, silent_s: Option<(f64, f64)>) {
     let (from_s, to_s) = (28.0 + RECOVERY_S, 30.9);
     let (again, usual) = (delivered(&flown, from_s, to_s)[chip], delivered(healthy, from_s, to_s)[chip]);
     assert!(again > 0 && again.abs_diff(usual) <= 1, "{fault}: {again} of {usual} in the end");
-    // The unit of its own that delivers `imu_slave` is read on, and its error watched; without a receiver there is nothing that would
-    // be held against it.
+    // The unit of its own that delivers `imu_slave` is read on, and its error watched; without a receiver
+    // there is nothing that would be held against it.
     let slave = |from_s, to_s, is: fn(&SensorOutput) -> bool| {
         span(&flown, from_s, to_s).filter(|tick| is(&tick.output.sensors[SLAVE])).count()
     };
@@ -169,8 +170,8 @@ fn a_fault_that_begins_or_ends_while_the_flight_computer_is_away_is_the_flights_
     }
 }
 
-/// A chip that lost its configuration before, while and after the flight computer was reset is set up again, as is one that kept it, of
-/// which the drivers know nothing.
+/// A chip that lost its configuration before, while and after the flight computer was reset is set up again,
+/// as is one that kept it, of which the drivers know nothing.
 #[test]
 fn a_chip_that_was_reset_as_well_is_set_up_again() {
     for (chip, name) in ["baro", "imu", "gps"].into_iter().enumerate() {
@@ -200,8 +201,8 @@ fn a_receiver_that_can_not_be_configured_any_more_is_counted_and_comes_back() {
     }
 }
 
-/// How long a sensor has been silent goes on over the restart: five seconds after its last sample it is not monitored any more, and the
-/// other one is.
+/// How long a sensor has been silent goes on over the restart: five seconds after its last sample it is not
+/// monitored any more, and the other one is.
 #[test]
 fn a_barometer_that_died_before_the_restart_is_unmonitored_five_seconds_after_its_last_sample() {
     let flown = fly(&["baro stuck-low 23..30.99"]);

@@ -99,8 +99,8 @@ fn every_tick_has_the_hosts_bits_for_every_shape_of_the_filter() {
 #[test]
 fn the_same_flight_takes_the_same_instructions() {
     let fly = || must(fly(&flight(), &prompt(Model::default()), FlyOptions::default()));
-    // When a tick begins is no work of the flight computer: in one run of ten QEMU 7.2 takes the timer's interrupt some fifty instructions
-    // later, why is not known. The budget bounds it.
+    // When a tick begins is no work of the flight computer: in one run of ten QEMU 7.2 takes the timer's
+    // interrupt some fifty instructions later, why is not known. The budget bounds it.
     let but_for_starts = |report| FlyReport { start_jitter: 0, ..report };
     assert_eq!(but_for_starts(fly()), but_for_starts(fly()));
 }

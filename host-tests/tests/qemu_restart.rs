@@ -59,8 +59,8 @@ fn struck(blows: &[(Blow, usize)]) -> RawFlight {
     flight
 }
 
-/// Holds what went over the line before and after the only restart to the host's bytes, and returns the texts from then on,
-/// with their severities, as pymavlink reads them.
+/// Holds what went over the line before and after the only restart to the host's bytes, and returns the texts
+/// from then on, with their severities, as pymavlink reads them.
 fn told(flown: &RawFlight) -> Vec<(i64, String)> {
     let (_, lines) = on_the_host(flown);
     let [before, after] = lines.as_slice() else { panic!("{} starts", lines.len()) };
@@ -118,8 +118,8 @@ fn a_reset_in_free_flight_resumes_with_the_same_latch_and_the_hosts_bits() {
     assert!(flown.log.iter().any(|line| line.contains("restart 1 (resumed) after a reset without a record")));
 }
 
-/// A ground station that has seen the flight is told, byte for byte as the host would, that the flight computer restarted, after
-/// what, and of how long nothing is known.
+/// A ground station that has seen the flight is told, byte for byte as the host would, that the flight
+/// computer restarted, after what, and of how long nothing is known.
 #[test]
 fn every_restart_is_told_with_its_cause_and_its_gap() {
     for (blow, cause) in [
@@ -149,7 +149,8 @@ fn with_chips_the_drivers_begin_again_and_the_mission_goes_on() {
     let (report, _) = resumed(&flown);
     assert_eq!(report.restarts, 1);
     let after = &flown.ticks[flown.restarts[0].0..];
-    // The driver of the barometer reads its chip's constants anew, a word a tick and all of them twice, and then measures.
+    // The driver of the barometer reads its chip's constants anew, a word a tick and all of them twice, and
+    // then measures.
     let first_reading = after.iter().position(|tick| tick.input.baro.is_some()).unwrap();
     assert!(first_reading < 2 * 8 + 10, "{first_reading}");
 }
@@ -203,9 +204,9 @@ fn at_any_tick_of_the_launch_and_of_free_flight_what_was_latched_is_what_is_ther
     }
 }
 
-/// A recording whose launch nobody suspects before it is there, which a board has never: reset in the tick that latches, before the
-/// task has run that keeps the first snapshot, and in the one before it. Neither passes for a calibration; nor does what was
-/// held when the wire bounced, ten seconds ago.
+/// A recording whose launch nobody suspects before it is there, which a board has never: reset in the tick
+/// that latches, before the task has run that keeps the first snapshot, and in the one before it. Neither
+/// passes for a calibration; nor does what was held when the wire bounced, ten seconds ago.
 #[test]
 fn a_reset_at_a_launch_that_was_never_suspected_latches_nothing_that_would_be_trusted() {
     let refused = [Some(Refusal::OtherLaunch), Some(Refusal::Empty)];
@@ -242,7 +243,8 @@ fn undisturbed(inputs: &[TickInput]) -> LatchRecord {
     host.latch().unwrap().clone()
 }
 
-/// In the very tick that latches nothing but the mark is written; what it latches was kept while the launch was suspected.
+/// In the very tick that latches nothing but the mark is written; what it latches was kept while the launch
+/// was suspected.
 #[test]
 fn a_reset_in_the_tick_that_latches_resumes_with_what_it_latched() {
     let inputs = suspected(DEBOUNCE);
@@ -259,8 +261,8 @@ fn a_reset_in_the_tick_that_latches_resumes_with_what_it_latched() {
     assert!(!trusts_nobody(&flown.ticks[ticks + 1..]));
 }
 
-/// From the tick after the first edge on; and in a suspicion that outlasts the restart. The statistics are judged in three ticks after the
-/// edge; what a reset leaves unjudged has failed.
+/// From the tick after the first edge on; and in a suspicion that outlasts the restart. The statistics are
+/// judged in three ticks after the edge; what a reset leaves unjudged has failed.
 #[test]
 fn a_reset_while_a_launch_is_suspected_leaves_the_suspicion_and_what_it_holds() {
     let mut unjudged = FailedChecks::default();
@@ -303,8 +305,8 @@ fn a_reset_while_a_launch_is_suspected_leaves_the_suspicion_and_what_it_holds() 
     }
 }
 
-/// In the first edge's own tick nothing has been kept of it yet. What was held when the wire bounced is refused, and the UAV has left
-/// without a calibration, which is said.
+/// In the first edge's own tick nothing has been kept of it yet. What was held when the wire bounced is
+/// refused, and the UAV has left without a calibration, which is said.
 #[test]
 fn a_reset_in_the_tick_of_the_first_edge_starts_the_calibration_again_and_trusts_nobody() {
     let flown = struck_on(&suspected(DEBOUNCE), &[(Blow::Reset, LAUNCH - DEBOUNCE)]);
@@ -322,7 +324,8 @@ fn a_reset_in_the_tick_of_the_first_edge_starts_the_calibration_again_and_trusts
     assert_eq!(told(&flown)[..3], start_texts(&report, &expected));
 }
 
-/// On a board the wire, the force and the messages decide: whatever it is that confirms, the tick that latches may be the last one.
+/// On a board the wire, the force and the messages decide: whatever it is that confirms, the tick that
+/// latches may be the last one.
 #[test]
 fn with_chips_a_reset_in_the_tick_that_latches_resumes_with_what_it_latched() {
     let (model, options) = (model(), FlyOptions { sensors: SensorSource::Chips, ..FlyOptions::default() });
@@ -353,8 +356,8 @@ fn trusts_nobody(ticks: &[TickRecord]) -> bool {
     ticks.iter().all(unmonitored)
 }
 
-/// The mission's microseconds leave 32 bits 71.6 minutes after power-on; the board's own counter, of nanoseconds, wraps every 4.3 s
-/// of any flight.
+/// The mission's microseconds leave 32 bits 71.6 minutes after power-on; the board's own counter, of
+/// nanoseconds, wraps every 4.3 s of any flight.
 #[test]
 fn a_clock_that_leaves_32_bits_changes_no_bit_but_the_times_and_a_restart_bears_it() {
     let wrap_at = |tick: usize| {
@@ -389,7 +392,8 @@ fn host_outputs(inputs: impl Iterator<Item = TickInput>) -> Vec<Vec<u8>> {
 
 #[test]
 fn flags_raised_before_the_restart_are_there_after_it() {
-    // The barometer is off for two seconds (an error must last) and sound again a tick before the blow: only what is kept knows of it.
+    // The barometer is off for two seconds (an error must last) and sound again a tick before the blow: only
+    // what is kept knows of it.
     let mut inputs = flight();
     for input in &mut inputs[LAUNCH + 290..LAUNCH + 699] {
         input.baro = input.baro.map(|_| BaroReading::AltitudeM(9_000.0));

@@ -1,5 +1,6 @@
-//! The telemetry of the emulated flight computer, taken from QEMU's USART1 and read by pymavlink: it is the host's,
-//! byte for byte, and every field of every message is what the flight had and the host's estimator said.
+//! The telemetry of the emulated flight computer, taken from QEMU's USART1 and read by pymavlink: it is the
+//! host's, byte for byte, and every field of every message is what the flight had and the host's estimator
+//! said.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod mavlink_client;

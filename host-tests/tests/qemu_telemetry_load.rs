@@ -1,5 +1,5 @@
-//! A telemetry line that is too slow loses frames, counts them and says so; and however full the line is, no tick is
-//! missed, none has other bits, and none begins or ends later for it.
+//! A telemetry line that is too slow loses frames, counts them and says so; and however full the line is, no
+//! tick is missed, none has other bits, and none begins or ends later for it.
 #![allow(clippy::unwrap_used)]
 
 mod mavlink_client;
@@ -95,7 +95,8 @@ fn a_line_that_is_never_idle_moves_no_tick() {
     );
     let jitters = [silent_starts.jitter(), full_starts.jitter()];
     println!("silent line: {} instructions; line never idle: {} instructions", jitters[0], jitters[1]);
-    // An instruction is a nanosecond, so that the emulated line is 921600 baud to the flight, and the load is full.
+    // An instruction is a nanosecond, so that the emulated line is 921600 baud to the flight, and the load is
+    // full.
     for starts in [&silent_starts, &full_starts] {
         assert!(starts.period().abs_diff(5_000_000) <= 1, "{}", starts.period());
     }

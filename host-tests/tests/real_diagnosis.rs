@@ -1,5 +1,5 @@
-//! What the diagnosis says of real IGC logs as they are, where they lie; see SOURCES.md beside them. Each test says so when
-//! its log is not there. With known effects added to them: `real_injections.rs`.
+//! What the diagnosis says of real IGC logs as they are, where they lie; see SOURCES.md beside them. Each
+//! test says so when its log is not there. With known effects added to them: `real_injections.rs`.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use host_tests::real_logs::{
@@ -47,8 +47,8 @@ fn a_sailplanes_height_scale_error_is_found_and_holds() {
     assert!(after < 0.4 * before, "held out: {before} m, then {after} m");
 }
 
-/// Forty minutes of a flight that begins in the air. What goes with the climb cannot be told apart. An error of the static port is
-/// named, and each half of the log has the same, within two sigma.
+/// Forty minutes of a flight that begins in the air. What goes with the climb cannot be told apart. An error
+/// of the static port is named, and each half of the log has the same, within two sigma.
 #[test]
 fn a_short_log_has_a_static_port_error_that_its_halves_agree_on() {
     let Some(flight) = import(SHORT) else { return };

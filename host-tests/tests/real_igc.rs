@@ -64,7 +64,8 @@ fn new_zealand_units_are_told_from_the_data() {
     assert!((median(samples(&flight, Channel::TasMps)) - 119.89 / 3.6).abs() < 1e-4);
     let temperatures = samples(&flight, Channel::OatC);
     assert!(temperatures.iter().all(|value| (7.0..=19.0).contains(value)));
-    // It starts on the runway half a minute before the take-off, and never flies level: the calmest stretch is taken, and said.
+    // It starts on the runway half a minute before the take-off, and never flies level: the calmest stretch
+    // is taken, and said.
     let (source, _) = replay(&flight, None);
     assert!(matches!(source, CalibrationSource::Calmest(_)), "{source}");
     assert!(source.to_string().contains("none is quiet"), "{source}");

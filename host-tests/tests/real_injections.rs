@@ -1,5 +1,5 @@
-//! Known effects, three times the residual's noise, added one at a time to real logs with all their own errors: is the
-//! effect named, is anything else, and is the coefficient's growth what was added?
+//! Known effects, three times the residual's noise, added one at a time to real logs with all their own
+//! errors: is the effect named, is anything else, and is the coefficient's growth what was added?
 //!
 //! `cargo test --release -p host-tests --test real_injections -- --nocapture` prints a line for each.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
@@ -16,8 +16,8 @@ use pylon::flight::{Channel, Flight};
 /// Sizes over the noise.
 const SIZE: f64 = 3.0;
 
-/// What is added, with a coefficient of one. What dies away does so over a sixth of the log, so that it has not done so
-/// before the log has its first quiet stretch, but no slower than the catalogue's slowest.
+/// What is added, with a coefficient of one. What dies away does so over a sixth of the log, so that it has
+/// not done so before the log has its first quiet stretch, but no slower than the catalogue's slowest.
 fn units(flight: &Flight) -> [Injection; 7] {
     let duration_s =
         flight.time_s.last().zip(flight.time_s.first()).map_or(0.0, |(last, first)| last - first);
@@ -82,7 +82,8 @@ fn effects_added_to_real_logs_are_named_and_nothing_else_is() {
             let effect = unit.effect();
             let [least, most] = EffectId::from_name(effect).unwrap().plausible().map(f64::from);
             let size = SIZE * noise_m / spread_m(&flight, &one);
-            // In the direction of what the log has of it already: the two must not cancel. But no lag is negative.
+            // In the direction of what the log has of it already: the two must not cancel. But no lag is
+            // negative.
             let size = fitted(&before, effect).map_or(size, |(own, _)| size.copysign(own));
             let allowed = [size, -size].into_iter().find(|size| (least..=most).contains(size));
             let Some(size) = allowed else {

@@ -1,5 +1,5 @@
-//! A flight computer's results as a recorder has them, imported as a flight: a mission of the same model makes of it what the
-//! flight computer made of it, to the bit.
+//! A flight computer's results as a recorder has them, imported as a flight: a mission of the same model
+//! makes of it what the flight computer made of it, to the bit.
 //!
 //! Needs qemu-system-arm and the Rust target, as every emulated flight.
 #![allow(clippy::unwrap_used, clippy::panic)]

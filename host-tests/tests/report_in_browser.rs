@@ -1,5 +1,6 @@
-//! The page of `pylon report` in a browser: it draws, zooms and answers the mouse and the keyboard, light and dark, and
-//! its scripts complain of nothing. Pictures of it are left in `target/report-in-browser/`, to be looked at.
+//! The page of `pylon report` in a browser: it draws, zooms and answers the mouse and the keyboard, light and
+//! dark, and its scripts complain of nothing. Pictures of it are left in `target/report-in-browser/`, to be
+//! looked at.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod browser;

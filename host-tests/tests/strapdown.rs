@@ -1,5 +1,5 @@
-//! The strapdown vertical channel on simulated flights: against the truth, against a double-precision strapdown with
-//! the whole attitude, and its errors against theory.
+//! The strapdown vertical channel on simulated flights: against the truth, against a double-precision
+//! strapdown with the whole attitude, and its errors against theory.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::path::Path;
@@ -49,15 +49,15 @@ fn reading(sample: &TruthSample, errors: &Errors) -> (Vector, Vector) {
 
 /// A flown channel.
 struct Flown {
-    /// As it was after the first free row: before that the simulator changes aircraft, and the force jumps within a
-    /// row.
+    /// As it was after the first free row: before that the simulator changes aircraft, and the force jumps
+    /// within a row.
     at_launch: VerticalChannel,
     /// Its altitude from that row on.
     altitudes: Vec<f64>,
 }
 
-/// Readings in single precision, until launch a reference without error ten times a second, of which every fifth has a
-/// velocity if `velocities` are given: their noise (m/s, one sigma) and its seed.
+/// Readings in single precision, until launch a reference without error ten times a second, of which every
+/// fifth has a velocity if `velocities` are given: their noise (m/s, one sigma) and its seed.
 fn fly(flight: &[TruthSample], errors: &Errors, config: Config, velocities: Option<(f64, u64)>) -> Flown {
     let mut noise = velocities.map(|(sigma, seed)| {
         (Normal::new(0.0, sigma).unwrap(), rand_chacha::ChaCha8Rng::seed_from_u64(seed))
@@ -186,9 +186,9 @@ fn single_precision_follows_double_precision() {
         let wanted = reference.fly(&rows);
         let worst = flown.altitudes.iter().zip(&wanted).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         println!("{} s of free flight: single precision is {worst:.5} m off", rows.len() / 200);
-        // The readings are the same to the last bit; what differs is the rounding of 25,000 rotations, 6e-8 each
-        // and compensated, and of as many accelerations of 6e-7 m/s^2, at random: 0.5 * 128^2 * 6e-7 / sqrt(25,000)
-        // in the altitude, ten times that at worst. The sums themselves lose nothing.
+        // The readings are the same to the last bit; what differs is the rounding of 25,000 rotations, 6e-8
+        // each and compensated, and of as many accelerations of 6e-7 m/s^2, at random: 0.5 * 128^2 * 6e-7 /
+        // sqrt(25,000) in the altitude, ten times that at worst. The sums themselves lose nothing.
         assert!(worst < 0.01, "{worst}");
     }
 }
@@ -207,13 +207,13 @@ fn double_integral(acceleration: impl Iterator<Item = f64>, step: f64) -> Vec<f6
         .collect()
 }
 
-/// The altitude's error that theory predicts from what was wrong at launch and with the unit (Titterton and Weston,
-/// section 12.3): altitude, climb rate times t, and twice integrated the vertical part of what is left of the
-/// accelerometer's bias and of the force that a tilt mixes in.
+/// The altitude's error that theory predicts from what was wrong at launch and with the unit (Titterton and
+/// Weston, section 12.3): altitude, climb rate times t, and twice integrated the vertical part of what is
+/// left of the accelerometer's bias and of the force that a tilt mixes in.
 ///
-/// The tilt is carried as the channel's down in axes of the earth, (0, 0, 1) if all were right; there it moves
-/// with what is left of the gyro's bias alone, through every turn of the aircraft. Nothing is linearised: over two
-/// minutes the products of the errors count.
+/// The tilt is carried as the channel's down in axes of the earth, (0, 0, 1) if all were right; there it
+/// moves with what is left of the gyro's bias alone, through every turn of the aircraft. Nothing is
+/// linearised: over two minutes the products of the errors count.
 fn theory(flight: &[TruthSample], channel: &VerticalChannel, errors: &Errors) -> Vec<f64> {
     let rows = free(flight);
     let start = &rows[0];
@@ -287,8 +287,8 @@ fn errors_grow_as_theory_says() {
     }
 }
 
-/// Of biases that were there all the time the alignment finds what can be seen under the pylon, whatever else it
-/// takes for a bias: the difference to the flight without them is the biases.
+/// Of biases that were there all the time the alignment finds what can be seen under the pylon, whatever else
+/// it takes for a bias: the difference to the flight without them is the biases.
 #[test]
 fn constant_biases_are_found() {
     let errors = Errors { accel: [0.05, -0.04, 0.08], gyro: [0.004, -0.003, 0.005], ..Errors::default() };
@@ -324,10 +324,11 @@ fn outcome(flight: &[TruthSample], flown: &Flown) -> [f64; 3] {
     [tilt, end, f64::from(flown.at_launch.climb_rate_mps().unwrap()) - start.climb_rate_mps()]
 }
 
-/// With perfect sensors and a perfect reference what is left after two minutes of free flight is what the alignment left
-/// at launch: the filter's own noise figures let it trust neither. A tilt of 0.2 mrad over a way of 5 km is 1 m; a bias
-/// about the vertical of 0.0002 rad/s (a crab angle known to 0.07 rad a fix, over 110 fixes) tilts a banked turn of 35 s by
-/// 5 mrad. Without velocities every acceleration of the mother ship is a tilt.
+/// With perfect sensors and a perfect reference what is left after two minutes of free flight is what the
+/// alignment left at launch: the filter's own noise figures let it trust neither. A tilt of 0.2 mrad over a
+/// way of 5 km is 1 m; a bias about the vertical of 0.0002 rad/s (a crab angle known to 0.07 rad a fix, over
+/// 110 fixes) tilts a banked turn of 35 s by 5 mrad. Without velocities every acceleration of the mother ship
+/// is a tilt.
 #[test]
 fn velocities_take_the_acceleration_out_of_the_level() {
     let (mut with, mut without, mut count) = ([0.0; 3], [0.0; 3], 0.0);

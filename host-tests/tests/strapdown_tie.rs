@@ -1,6 +1,7 @@
-//! The strapdown channel's tie to the reference, and what its inertial unit leaves out, on the chain that compare flies:
-//! outages of the receiver, fixes in bursts, jumps, resets of the unit. Flights are `flights/clean.toml` with 240 s under the
-//! pylon and no altitude of the unit's own, so that the channel makes it.
+//! The strapdown channel's tie to the reference, and what its inertial unit leaves out, on the chain that
+//! compare flies: outages of the receiver, fixes in bursts, jumps, resets of the unit. Flights are
+//! `flights/clean.toml` with 240 s under the pylon and no altitude of the unit's own, so that the channel
+//! makes it.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::path::Path;
@@ -101,7 +102,8 @@ fn an_outage_of_the_receiver_is_no_divergence() {
     let clean: Vec<_> = SEEDS.map(|seed| Flight::new(seed, None).fly(unaltered)).collect();
     let clean_drift = rms(&clean.iter().map(Outcome::drift_m).collect::<Vec<_>>());
     println!("no outage: {clean_drift:.2} m");
-    // Six flights of a drift whose own spread from flight to flight is half of it; the least-squares parabola drifted by 9.97 m.
+    // Six flights of a drift whose own spread from flight to flight is half of it; the least-squares parabola
+    // drifted by 9.97 m.
     assert!(clean_drift < 15.0);
     for outage in [[0.5, 65.0], [0.1, 65.0], [0.5, 55.0], [100.0, 65.0], [179.0, 60.0]] {
         let outcomes: Vec<_> = SEEDS.map(|seed| Flight::new(seed, Some(outage)).fly(unaltered)).collect();
@@ -156,15 +158,15 @@ fn a_jump_of_the_receiver_is_not_followed() {
             });
             let apart = jumped.apart_m(&clean);
             println!("{jump} m at {from_s} s: {apart:.2} m");
-            // A second without fixes, up to eight before the launch: of a climb rate known to 0.16 m/s over some 15 s, 0.04 m/s, 5 m after
-            // 128 s; five times that. Followed, a jump of 100 m is 1 m/s.
+            // A second without fixes, up to eight before the launch: of a climb rate known to 0.16 m/s over
+            // some 15 s, 0.04 m/s, 5 m after 128 s; five times that. Followed, a jump of 100 m is 1 m/s.
             assert!(apart < 25.0 && jumped.altitude.counts().fixes_refused >= 5, "{jump} {from_s}: {apart}");
         }
     }
 }
 
-/// The reset of the unit, 105 ms without samples, in captive and in free flight: the altitude goes on, and what the gap has cost is
-/// within what the channel says of it, 0.07 m/s and the tilt.
+/// The reset of the unit, 105 ms without samples, in captive and in free flight: the altitude goes on, and
+/// what the gap has cost is within what the channel says of it, 0.07 m/s and the tilt.
 #[test]
 fn a_reset_of_the_inertial_unit_is_bridged() {
     let (mut squares, mut count) = (0.0, 0.0);

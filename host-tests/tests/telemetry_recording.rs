@@ -1,5 +1,5 @@
-//! A flight, told by the flight computer's telemetry, recorded as a ground station does, read by pymavlink and
-//! imported again: what the aircraft saw can be compared and diagnosed.
+//! A flight, told by the flight computer's telemetry, recorded as a ground station does, read by pymavlink
+//! and imported again: what the aircraft saw can be compared and diagnosed.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod mavlink_client;
@@ -127,7 +127,8 @@ fn what_qemu_sends_on_chips_comes_back_as_the_flight_that_it_flew() {
     assert!(host.starts_with(&target) && host.len() - target.len() < 31 * 75, "{}", target.len());
 
     let (back, _) = import::import(&tlog::recording(&target, START_US)).unwrap();
-    // What the flight computer said of what its drivers read: when each sensor's flags rose, seconds after launch.
+    // What the flight computer said of what its drivers read: when each sensor's flags rose, seconds after
+    // launch.
     let mut launch_us = None;
     let mut raised_s = [[None; 2]; 3];
     fly_on_host(replay.inputs(), &model, &options, &mut |step, _| {
@@ -151,7 +152,8 @@ fn what_qemu_sends_on_chips_comes_back_as_the_flight_that_it_flew() {
         let sensor = &compared.sensors[name];
         let off_m = (sensor.bias_m.unwrap() - f64::from(latch.sensors[k].bias_m)).abs();
         println!("{name}: bias {off_m:.4} m off, flags at {:?} s", raised_s[k]);
-        // The recording has the launch as it was confirmed; the flight computer latched what it had at the first edge.
+        // The recording has the launch as it was confirmed; the flight computer latched what it had at the
+        // first edge.
         let sigma_m = f64::from(latch.sensors[k].bias_variance_m2.sqrt());
         assert!(off_m < sigma_m, "{name}: {off_m} of {sigma_m}");
         for (said_s, got_s) in raised_s[k].iter().zip([sensor.doubtful_after_s, sensor.untrustworthy_after_s])

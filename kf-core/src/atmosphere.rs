@@ -41,7 +41,8 @@ pub fn pressure_altitude_m(pressure_pa: f32) -> Option<f32> {
 /// Static pressure in pascals at a pressure altitude in metres (ICAO Doc 7488, eqs 4 and 5): the inverse of
 /// [`pressure_altitude_m`], to the rounding of f32.
 ///
-/// `None` for an altitude that is not finite, or at which the standard atmosphere has no pressure that f32 can hold.
+/// `None` for an altitude that is not finite, or at which the standard atmosphere has no pressure that f32
+/// can hold.
 #[must_use]
 pub fn static_pressure_pa(altitude_m: f32) -> Option<f32> {
     if !altitude_m.is_finite() {

@@ -126,8 +126,8 @@ pub struct Trend {
 /// Block means of a series: at most 32 blocks, which double in length when they run out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlockStatistics {
-    /// Those before the one that is being filled. While there are pairs to be merged, all but the first `merged` are still of
-    /// half the length, two in the place of one.
+    /// Those before the one that is being filled. While there are pairs to be merged, all but the first
+    /// `merged` are still of half the length, two in the place of one.
     blocks: [Block; BLOCKS],
     /// How many pairs have been merged since the blocks doubled; [`HALF`]: all. Before that no block closes.
     merged: usize,
@@ -137,8 +137,8 @@ pub struct BlockStatistics {
     filling: Block,
     open: usize,
     open_ends_us: u64,
-    /// Of the blocks before that one: their samples together, and the means of those that are merged. Kept, so that the
-    /// tick that latches does not go through all blocks of all series.
+    /// Of the blocks before that one: their samples together, and the means of those that are merged. Kept,
+    /// so that the tick that latches does not go through all blocks of all series.
     closed: Block,
     closed_means: Line,
 }
@@ -146,8 +146,8 @@ pub struct BlockStatistics {
 impl BlockStatistics {
     /// Of nothing yet.
     ///
-    /// To be used as the constant it is, so that it is written where it stays: these blocks are most of what a mission
-    /// keeps, and copies of them on the way were most of the stack.
+    /// To be used as the constant it is, so that it is written where it stays: these blocks are most of what
+    /// a mission keeps, and copies of them on the way were most of the stack.
     pub const EMPTY: Self = Self {
         blocks: [Block::EMPTY; BLOCKS],
         merged: HALF,
@@ -160,8 +160,8 @@ impl BlockStatistics {
         closed_means: Line::EMPTY,
     };
 
-    /// Makes the first blocks longer by `place` hundredths (0 to 9): series that begin in the same tick and differ in that run
-    /// out of blocks, which costs, in different ones. Before the first sample.
+    /// Makes the first blocks longer by `place` hundredths (0 to 9): series that begin in the same tick and
+    /// differ in that run out of blocks, which costs, in different ones. Before the first sample.
     pub const fn stagger(&mut self, place: u8) {
         self.block_us = FIRST_BLOCK_US + FIRST_BLOCK_US / 100 * place as u64;
     }
@@ -175,8 +175,8 @@ impl BlockStatistics {
         self.filling.add(sample);
     }
 
-    /// Does a part of what is left to do since the blocks doubled, if anything is. Nothing but time is lost where it is not called: what is
-    /// left when the next block closes is done then, at once.
+    /// Does a part of what is left to do since the blocks doubled, if anything is. Nothing but time is lost
+    /// where it is not called: what is left when the next block closes is done then, at once.
     #[inline]
     pub fn tidy(&mut self) {
         if self.merged < HALF {
@@ -191,7 +191,8 @@ impl BlockStatistics {
         if self.open_ends_us == 0 {
             self.open_ends_us = start_us.saturating_add(self.block_us);
         }
-        // Ends: a step moves the end on by a block, and sixteen double the block. 2^64 us are 49 doublings of a second.
+        // Ends: a step moves the end on by a block, and sixteen double the block. 2^64 us are 49 doublings of
+        // a second.
         while time_us >= self.open_ends_us && self.open_ends_us < u64::MAX {
             self.close();
             if self.open == BLOCKS {
@@ -406,8 +407,8 @@ mod tests {
             }
         }
 
-        /// What is kept of the closed blocks, against all blocks in f64: a block forgotten or counted twice when
-        /// they double in length would show.
+        /// What is kept of the closed blocks, against all blocks in f64: a block forgotten or counted twice
+        /// when they double in length would show.
         #[test]
         fn what_is_kept_is_what_the_blocks_say(
             samples in prop::collection::vec(-1e3_f32..1e3, 1..500),

@@ -26,11 +26,11 @@ use settling::SettlingLevel;
 const UNKNOWN_CLIMB_RATE_MPS: f32 = 10.0;
 /// An innovation beyond this many sigmas is implausible.
 const IMPLAUSIBLE_SIGMAS: f32 = 3.0;
-/// What is known of a level that was given up (1 sigma), metres: nothing, within [`crate::plausible::altitude`]. With less, the
-/// altitude would have to bear a part of the step.
+/// What is known of a level that was given up (1 sigma), metres: nothing, within
+/// [`crate::plausible::altitude`]. With less, the altitude would have to bear a part of the step.
 const UNKNOWN_LEVEL_M: f32 = 1e5;
-/// The vertical speed of nobody who carries a vehicle changes faster, m/s^2: a load factor of 0 or 2. More would let a climb rate that is
-/// wrong for half a second carry the altitude away.
+/// The vertical speed of nobody who carries a vehicle changes faster, m/s^2: a load factor of 0 or 2. More
+/// would let a climb rate that is wrong for half a second carry the altitude away.
 const FASTEST_CHANGE_MPS2: f32 = 10.0;
 
 /// An innovation in metres, and its normalised square with the innovation's sign.
@@ -62,8 +62,8 @@ impl SourceNoise {
     }
 
     /// White noise that carries the same information over many correlation times, for a measurement
-    /// `interval_s` after the last one; the first one counts in full. `excess` is how much larger than the model's the
-    /// source's variance is.
+    /// `interval_s` after the last one; the first one counts in full. `excess` is how much larger than the
+    /// model's the source's variance is.
     #[inline(always)]
     fn equivalent(&self, interval_s: Option<f32>, excess: f32) -> MeasurementNoise {
         let variance_m2 = match interval_s {
@@ -188,8 +188,9 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         self.stagger();
     }
 
-    /// Whether the filter takes that fix: false for an outlier. To be asked before anything else believes it: the tracker, the
-    /// signals and every residual go by the fixes. Effects on the reference are as at the last fix, metres and square metres.
+    /// Whether the filter takes that fix: false for an outlier. To be asked before anything else believes it:
+    /// the tracker, the signals and every residual go by the fixes. Effects on the reference are as at the
+    /// last fix, metres and square metres.
     pub(crate) fn admits(
         &mut self,
         config: &MissionConfig<E>,
@@ -222,7 +223,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
                     is_smooth = (last_mps + down_mps).abs() <= tolerated_mps;
                 }
             } else {
-                // What is beyond even that has a level of its own, however noisy the receiver was before it was lost.
+                // What is beyond even that has a level of its own, however noisy the receiver was before it
+                // was lost.
                 variance_m2 += square(config.reference.prior_sigma_m);
                 limit = square(GATE_SIGMAS);
                 self.reference_gate.begin_anew();
@@ -314,8 +316,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
             return step;
         }
         let is_void = fix.is_some() && core::mem::take(&mut self.reference_is_void);
-        // The first fix that is used has none before it, whatever the settling time has seen; nor has one that overturns
-        // those before it.
+        // The first fix that is used has none before it, whatever the settling time has seen; nor has one
+        // that overturns those before it.
         let fix = fix.map(|fix| match self.has_fix && !is_void {
             true => fix,
             false => AcceptedFix { interval_s: None, ..fix },
@@ -347,8 +349,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
             step.reference = Some(Err(FilterError::NotFinite));
             return step;
         }
-        // With effects the filter's state has no place in the registers anyway: a second copy of every update, unrolled, would
-        // be flash for nothing.
+        // With effects the filter's state has no place in the registers anyway: a second copy of every
+        // update, unrolled, would be flash for nothing.
         if let (0, Some(fix), &[Some(master), Some(slave), Some(baro)]) = (E, fix, readings_m) {
             let readings_m = [master, slave, baro];
             if let Some(step) = self.take_together(time_us, fix, &readings_m, regressors_m) {
@@ -429,8 +431,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         Some(CaptiveStep { reference: Some(reference), sensors: sensors.map(Some) })
     }
 
-    /// Noise of a sensor's reading now. In line where the filter is small enough for that to pay; with effects three copies would be flash for
-    /// nothing.
+    /// Noise of a sensor's reading now. In line where the filter is small enough for that to pay; with
+    /// effects three copies would be flash for nothing.
     #[inline(always)]
     fn noise_now(&self, sensor: usize, time_us: u64) -> MeasurementNoise {
         if E == 0 { self.compute_noise(sensor, time_us) } else { self.compute_noise_once(sensor, time_us) }
@@ -515,8 +517,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         Some(surprise)
     }
 
-    /// Takes an outlier of a sensor: if it overturns what was believed, the next reading makes the bias anew, and the
-    /// statistics are of that.
+    /// Takes an outlier of a sensor: if it overturns what was believed, the next reading makes the bias anew,
+    /// and the statistics are of that.
     #[cold]
     #[inline(never)]
     fn refuse(&mut self, sensor: Sensor, time_us: u64, above: bool) {
@@ -555,7 +557,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         self.implausible = self.implausible.saturating_add(u32::from(is_implausible));
     }
 
-    /// Takes a fix of captive flight. While the receiver settles, one that does not claim to be accurate may move.
+    /// Takes a fix of captive flight. While the receiver settles, one that does not claim to be accurate may
+    /// move.
     #[inline]
     pub(crate) fn follow_reference(
         &mut self,
@@ -568,15 +571,16 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         let counts = has_settled || tracker.last_fix().is_some_and(|fix| config.quality.accepts(fix));
         let had_jumped = self.reference_level.has_jumped();
         self.reference_level.follow(&config.reference, fix, counts);
-        // Everything is measured against the first fix's level. One that ends within the memory that it is judged by was none.
+        // Everything is measured against the first fix's level. One that ends within the memory that it is
+        // judged by was none.
         let is_young = |start_us| seconds_between(start_us, time_us) < reference_level::BEFORE_S;
         if !had_jumped && self.reference_level.has_jumped() && self.start_us.is_some_and(is_young) {
             self.restart(time_us);
         }
     }
 
-    /// How far the reference is from its mean over the calibration, which the biases are against, by its own climb rate, metres.
-    /// Nothing where no climb rate carries it.
+    /// How far the reference is from its mean over the calibration, which the biases are against, by its own
+    /// climb rate, metres. Nothing where no climb rate carries it.
     pub(crate) fn reference_drift_m(&self, tracker: &ReferenceTracker) -> f32 {
         match (tracker.altitude_minus_climb_m(), self.reference_drift.mean()) {
             (Some(now_m), Some(mean_m)) => now_m - mean_m,
@@ -601,8 +605,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         }
     }
 
-    /// Notes the squared airspeed, (m/s)^2. No airspeed doubles or halves between two samples (beyond 10 m/s, where gusts are
-    /// not as large): a sample that does so, and the one after it, count for nothing.
+    /// Notes the squared airspeed, (m/s)^2. No airspeed doubles or halves between two samples (beyond 10 m/s,
+    /// where gusts are not as large): a sample that does so, and the one after it, count for nothing.
     #[inline]
     pub(crate) fn note_airspeed(&mut self, time_us: u64, airspeed_squared_m2ps2: f32) {
         const SLACK_M2PS2: f32 = 100.0;
@@ -615,7 +619,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         }
     }
 
-    /// Whether every source has been consistent, and every bias is one that its prior and the settling time allow.
+    /// Whether every source has been consistent, and every bias is one that its prior and the settling time
+    /// allow.
     fn is_consistent(&self, config: &MissionConfig<E>, duration_s: f32) -> bool {
         let share = config.quality.implausible_share;
         let mut sensors =
@@ -657,13 +662,14 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
                 SigmaSource::Covariance => bias_variance_m2,
                 SigmaSource::Datasheet => square(config.sensors[sensor.index()].sigma_m),
             };
-            // A residual spread ten times as far as the model has it is not of that sensor: a bound made of it would call anything trusted.
+            // A residual spread ten times as far as the model has it is not of that sensor: a bound made of
+            // it would call anything trusted.
             let modelled_m2 =
                 square(config.sensors[sensor.index()].sigma_m) + square(config.reference.sigma_m);
             let bias_m = self.estimator.bias_m(sensor);
             let multiplier2 = square(config.monitor.multiplier);
-            // If its readings lay, on average, further from the bias than their spread allows, the reference was on another level when that was
-            // estimated.
+            // If its readings lay, on average, further from the bias than their spread allows, the reference
+            // was on another level when that was estimated.
             let is_its_own = residual_variance_m2 <= gate::LARGEST_SPREAD * modelled_m2
                 && summary.is_none_or(|summary| square(summary.mean - bias_m) <= multiplier2 * spread_m2);
             are_credible &= is_its_own;

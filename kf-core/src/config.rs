@@ -77,9 +77,11 @@ pub struct MonitorConfig {
     pub multiplier: f32,
     /// Length of the moving average, seconds.
     pub window_s: f32,
-    /// For how long the error must have been beyond the threshold before a sensor is untrustworthy, seconds; the paper's: 0.
+    /// For how long the error must have been beyond the threshold before a sensor is untrustworthy, seconds;
+    /// the paper's: 0.
     pub persistence_s: f32,
-    /// Whether an error that may be the reference's is held against no sensor (`reference_check.rs`); the paper's is.
+    /// Whether an error that may be the reference's is held against no sensor (`reference_check.rs`); the
+    /// paper's is.
     pub reference_check: bool,
 }
 
@@ -120,7 +122,8 @@ pub struct QualityConfig {
 }
 
 impl QualityConfig {
-    /// Whether a receiver that reports this of its fix claims to be good enough; one that reports nothing does.
+    /// Whether a receiver that reports this of its fix claims to be good enough; one that reports nothing
+    /// does.
     pub(crate) fn accepts(&self, fix: &GpsFix) -> bool {
         fix.vertical_accuracy_m.is_none_or(|sigma_m| sigma_m <= self.vertical_accuracy_m)
             && fix.satellites.is_none_or(|count| count >= self.minimum_satellites)

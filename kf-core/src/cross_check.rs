@@ -1,8 +1,8 @@
 //! Without a reference: whether the two sensors that fly free agree with each other.
 //!
-//! Eq. 16 needs the reference. While that is lost, or suspect ([`crate::free_flight`]), the difference of the two calibrated altitudes is
-//! still known: each reading less its effects and its latched bias is an estimate of the same altitude. A
-//! difference beyond both bounds says that one of them is wrong, not which.
+//! Eq. 16 needs the reference. While that is lost, or suspect ([`crate::free_flight`]), the difference of the
+//! two calibrated altitudes is still known: each reading less its effects and its latched bias is an estimate
+//! of the same altitude. A difference beyond both bounds says that one of them is wrong, not which.
 
 use crate::latch::LatchRecord;
 use crate::monitor::{Monitor, longest_step_us};

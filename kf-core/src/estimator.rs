@@ -350,7 +350,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimator<HEAD, TAIL,
         let states = 1 + SENSORS + E;
         let altitude = HEAD + Self::ALTITUDE;
         let mut triangle = collected(core::iter::repeat_n(0.0, states * (states + 1) / 2));
-        // Stored entries come row by row, and but for the altitude's, which are the first row outside, in the triangle's order.
+        // Stored entries come row by row, and but for the altitude's, which are the first row outside, in the
+        // triangle's order.
         let mut next = states;
         self.filter.for_each_covariance(|one, other, entry| {
             let scaled = entry * self.unit(one) * self.unit(other);
@@ -402,8 +403,8 @@ impl MeasurementNoise {
         NoiseVariance::new(variance_m2 / square(UNIT_M)).map(Self)
     }
 
-    /// The gate of a measurement that is weighted by this noise and judged by that of `single`: its normalised innovation
-    /// squared is at most `limit`.
+    /// The gate of a measurement that is weighted by this noise and judged by that of `single`: its
+    /// normalised innovation squared is at most `limit`.
     #[inline(always)]
     pub(crate) fn gate(self, limit: f32, single: Self, only_judges: bool) -> Gate {
         Gate { limit, excess: self.0.get() - single.0.get(), only_judges }

@@ -209,8 +209,8 @@ const fn position(sensor: Sensor) -> Option<usize> {
     }
 }
 
-/// The watch over every sensor that flies free. It is there from the first tick on, so that at launch nothing of its size
-/// has to be made and moved.
+/// The watch over every sensor that flies free. It is there from the first tick on, so that at launch nothing
+/// of its size has to be made and moved.
 #[derive(Clone, Debug)]
 pub(crate) struct FreeFlight {
     /// Of [`WATCHED`].
@@ -283,8 +283,8 @@ impl FreeFlight {
         self.reference.restore(standing);
     }
 
-    /// Goes on with the watch of a snapshot over the sensor at a place of [`WATCHED`]; false where that is not of this configuration and
-    /// latch.
+    /// Goes on with the watch of a snapshot over the sensor at a place of [`WATCHED`]; false where that is
+    /// not of this configuration and latch.
     pub(crate) fn restore_watch(&mut self, place: usize, kept: Option<&KeptWatch>) -> bool {
         let Some(watch) = self.watches.get_mut(place) else { return false };
         match kept {
@@ -329,14 +329,15 @@ impl FreeFlight {
         self.watches.get_mut(position(sensor)?).filter(|watch| watch.is_on)
     }
 
-    /// The altitude that takes the last fix's place, metres, at that fix's time; `None` where the fix is good.
+    /// The altitude that takes the last fix's place, metres, at that fix's time; `None` where the fix is
+    /// good.
     #[inline]
     pub(crate) const fn carried_m(&self) -> Option<f32> {
         self.reference.carried_m()
     }
 
-    /// Takes a fix: the altitude that was carried on to it, if there was one, and the fix's own, metres, free of effects. True if it is
-    /// good; otherwise [`Self::carried_m`] is the reference.
+    /// Takes a fix: the altitude that was carried on to it, if there was one, and the fix's own, metres, free
+    /// of effects. True if it is good; otherwise [`Self::carried_m`] is the reference.
     #[inline(never)]
     pub(crate) fn take_fix(&mut self, time_us: u64, carried_m: Option<f32>, altitude_m: f32) -> bool {
         if !self.reference.is_on() {
@@ -362,9 +363,10 @@ impl FreeFlight {
         self.watches.iter_mut().for_each(|watch| watch.testimony.error_m -= by_m);
     }
 
-    /// Takes the error of eq. 16 of one sensor, metres; `None` if the sensor is not watched or the
-    /// error overflows. `is_current`: the reference is not carried on by an old climb rate. After launch a vehicle manoeuvres as no
-    /// carrier does, and what its last climb rate makes of some seconds says nothing of a sensor.
+    /// Takes the error of eq. 16 of one sensor, metres; `None` if the sensor is not watched or the error
+    /// overflows. `is_current`: the reference is not carried on by an old climb rate. After launch a vehicle
+    /// manoeuvres as no carrier does, and what its last climb rate makes of some seconds says nothing of a
+    /// sensor.
     #[inline]
     pub(crate) fn take(
         &mut self,
@@ -392,7 +394,8 @@ impl FreeFlight {
         Some(WatchedError { error_m: corrected_m, moving_average_m })
     }
 
-    /// Whether an error is not to be held against the sensor at that place. One within its bound settles what was disputed of the reference.
+    /// Whether an error is not to be held against the sensor at that place. One within its bound settles what
+    /// was disputed of the reference.
     #[inline]
     fn may_be_the_references(&mut self, place: usize, time_us: u64, error_m: f32) -> bool {
         let (own, other) = match (&self.watches, place) {
@@ -426,8 +429,8 @@ impl FreeFlight {
         !is_likelier_own(own, other, self.reference.play())
     }
 
-    /// What a sensor is worth. A flag that was raised stays; otherwise, a sensor without a reference that may be
-    /// believed, or one that has gone silent, is not known.
+    /// What a sensor is worth. A flag that was raised stays; otherwise, a sensor without a reference that may
+    /// be believed, or one that has gone silent, is not known.
     #[inline]
     pub(crate) fn trust(&self, sensor: Sensor, time_us: u64, has_reference: bool) -> Trust {
         let Some(watch) = self.watch(sensor) else { return Trust::Unmonitored };
@@ -441,15 +444,18 @@ impl FreeFlight {
     }
 }
 
-/// Whether an error of a sensor beyond its bound is likelier its own than the reference's, by what the other sensor's error is. Of each the
-/// error, metres, and the square of its bound; the bounds are the same multiple of each one's sigma, and chi squared is in units of its square.
+/// Whether an error of a sensor beyond its bound is likelier its own than the reference's, by what the other
+/// sensor's error is. Of each the error, metres, and the square of its bound; the bounds are the same
+/// multiple of each one's sigma, and chi squared is in units of its square.
 ///
-/// A reference that is off by `r` costs `(own - r)^2 / own_bound^2 + (others - r)^2 / others_bound^2 + d^2 stiffness`, at the best `r`, where `d` is
-/// how far `r` is from what the receiver's two words have between them ([`Play`]): one whose climb rate agrees with its altitude has gone no
-/// further than its fixes' own errors, and one that converges is off to the one side by what it has left, and not to the other. An error of the sensor
-/// costs the other's alone, `others^2 / others_bound^2`, and no more than 1: beyond its bound the other is off as well. Were that left open,
-/// two sensors that fail would hide each other for ever. Of a reference of which nobody knows how far it is off it
-/// is left open: both beyond their bounds, and on one side, are the reference's before they are two failures.
+/// A reference that is off by `r` costs `(own - r)^2 / own_bound^2 + (others - r)^2 / others_bound^2 + d^2
+/// stiffness`, at the best `r`, where `d` is how far `r` is from what the receiver's two words have between
+/// them ([`Play`]): one whose climb rate agrees with its altitude has gone no further than its fixes' own
+/// errors, and one that converges is off to the one side by what it has left, and not to the other. An error
+/// of the sensor costs the other's alone, `others^2 / others_bound^2`, and no more than 1: beyond its bound
+/// the other is off as well. Were that left open, two sensors that fail would hide each other for ever. Of a
+/// reference of which nobody knows how far it is off it is left open: both beyond their bounds, and on one
+/// side, are the reference's before they are two failures.
 fn is_likelier_own(
     (own_m, own_bound_m2): (f32, f32),
     (others_m, others_bound_m2): (f32, f32),
@@ -472,8 +478,9 @@ fn is_likelier_own(
 mod tests {
     use super::*;
 
-    /// Bounds of 7 m, and a reference that may be anywhere: the other vouches for it, unless the two are closer to each other than it is to
-    /// the reference. One that is known for anything has both failed where they are more than 9.9 m apart, the root of 49 + 49.
+    /// Bounds of 7 m, and a reference that may be anywhere: the other vouches for it, unless the two are
+    /// closer to each other than it is to the reference. One that is known for anything has both failed where
+    /// they are more than 9.9 m apart, the root of 49 + 49.
     #[test]
     fn an_error_is_a_sensors_own_unless_the_reference_explains_both() {
         for (own_m, others_m, is_own) in [
@@ -495,7 +502,8 @@ mod tests {
         }
     }
 
-    /// A receiver that may be off by 10 m explains two sensors that are 8 m off, and not two that are 20 m off.
+    /// A receiver that may be off by 10 m explains two sensors that are 8 m off, and not two that are 20 m
+    /// off.
     #[test]
     fn a_reference_explains_no_more_than_it_may_be_off() {
         for (own_m, others_m, is_own) in
@@ -506,8 +514,8 @@ mod tests {
         }
     }
 
-    /// A receiver that converges, with 5.7 m left between its two words, explains errors of 8.7 m and 4.7 m to the one side, and not to the
-    /// other; nor one of 8.7 m alone, nor what is far beyond its words.
+    /// A receiver that converges, with 5.7 m left between its two words, explains errors of 8.7 m and 4.7 m
+    /// to the one side, and not to the other; nor one of 8.7 m alone, nor what is far beyond its words.
     #[test]
     fn a_reference_is_off_to_the_side_of_its_other_word() {
         for (own_m, others_m, other_m, is_own) in [

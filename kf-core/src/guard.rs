@@ -1,8 +1,8 @@
 //! The guards against single faults, and a switch to take one out.
 //!
-//! A fault campaign that finds nothing proves something only if it would have found a guard missing. With the feature
-//! `removable-guards`, which no image of a board has, a guard can be taken out while the program runs; without it
-//! [`Guard::stands`] is `true` when the code is compiled, and costs nothing.
+//! A fault campaign that finds nothing proves something only if it would have found a guard missing. With the
+//! feature `removable-guards`, which no image of a board has, a guard can be taken out while the program
+//! runs; without it [`Guard::stands`] is `true` when the code is compiled, and costs nothing.
 
 /// A guard that one kind of fault is stopped by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

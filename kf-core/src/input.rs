@@ -65,13 +65,14 @@ pub struct Signals {
     pub attitude_rad: Option<[f32; 3]>,
 }
 
-/// New samples of columns that the estimator does not know, by the numbers that the model gave them, for its effects by formula. Only the
-/// desk has such.
+/// New samples of columns that the estimator does not know, by the numbers that the model gave them, for its
+/// effects by formula. Only the desk has such.
 #[derive(Clone, Copy, Debug)]
 pub struct Columns([f32; MAX_COLUMNS]);
 
 impl Columns {
-    /// A new sample of the column of that number, SI units; what is not finite, or of no such number, is not taken.
+    /// A new sample of the column of that number, SI units; what is not finite, or of no such number, is not
+    /// taken.
     pub fn set(&mut self, column: usize, value: f32) {
         if let (Some(slot), true) = (self.0.get_mut(column), value.is_finite()) {
             *slot = value;

@@ -38,7 +38,8 @@ pub struct SourceCounters {
     pub stuck: u32,
     /// Updates that the filter refused.
     pub variance: u32,
-    /// Outliers: too far from what the filter expected; in free flight, fixes that the receiver's own climb rate denies.
+    /// Outliers: too far from what the filter expected; in free flight, fixes that the receiver's own climb
+    /// rate denies.
     pub gated: u32,
     /// Finite, and no aircraft can be there or do that.
     pub implausible: u32,
@@ -74,8 +75,8 @@ pub struct Counters {
     pub signals_not_finite: u32,
     /// Readings taken without an effect that the model has, because its signal was not there.
     pub effects_without_signal: u32,
-    /// Ticks, summed over the effects by formula, at which one had no value though its signals were there: a division by zero, the root of
-    /// a negative number, an overflow. The effect adds nothing at such a tick.
+    /// Ticks, summed over the effects by formula, at which one had no value though its signals were there: a
+    /// division by zero, the root of a negative number, an overflow. The effect adds nothing at such a tick.
     pub effects_silent: u32,
     /// Readings and fixes that were corrected by an effect outside of the regressor's range in which its
     /// coefficient was learned.
@@ -84,7 +85,8 @@ pub struct Counters {
     pub launch_repeats: u32,
     /// Times that the mission went on from a snapshot.
     pub restarts: u32,
-    /// Times that a launch was suspected and was none. Bounces of one parting, each within 20 ms of the one before, are one.
+    /// Times that a launch was suspected and was none. Bounces of one parting, each within 20 ms of the one
+    /// before, are one.
     pub launch_suspicions: u32,
     /// Readings in free flight that were not judged, because their error may be the reference's.
     pub readings_unjudged: u32,
@@ -109,8 +111,8 @@ pub struct Mission<const HEAD: usize, const TAIL: usize, const E: usize> {
     stuck: [StuckDetector; SENSORS],
     last_accepted_us: [Option<u64>; SENSORS],
     calibration: Calibration<HEAD, TAIL, E>,
-    /// From the first edge on, as `free_flight` and `cross_check` are begun: a suspected launch is flown as one, in secret, so that nothing
-    /// depends on how long it takes to confirm it.
+    /// From the first edge on, as `free_flight` and `cross_check` are begun: a suspected launch is flown as
+    /// one, in secret, so that nothing depends on how long it takes to confirm it.
     latch: Option<LatchRecord>,
     /// What the latch's failed checks do not have yet.
     unchecked: Option<StatisticalChecks>,
@@ -309,10 +311,11 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         output
     }
 
-    /// Whether the calibration is one that a sensor can be trusted by. Where the reference had left its own climb rate, a source had settled on another
-    /// level, and more innovations were outliers than may be, biases and bounds are of both levels: by how much of the difference they are off
-    /// is in none of their variances. What is beyond such a bound is called so all the same. Without the last of the three the levels are
-    /// the settling time's and the calibration's, which is then of one.
+    /// Whether the calibration is one that a sensor can be trusted by. Where the reference had left its own
+    /// climb rate, a source had settled on another level, and more innovations were outliers than may be,
+    /// biases and bounds are of both levels: by how much of the difference they are off is in none of their
+    /// variances. What is beyond such a bound is called so all the same. Without the last of the three the
+    /// levels are the settling time's and the calibration's, which is then of one.
     #[inline]
     fn has_standard(&self) -> bool {
         const OF_TWO_LEVELS: u16 = 1 << Check::ReferenceConverged as u16
@@ -359,7 +362,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         }
     }
 
-    /// Follows the launch discrete and the suspicion of a launch; true at the tick at which the calibration is latched.
+    /// Follows the launch discrete and the suspicion of a launch; true at the tick at which the calibration
+    /// is latched.
     fn follow_launch(&mut self, input: &TickInput, time_us: u64) -> bool {
         let launch = input.launch;
         let changed = launch != self.launch_was;
@@ -386,8 +390,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             return false;
         }
         if self.latch.is_none() {
-            // Contacts that part bounce: all of it is one suspicion, so that what was held at one bounce is good until the next one's is
-            // stored.
+            // Contacts that part bounce: all of it is one suspicion, so that what was held at one bounce is
+            // good until the next one's is stored.
             if self.taken_back.is_some_and(|taken_back| taken_back.may_be_a_bounce(time_us)) {
                 self.counters.launch_suspicions = self.counters.launch_suspicions.saturating_sub(1);
             }
@@ -494,8 +498,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         (readings_m, rejections)
     }
 
-    /// Eq. 16 for one sensor: `residual_m` is the reading less effects and reference. False where the error was not judged,
-    /// because it may be the reference's.
+    /// Eq. 16 for one sensor: `residual_m` is the reading less effects and reference. False where the error
+    /// was not judged, because it may be the reference's.
     fn watch(&mut self, sensor: Sensor, time_us: u64, residual_m: f32, output: &mut SensorOutput) -> bool {
         match &self.latch {
             Some(latch) => {

@@ -1,10 +1,10 @@
 //! The monitor of eqs 16 and 17.
 //!
 //! The second criterion weighs the moving average by the share of its window that readings cover. The latched
-//! calibration says that the error was nothing before: what is not covered counts as no error. So a release transient
-//! needs as long for `untrustworthy` as one in the middle of a flight, and so does a failure: a step is flagged at the
-//! same delay whenever it comes. It asks as well that the error has been beyond the bound for some time: one flipped bit is
-//! kilometres, and would carry any average with it.
+//! calibration says that the error was nothing before: what is not covered counts as no error. So a release
+//! transient needs as long for `untrustworthy` as one in the middle of a flight, and so does a failure: a
+//! step is flagged at the same delay whenever it comes. It asks as well that the error has been beyond the
+//! bound for some time: one flipped bit is kilometres, and would carry any average with it.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,12 +12,13 @@ use crate::guard::Guard;
 use crate::moving_average::{KeptAverage, MovingAverage};
 use crate::output::Trust;
 
-/// A reading covers the time since the one before it, up to this many of the sensor's intervals in captive flight. With 4 a
-/// chip that loses three conversions in four still covers its window, and is judged as before.
+/// A reading covers the time since the one before it, up to this many of the sensor's intervals in captive
+/// flight. With 4 a chip that loses three conversions in four still covers its window, and is judged as
+/// before.
 const INTERVALS_COVERED: f32 = 4.0;
 
-/// For how long one reading covers its window, microseconds, by how many there were in a calibration of `duration_s` (at
-/// least one).
+/// For how long one reading covers its window, microseconds, by how many there were in a calibration of
+/// `duration_s` (at least one).
 #[must_use]
 pub fn longest_step_us(duration_s: f32, readings: u32) -> u32 {
     // `as` saturates.
@@ -73,8 +74,8 @@ impl Monitor {
         }
     }
 
-    /// With a time for which the error must be beyond the bound before a sensor is untrustworthy, microseconds: one reading that is
-    /// kilometres off moves the average as far as any failure.
+    /// With a time for which the error must be beyond the bound before a sensor is untrustworthy,
+    /// microseconds: one reading that is kilometres off moves the average as far as any failure.
     #[must_use]
     pub fn with_persistence(self, persistence_us: u64) -> Self {
         Self { persistence_us: u32::try_from(persistence_us).unwrap_or(u32::MAX), ..self }
@@ -93,8 +94,9 @@ impl Monitor {
 
     /// Takes the error of eq. 16 (finite, metres) and returns its moving average, metres.
     ///
-    /// `doubtful` once `|error|` exceeds the bound; `untrustworthy` once, after that, `|average|`, weighted by the share of
-    /// the window that readings cover, does, and the error has been beyond the bound for the persistence.
+    /// `doubtful` once `|error|` exceeds the bound; `untrustworthy` once, after that, `|average|`, weighted
+    /// by the share of the window that readings cover, does, and the error has been beyond the bound for the
+    /// persistence.
     #[inline(always)]
     pub fn update(&mut self, time_us: u64, error_m: f32) -> f32 {
         if self.average.is_due(time_us) {
@@ -119,9 +121,9 @@ impl Monitor {
         }
     }
 
-    /// The share and the persistence are kept by the average's parts, not by the reading: that is as good, to one part, and once in twelve
-    /// ticks instead of at each. A part is beyond the bound if the mean of its readings is: one that is kilometres off makes it so, but only
-    /// that part.
+    /// The share and the persistence are kept by the average's parts, not by the reading: that is as good, to
+    /// one part, and once in twelve ticks instead of at each. A part is beyond the bound if the mean of its
+    /// readings is: one that is kilometres off makes it so, but only that part.
     #[inline(never)]
     fn close_part(&mut self, time_us: u64) {
         let readings = self.average.open_count();
@@ -232,7 +234,8 @@ mod tests {
         monitor
     }
 
-    /// Flies the launched monitor at these times (seconds after launch) with an error by the time; says when each flag rose.
+    /// Flies the launched monitor at these times (seconds after launch) with an error by the time; says when
+    /// each flag rose.
     fn flags(times_s: impl Iterator<Item = f64>, error_m: impl Fn(f64) -> f32) -> [Option<f64>; 2] {
         let mut monitor = launched();
         let mut flags = [None; 2];
@@ -271,7 +274,8 @@ mod tests {
     #[test]
     fn a_failure_is_flagged_with_the_same_delay_at_launch_later_and_after_a_gap() {
         let step = |start_s: f64| move |time_s: f64| if time_s > start_s { 30.0_f32 } else { 0.0 };
-        // 30 m in a share of 0.3 of the window are the bound of 9 m: 0.6 s, and up to a part of the window (0.0625 s) more.
+        // 30 m in a share of 0.3 of the window are the bound of 9 m: 0.6 s, and up to a part of the window
+        // (0.0625 s) more.
         for start_s in [0.0, 0.3, 1.0, 7.0] {
             let delay_s = flags(steadily(), step(start_s))[1].unwrap() - start_s;
             assert!((0.58..=0.68).contains(&delay_s), "{start_s}: {delay_s}");
@@ -279,8 +283,8 @@ mod tests {
         for gap_s in [0.5, 1.0, 1.9, 3.0] {
             let times = steadily().filter(|time_s| !(4.0..4.0 + gap_s).contains(time_s));
             let delay_s = flags(times, step(4.0 + gap_s))[1].unwrap() - 4.0 - gap_s;
-            // The share counts a gap until as much again is covered, the average until it has left the window: sooner, by a
-            // third at most.
+            // The share counts a gap until as much again is covered, the average until it has left the
+            // window: sooner, by a third at most.
             assert!((0.4..=0.68).contains(&delay_s), "{gap_s}: {delay_s}");
         }
         // A sensor that delivers a quarter of its readings only is as quick.

@@ -197,8 +197,8 @@ impl MovingAverage {
     fn catch_up(&mut self, time_us: u64) {
         let late_us = time_us.saturating_sub(self.bins.open_ends_us);
         if late_us >= self.bin_us.saturating_mul(PARTS - 1) {
-            // The first sample, or the first after nothing for longer than the window: every bin is empty by now, and what
-            // rounding left in the total goes with them.
+            // The first sample, or the first after nothing for longer than the window: every bin is empty by
+            // now, and what rounding left in the total goes with them.
             self.restart();
             self.bins.open_ends_us = time_us.wrapping_add(self.bin_us);
             return;
@@ -263,7 +263,8 @@ mod tests {
         assert_eq!(last, 0.25);
     }
 
-    /// Ends of bins wrap at the end of 64 bits of microseconds: what is said then is of no use, but it is said.
+    /// Ends of bins wrap at the end of 64 bits of microseconds: what is said then is of no use, but it is
+    /// said.
     #[test]
     fn a_clock_at_its_end_is_survived() {
         let mut average = MovingAverage::new(3_200_000);

@@ -1,31 +1,34 @@
 //! The UAV's own altitude, where no unit delivers one: made from its inertial samples.
 //!
 //! Sits between the sensors and the mission: [`InertialAltitude::tick`] takes a tick's input and fills
-//! [`TickInput::imu_slave_altitude_m`] from the strapdown vertical channel, which it levels and ties to the reference
-//! in captive flight. From the first tick of a suspected launch on the channel takes no reference, but to mend a gap between its
-//! samples; if it was no launch it goes on as before.
+//! [`TickInput::imu_slave_altitude_m`] from the strapdown vertical channel, which it levels and ties to the
+//! reference in captive flight. From the first tick of a suspected launch on the channel takes no reference,
+//! but to mend a gap between its samples; if it was no launch it goes on as before.
 //!
-//! One calibration is of one source. Where an altitude comes from outside before the channel is aligned, the channel is
-//! never asked; where the channel has spoken first, an altitude from outside is not used any more, and counted.
+//! One calibration is of one source. Where an altitude comes from outside before the channel is aligned, the
+//! channel is never asked; where the channel has spoken first, an altitude from outside is not used any more,
+//! and counted.
 //!
-//! Before launch the channel's altitude follows the reference, so its bias is nothing and its spread is the reference's;
-//! what the calibration says of this sensor is not how far it can be trusted in free flight. There it drifts as
-//! [`crate::strapdown`] says.
+//! Before launch the channel's altitude follows the reference, so its bias is nothing and its spread is the
+//! reference's; what the calibration says of this sensor is not how far it can be trusted in free flight.
+//! There it drifts as [`crate::strapdown`] says.
 
 use crate::input::{GpsFix, LaunchDoubt, TickInput};
 use crate::reading::is_held;
 use crate::strapdown::{Config, KeptChannel, VerticalChannel};
 use serde::{Deserialize, Serialize};
 
-/// Time between two altitudes of the channel, microseconds. Neighbouring ones differ by the integral of the same noise:
-/// more often would only look like more information.
+/// Time between two altitudes of the channel, microseconds. Neighbouring ones differ by the integral of the
+/// same noise: more often would only look like more information.
 const INTERVAL_US: u64 = 50_000;
 
-/// Square of how far, in captive flight, the channel's climb rate may be from a fix's, beside three of its own sigmas, (m/s)^2: 3 m/s. A fix's
-/// is known to 0.2 m/s, and what it is late by (0.2 s) is 1 m/s in the roughest air.
+/// Square of how far, in captive flight, the channel's climb rate may be from a fix's, beside three of its
+/// own sigmas, (m/s)^2: 3 m/s. A fix's is known to 0.2 m/s, and what it is late by (0.2 s) is 1 m/s in the
+/// roughest air.
 const DENIED_M2PS2: f32 = 9.0;
 const DENIED_SIGMAS_SQUARED: f32 = 9.0;
-/// Denied for so long, microseconds, it is tied anew: what moved it, or the receiver, was no transient of a second.
+/// Denied for so long, microseconds, it is tied anew: what moved it, or the receiver, was no transient of a
+/// second.
 const LONGEST_DENIED_US: u64 = 2_000_000;
 
 /// Who delivers the altitude.
@@ -71,9 +74,10 @@ pub struct InertialAltitude {
     is_launched: bool,
     /// Launched, or suspected to be.
     is_off: bool,
-    /// The last fix before the launch climbs otherwise than the channel. Nobody knows which of the two is wrong, so there is nothing to
-    /// calibrate with: the altitude would follow a unit that falls by itself within the gates of all that take it. At a launch the
-    /// channel speaks again: whether it is right is what it is then watched for.
+    /// The last fix before the launch climbs otherwise than the channel. Nobody knows which of the two is
+    /// wrong, so there is nothing to calibrate with: the altitude would follow a unit that falls by itself
+    /// within the gates of all that take it. At a launch the channel speaks again: whether it is right is
+    /// what it is then watched for.
     is_denied: bool,
     /// Since when, microseconds.
     denied_us: u64,
@@ -111,8 +115,8 @@ impl InertialAltitude {
         }
     }
 
-    /// As it was kept; `unknown_s` is how much longer than the clock has it the interruption may have been, seconds. `None` if what was
-    /// kept is no channel.
+    /// As it was kept; `unknown_s` is how much longer than the clock has it the interruption may have been,
+    /// seconds. `None` if what was kept is no channel.
     #[must_use]
     pub fn resumed(config: Config, kept: &KeptInertial, unknown_s: f32) -> Option<Self> {
         Some(Self {
@@ -143,8 +147,8 @@ impl InertialAltitude {
         &self.counts
     }
 
-    /// Takes a tick before the mission does, and fills in the UAV's inertial altitude (metres, the reference's datum)
-    /// where it is this one's to say. Every tick must be shown, in order.
+    /// Takes a tick before the mission does, and fills in the UAV's inertial altitude (metres, the
+    /// reference's datum) where it is this one's to say. Every tick must be shown, in order.
     pub fn tick(&mut self, input: &mut TickInput) {
         if self.source == AltitudeSource::None && input.imu_slave_altitude_m.is_some() {
             self.source = AltitudeSource::Outside;
@@ -165,7 +169,8 @@ impl InertialAltitude {
             self.counts.outside_ignored = self.counts.outside_ignored.saturating_add(1);
         }
         let is_due = self.said_us.is_none_or(|said_us| input.time_us.saturating_sub(said_us) >= INTERVAL_US);
-        // Not at a fix's own tick: the mission holds the altitude against that fix, which the channel does not have yet.
+        // Not at a fix's own tick: the mission holds the altitude against that fix, which the channel does
+        // not have yet.
         let may_speak = has_sample && is_due && self.due_us.is_none() && (self.is_off || !self.is_denied);
         if let (true, Some(altitude_m)) = (may_speak, self.channel.altitude_m()) {
             self.source = AltitudeSource::Channel;
@@ -188,8 +193,8 @@ impl InertialAltitude {
         self.is_off = is_off;
     }
 
-    /// Holds the channel's climb rate against a fix's (metres, m/s), until the launch. True if they have contradicted each other for so long
-    /// that the channel is tied to the fix anew.
+    /// Holds the channel's climb rate against a fix's (metres, m/s), until the launch. True if they have
+    /// contradicted each other for so long that the channel is tied to the fix anew.
     fn is_retied_to(&mut self, time_us: u64, altitude_m: f32, climb_mps: f32) -> bool {
         let Some((own_mps, variance_m2ps2)) = self.channel.tied_climb_rate() else { return false };
         let apart_mps = own_mps - climb_mps;
@@ -206,7 +211,8 @@ impl InertialAltitude {
         self.channel.retie(time_us, altitude_m, climb_mps).is_ok()
     }
 
-    /// A fix is the reference in captive flight, and while a gap is mended: new, not held, and of finite numbers.
+    /// A fix is the reference in captive flight, and while a gap is mended: new, not held, and of finite
+    /// numbers.
     fn note_fix(&mut self, time_us: u64, fix: &GpsFix) {
         if self.last_fix.as_ref().is_none_or(|last| !is_held(fix, last)) {
             self.last_fix = Some(*fix);
@@ -214,8 +220,8 @@ impl InertialAltitude {
         }
     }
 
-    /// The channel takes a fix at the next tick, before anything that is new there, and so is as it would be after the tick that had
-    /// the fix. That one is dear enough without it.
+    /// The channel takes a fix at the next tick, before anything that is new there, and so is as it would be
+    /// after the tick that had the fix. That one is dear enough without it.
     fn take_due_fix(&mut self) {
         let Some(time_us) = self.due_us.take() else { return };
         let Some(fix) = self.last_fix else { return };

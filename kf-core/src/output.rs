@@ -27,7 +27,8 @@ pub enum Trust {
     Doubtful,
     /// After that, the moving average has been beyond the bound (eq. 17, right).
     Untrustworthy,
-    /// There is no reference to watch the sensor against, or none that may be believed, or the calibration is of a reference that had moved: not known.
+    /// There is no reference to watch the sensor against, or none that may be believed, or the calibration is
+    /// of a reference that had moved: not known.
     Unmonitored,
 }
 
@@ -56,7 +57,8 @@ pub enum Rejection {
     Held,
     /// The filter refused the update: its innovation variance was not positive and finite.
     Variance,
-    /// Too far from what the filter expects: an outlier; in free flight, a fix that the receiver's own climb rate denies.
+    /// Too far from what the filter expects: an outlier; in free flight, a fix that the receiver's own climb
+    /// rate denies.
     Gated,
     /// Finite, and no aircraft can be there or do that ([`crate::plausible`]).
     Implausible,
@@ -75,8 +77,8 @@ pub struct SensorOutput {
     pub signed_nis: Option<f32>,
     /// Sensor error of eq. 16 at this tick: reading minus bias, effects and reference, metres.
     pub error_m: Option<f32>,
-    /// Moving average of the error over the monitor's window, metres; free flight only, and only where the error was judged:
-    /// one that may be the reference's is not.
+    /// Moving average of the error over the monitor's window, metres; free flight only, and only where the
+    /// error was judged: one that may be the reference's is not.
     pub moving_average_m: Option<f32>,
     /// Trust.
     pub trust: Trust,
@@ -160,8 +162,8 @@ pub struct TickOutput {
     pub extrapolated: u16,
     /// The sensors against each other, in free flight while the reference is lost or suspect.
     pub cross_check: Option<CrossCheckOutput>,
-    /// At the first tick after [`crate::mission::Mission::restore_snapshot`]: the time that nothing is known of,
-    /// microseconds, from the last tick of the snapshot to this one.
+    /// At the first tick after [`crate::mission::Mission::restore_snapshot`]: the time that nothing is known
+    /// of, microseconds, from the last tick of the snapshot to this one.
     pub bridged_us: Option<u64>,
     /// The estimated coefficients, in the model's order.
     pub coefficients: heapless::Vec<CoefficientOutput, MAX_ESTIMATED_EFFECTS>,

@@ -1,7 +1,8 @@
-//! What no aircraft can be, do or feel: finite numbers outside of these ranges are refused and counted before anything
-//! believes them.
+//! What no aircraft can be, do or feel: finite numbers outside of these ranges are refused and counted before
+//! anything believes them.
 //!
-//! The ranges are physical or those of the instruments, and wide: what is merely unlikely is the innovation gate's to refuse.
+//! The ranges are physical or those of the instruments, and wide: what is merely unlikely is the innovation
+//! gate's to refuse.
 
 use crate::guard::Guard;
 use crate::input::{GpsFix, ImuSample};
@@ -23,15 +24,16 @@ fn refusal(is_finite: bool, is_plausible: bool) -> Option<Rejection> {
     }
 }
 
-/// An altitude, metres: the lowest land is at -430 m, where the highest pressure ever recorded (1,084 hPa at sea level) reads
-/// as 560 m less; no wing carries anything at 100 km.
+/// An altitude, metres: the lowest land is at -430 m, where the highest pressure ever recorded (1,084 hPa at
+/// sea level) reads as 560 m less; no wing carries anything at 100 km.
 #[must_use]
 #[inline]
 pub fn altitude(altitude_m: f32) -> Option<Rejection> {
     refusal(altitude_m.is_finite(), is_within(altitude_m, -1_000.0, 100_000.0))
 }
 
-/// A velocity over ground or through the air, m/s: civil receivers give none beyond 515 m/s (the export limit of 1,000 knots).
+/// A velocity over ground or through the air, m/s: civil receivers give none beyond 515 m/s (the export limit
+/// of 1,000 knots).
 #[must_use]
 #[inline]
 pub fn velocity(velocity_mps: f32) -> bool {
@@ -69,8 +71,8 @@ pub fn throttle(throttle: f32) -> bool {
     is_within(throttle, -1.5, 1.5)
 }
 
-/// A temperature, degrees Celsius: the coldest air ever recorded (-94 above the tropics' tropopause), and what electronics
-/// survive.
+/// A temperature, degrees Celsius: the coldest air ever recorded (-94 above the tropics' tropopause), and
+/// what electronics survive.
 #[must_use]
 #[inline]
 pub fn temperature(temperature_c: f32) -> bool {

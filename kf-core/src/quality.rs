@@ -15,7 +15,8 @@ pub enum Check {
     /// The airspeed was quiet.
     TrimmedAirspeed = 3,
     /// The reference's own altitude had converged: it neither drifted nor jumped against its integrated climb
-    /// rate, nor did all sensors drift against it alike, and the receiver itself reports accuracy and satellites.
+    /// rate, nor did all sensors drift against it alike, and the receiver itself reports accuracy and
+    /// satellites.
     ReferenceConverged = 4,
     /// The reference was there all through the calibration and at launch.
     ReferenceFresh = 5,
@@ -29,8 +30,9 @@ pub enum Check {
     SensorsAlive = 9,
     /// The launch itself was confirmed by more than the umbilical's wire.
     LaunchConfirmed = 10,
-    /// No source had more of its readings refused as implausible or as outliers than may be implausible, none has settled on
-    /// another level in mid-calibration or in the settling time, and no bias is beyond what its prior allows.
+    /// No source had more of its readings refused as implausible or as outliers than may be implausible, none
+    /// has settled on another level in mid-calibration or in the settling time, and no bias is beyond what
+    /// its prior allows.
     ReadingsConsistent = 11,
 }
 

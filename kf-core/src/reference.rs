@@ -34,7 +34,8 @@ pub struct ReferenceTracker {
     climbed_m: f32,
     /// Fixes in a row that repeat every bit of altitude and velocity.
     repeats: u8,
-    /// The usual time between two fixes, microseconds; 0 before there were two. Not kept over a restart: the next two say it anew.
+    /// The usual time between two fixes, microseconds; 0 before there were two. Not kept over a restart: the
+    /// next two say it anew.
     #[serde(skip)]
     usual_us: u64,
     /// The flight computer was away since the last fix, and its clock does not know for how long.
@@ -42,20 +43,23 @@ pub struct ReferenceTracker {
     is_interrupted: bool,
 }
 
-/// For how long a climb rate carries the altitude at least, microseconds: an aircraft that begins to fall, or pulls 2 g, is by then 2 m
-/// from where it carries it, a fix's own error. A receiver that is slower by itself is given half as long again as it takes.
+/// For how long a climb rate carries the altitude at least, microseconds: an aircraft that begins to fall, or
+/// pulls 2 g, is by then 2 m from where it carries it, a fix's own error. A receiver that is slower by itself
+/// is given half as long again as it takes.
 const CARRIED_US: u64 = 640_000;
 
-/// Where the time between two fixes is another by the receiver's clock than by the flight computer's, by more than this (microseconds), it is
-/// the receiver's: a clock has leapt. A fix that is late is late by less. After a restart it is the receiver's in any case: for how long the
-/// supply was away nothing on board knows, and what is climbed meanwhile is not to be taken for a receiver that contradicts itself.
+/// Where the time between two fixes is another by the receiver's clock than by the flight computer's, by more
+/// than this (microseconds), it is the receiver's: a clock has leapt. A fix that is late is late by less.
+/// After a restart it is the receiver's in any case: for how long the supply was away nothing on board knows,
+/// and what is climbed meanwhile is not to be taken for a receiver that contradicts itself.
 const CLOCK_LEAP_US: u64 = CARRIED_US / 2;
 
-/// So many repeats are a receiver that stands still: a fix has its altitude in millimetres and three velocities in mm/s, all of
-/// them with noise of many times that.
+/// So many repeats are a receiver that stands still: a fix has its altitude in millimetres and three
+/// velocities in mm/s, all of them with noise of many times that.
 const MOST_REPEATS: u8 = 5;
 
-/// Whether a later fix repeats altitude and velocity. Without velocities there is no telling: an altitude in whole metres repeats honestly.
+/// Whether a later fix repeats altitude and velocity. Without velocities there is no telling: an altitude in
+/// whole metres repeats honestly.
 fn repeats(fix: &GpsFix, last: &GpsFix) -> bool {
     let velocity =
         |fix: &GpsFix| Some([fix.velocity_north_mps?, fix.velocity_east_mps?, fix.velocity_down_mps?]);
@@ -79,7 +83,8 @@ impl ReferenceTracker {
         }
     }
 
-    /// It goes on after a restart: how long that took, the receiver's clock knows better than the flight computer's, by whatever it is.
+    /// It goes on after a restart: how long that took, the receiver's clock knows better than the flight
+    /// computer's, by whatever it is.
     pub(crate) const fn interrupt(&mut self) {
         self.is_interrupted = true;
     }
@@ -87,8 +92,9 @@ impl ReferenceTracker {
     /// Whether a fix is a measurement at all.
     ///
     /// # Errors
-    /// [`Rejection::NotFinite`] or [`Rejection::Implausible`] if any of its numbers is, [`Rejection::Held`] if it is the last
-    /// fix again, [`Rejection::Stuck`] if it is a later one and the receiver has repeated itself for some fixes.
+    /// [`Rejection::NotFinite`] or [`Rejection::Implausible`] if any of its numbers is, [`Rejection::Held`]
+    /// if it is the last fix again, [`Rejection::Stuck`] if it is a later one and the receiver has repeated
+    /// itself for some fixes.
     #[inline]
     pub fn check(&self, fix: &GpsFix) -> Result<(), Rejection> {
         if let Some(rejection) = plausible::fix(fix) {
@@ -177,7 +183,8 @@ impl ReferenceTracker {
         self.last.as_ref().is_some_and(|(last_us, _)| time_us.saturating_sub(*last_us) <= self.lost_after_us)
     }
 
-    /// Whether the altitude now is still that of the last fix: the climb rate that carries it is not older than it is good for.
+    /// Whether the altitude now is still that of the last fix: the climb rate that carries it is not older
+    /// than it is good for.
     #[must_use]
     #[inline]
     pub fn is_current(&self, time_us: u64) -> bool {
@@ -235,7 +242,8 @@ impl ReferenceTracker {
         Some(altitude_m + self.climbed_m(time_us))
     }
 
-    /// What was climbed since the last fix by its climb rate, metres; nothing where none carries the altitude.
+    /// What was climbed since the last fix by its climb rate, metres; nothing where none carries the
+    /// altitude.
     #[must_use]
     #[inline]
     pub fn climbed_m(&self, time_us: u64) -> f32 {
@@ -323,7 +331,8 @@ mod tests {
         assert!((next.altitude_minus_climb_m.unwrap() - 98.5).abs() < 1e-4);
     }
 
-    /// A climb rate carries the altitude for [`CARRIED_US`], and that of a slow receiver for half as long again as it usually takes.
+    /// A climb rate carries the altitude for [`CARRIED_US`], and that of a slow receiver for half as long
+    /// again as it usually takes.
     #[test]
     fn a_fix_is_current_until_the_next_is_overdue() {
         for (interval_us, current_us) in [(200_000, CARRIED_US), (1_000_000, 1_500_000)] {
@@ -337,7 +346,8 @@ mod tests {
         }
     }
 
-    /// After a restart the interval is the receiver's however little the two clocks differ; otherwise a fix that is late is only late.
+    /// After a restart the interval is the receiver's however little the two clocks differ; otherwise a fix
+    /// that is late is only late.
     #[test]
     fn after_a_restart_the_receivers_clock_says_how_long_it_was() {
         for (is_restarted, interval_s) in [(false, 0.2), (true, 0.35)] {

@@ -2,8 +2,8 @@
 
 /// `1 / sqrt(x)`, within 3e-7 of itself, for a positive, finite `x` that is no subnormal.
 ///
-/// A first guess from the exponent (C. Lomont, "Fast Inverse Square Root", Purdue University 2003) is within 3.5 %;
-/// each of Newton's steps squares the error: 0.18 %, 5e-6, rounding.
+/// A first guess from the exponent (C. Lomont, "Fast Inverse Square Root", Purdue University 2003) is within
+/// 3.5 %; each of Newton's steps squares the error: 0.18 %, 5e-6, rounding.
 #[must_use]
 pub fn reciprocal_root(x: f32) -> f32 {
     let guess = f32::from_bits(0x5f37_5a86_u32.wrapping_sub(x.to_bits() >> 1));

@@ -4,8 +4,9 @@
 //! moving averages and flags, the signals and their integrals, the last fix, what was counted. A
 //! mission in captive flight has none: its calibration starts again.
 //!
-//! A snapshot is a kilobyte, too dear for the tick that launches. So it is made while the launch is only suspected, and what
-//! changes at once, or at its confirmation, is a word that every tick can keep: [`MissionMark`].
+//! A snapshot is a kilobyte, too dear for the tick that launches. So it is made while the launch is only
+//! suspected, and what changes at once, or at its confirmation, is a word that every tick can keep:
+//! [`MissionMark`].
 
 use serde::{Deserialize, Serialize};
 
@@ -22,8 +23,8 @@ use crate::sensor::{SENSORS, Sensor};
 
 /// Version of the layout: of this struct, of every type in it, and of the [`MissionMark`] that it goes with.
 pub const SNAPSHOT_VERSION: u8 = 9;
-/// Longest snapshot, bytes: two of them fit into the 4 KiB of an STM32F405's backup SRAM. The largest
-/// model's do, with windows of up to 2^14 samples a part and a month after power-on (`mission::tests::resume`).
+/// Longest snapshot, bytes: two of them fit into the 4 KiB of an STM32F405's backup SRAM. The largest model's
+/// do, with windows of up to 2^14 samples a part and a month after power-on (`mission::tests::resume`).
 pub const MAX_SNAPSHOT_BYTES: usize = 1_920;
 
 /// Why a snapshot was not made, not read or not believed.
@@ -41,7 +42,8 @@ pub enum SnapshotError {
     OtherLaunch,
 }
 
-/// A mission in free flight, or held for a launch that is suspected; made by [`crate::mission::Mission::snapshot`].
+/// A mission in free flight, or held for a launch that is suspected; made by
+/// [`crate::mission::Mission::snapshot`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MissionSnapshot {
     pub(crate) first_us: u64,
@@ -81,8 +83,8 @@ impl MissionSnapshot {
     }
 }
 
-/// A snapshot's bytes, to be read a field at a time in the order of [`MissionSnapshot`]: as a whole it takes six kilobytes of the stack
-/// to read, and two and a half to have.
+/// A snapshot's bytes, to be read a field at a time in the order of [`MissionSnapshot`]: as a whole it takes
+/// six kilobytes of the stack to read, and two and a half to have.
 #[derive(Clone, Copy)]
 pub(crate) struct Fields<'a>(&'a [u8]);
 
@@ -107,8 +109,8 @@ impl<'a> Fields<'a> {
     }
 }
 
-/// A call of its own for each field: its code is in an image once, compiled with this crate, and the field leaves the stack with who asked
-/// for it.
+/// A call of its own for each field: its code is in an image once, compiled with this crate, and the field
+/// leaves the stack with who asked for it.
 macro_rules! fields {
     ($($(#[$doc:meta])* $name:ident: $field:ty;)*) => {
         impl Fields<'_> {
@@ -151,18 +153,19 @@ pub enum Stage {
     Launched,
 }
 
-/// What is kept of a mission at every tick: which snapshot goes with it, and what that may not have yet. Small enough to be kept
-/// with the tick's time; made by [`crate::mission::Mission::mark`].
+/// What is kept of a mission at every tick: which snapshot goes with it, and what that may not have yet.
+/// Small enough to be kept with the tick's time; made by [`crate::mission::Mission::mark`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MissionMark {
     /// How far the launch had come.
     pub stage: Stage,
     /// The flags that were raised.
     pub flags: RaisedFlags,
-    /// Bits of [`crate::quality::FailedChecks`] of what is held or latched: whether the launch was confirmed is one of them.
+    /// Bits of [`crate::quality::FailedChecks`] of what is held or latched: whether the launch was confirmed
+    /// is one of them.
     pub failed_checks: u16,
-    /// How many suspicions had come to nothing, below [`Self::SUSPICIONS`] and from there anew: what was held for one of them
-    /// is not what is held for the next.
+    /// How many suspicions had come to nothing, below [`Self::SUSPICIONS`] and from there anew: what was held
+    /// for one of them is not what is held for the next.
     pub suspicions: u8,
 }
 

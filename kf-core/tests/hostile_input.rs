@@ -29,9 +29,9 @@ fn latched(change: impl Fn(&mut TickInput, &mut Random)) -> LatchRecord {
     mission.latch().unwrap().clone()
 }
 
-/// Other sensors' biases are what they are without the poisoned one, within a thousandth of their own sigmas: the first poison
-/// of a level is taken at a prior that says nothing of the altitude, the others are only judged. What remains, up to 1.2e-6, is
-/// rounding; without probation it is 1.13.
+/// Other sensors' biases are what they are without the poisoned one, within a thousandth of their own sigmas:
+/// the first poison of a level is taken at a prior that says nothing of the altitude, the others are only
+/// judged. What remains, up to 1.2e-6, is rounding; without probation it is 1.13.
 #[test]
 fn one_poisoned_sensor_never_touches_anothers_state() {
     type Change = fn(&mut TickInput, Option<f32>);

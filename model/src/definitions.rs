@@ -180,7 +180,8 @@ impl DefinitionTable {
     }
 }
 
-/// A power of two with which the largest plausible coefficient makes some 16 metres: what the regressor is in flight is not known here.
+/// A power of two with which the largest plausible coefficient makes some 16 metres: what the regressor is in
+/// flight is not known here.
 fn typical_regressor_m([least, most]: [f32; 2]) -> f32 {
     let largest = least.abs().max(most.abs());
     let exponent = libm::roundf(libm::log2f(16.0 / largest)).clamp(-10.0, 14.0);
@@ -193,7 +194,8 @@ fn negated(program: &Program) -> Option<Program> {
     Program::new(&ops, program.masks())
 }
 
-/// The tree with what it names by id put in its place; what is not there stays, and is refused when it is compiled.
+/// The tree with what it names by id put in its place; what is not there stays, and is refused when it is
+/// compiled.
 fn inlined(
     tree: &Expression,
     trees: &BTreeMap<&str, Expression>,
@@ -244,7 +246,8 @@ fn placed(tree: Expression, at: &Expression) -> Expression {
 /// Every definition that this process has seen: an effect's id is a reference to one, which must stay.
 static DEFINITIONS: Mutex<Vec<&'static Definition>> = Mutex::new(Vec::new());
 
-/// The definition of these parts, always the same for the same; a process keeps some kilobyte for each that it has read.
+/// The definition of these parts, always the same for the same; a process keeps some kilobyte for each that
+/// it has read.
 fn interned(parts: Parts) -> &'static Definition {
     let mut known = DEFINITIONS.lock().unwrap_or_else(PoisonError::into_inner);
     let same = |there: &&&'static Definition| {

@@ -7,7 +7,8 @@ use thiserror::Error;
 
 use crate::formula::FormulaError;
 
-/// A model that cannot be used; displays as one line, but for a formula, which is shown with carets under the place.
+/// A model that cannot be used; displays as one line, but for a formula, which is shown with carets under the
+/// place.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ModelError {

@@ -69,8 +69,8 @@ impl Default for Model {
                 sigma: SigmaSource::Residual,
                 multiplier: 3.0,
                 window_s: 2.0,
-                // A transient of a second passes, with a quarter for what a chip takes to deliver again. A drift does not
-                // notice: its average comes a second after its error.
+                // A transient of a second passes, with a quarter for what a chip takes to deliver again. A
+                // drift does not notice: its average comes a second after its error.
                 persistence_s: 1.25,
                 reference_check: true,
             },
@@ -103,10 +103,10 @@ impl Model {
     /// The paper's section 3.2: x0, P0 and R as printed, A = I, Q = 0, no effect, and eq. 17 at 1 sigma of
     /// the captive residual.
     ///
-    /// What the paper does not print is chosen here: the moving average's length (2.5 s, the one that gives its four
-    /// flag times on its reconstruction; flights/README.md), when the
-    /// reference counts as lost, and the thresholds of the calibration's checks, which its data (a
-    /// trimmed mother ship, 70 s, a GPS of 25 m) would pass.
+    /// What the paper does not print is chosen here: the moving average's length (2.5 s, the one that gives
+    /// its four flag times on its reconstruction; flights/README.md), when the reference counts as lost, and
+    /// the thresholds of the calibration's checks, which its data (a trimmed mother ship, 70 s, a GPS of 25
+    /// m) would pass.
     #[must_use]
     pub fn paper() -> Self {
         let sensor = |sigma_m, prior_sigma_m| SensorConfig {

@@ -21,7 +21,8 @@ impl Model {
         self.revision_numbers().last().map_or(1, |last| last.saturating_add(1))
     }
 
-    /// The model as the revision of that number left it; 0 (or any number below the first) is before all of them.
+    /// The model as the revision of that number left it; 0 (or any number below the first) is before all of
+    /// them.
     ///
     /// Effects that no revision names were there from the start. An effect has the coefficient of the last
     /// revision until then that learned it, before the first of them the one that this replaced; without

@@ -9,7 +9,8 @@ use crate::{Model, ModelError};
 const POSITIVE: &str = "a finite number above 0";
 const NOT_NEGATIVE: &str = "a finite number from 0 on";
 const FINITE: &str = "a finite number";
-/// No flight lasts a day: a longer window would never be full, and the work of judging its rule grows with it.
+/// No flight lasts a day: a longer window would never be full, and the work of judging its rule grows with
+/// it.
 const LONGEST_WINDOW_S: f32 = 86_400.0;
 
 fn require(key: impl Into<String>, value: f32, good: bool, expected: &'static str) -> Result<(), ModelError> {

@@ -1,4 +1,5 @@
-//! `cargo xtask blind`, `real-trials` and `baselines`: how often a diagnosis is right, and beside what people use today.
+//! `cargo xtask blind`, `real-trials` and `baselines`: how often a diagnosis is right, and beside what people
+//! use today.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -108,7 +109,8 @@ pub fn real(half: &str, write: bool, echo: bool) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Searches flights for hidden laws, gives `beside` of them to other methods, and prints both tables; `write` puts them into their page.
+/// Searches flights for hidden laws, gives `beside` of them to other methods, and prints both tables; `write`
+/// puts them into their page.
 pub fn laws(trials: u64, seed: u64, beside: u64, write: bool, echo: bool) -> anyhow::Result<()> {
     let mut program = built("laws", echo)?;
     program.args([&trials.to_string(), "--seed", &seed.to_string(), "--quiet"]);

@@ -103,7 +103,8 @@ fn image(model: &str, barometer: Barometer) -> Command {
         Barometer::Ms5611 => "board-f405",
         Barometer::Bmp390 => "board-f405,baro-bmp390",
     };
-    // Were this word only in a comment, the image would be larger than it need be; without it the build refuses a formula.
+    // Were this word only in a comment, the image would be larger than it need be; without it the build
+    // refuses a formula.
     let has_formulas = fs::read_to_string(model).is_ok_and(|text| text.contains("effect_definition"));
     let features = if has_formulas { format!("{board},formulas") } else { board.to_owned() };
     let mut build = workspace::firmware_build("flight", &features);

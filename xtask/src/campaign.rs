@@ -89,8 +89,8 @@ fn qemu(runs: u64, seed: u64, verbose: bool) -> anyhow::Result<bool> {
     Ok(status.success())
 }
 
-/// Runs the campaign of the test command: a thousand runs, and without each guard in turn. It fails for any violation that
-/// `host-tests/campaign-known.toml` does not name.
+/// Runs the campaign of the test command: a thousand runs, and without each guard in turn. It fails for any
+/// violation that `host-tests/campaign-known.toml` does not name.
 pub fn test(echo: bool) -> anyhow::Result<Done> {
     child::run(&mut workspace::test(["--no-run"]), echo)?;
     let mut program = workspace::program(workspace::tested(PROGRAM));

@@ -70,8 +70,8 @@ pub fn run_heard(
     ended(name, status, output)
 }
 
-/// As [`run`], with both streams as one, in the order in which they were written: standard output is empty. `hear` gets every
-/// line as it comes.
+/// As [`run`], with both streams as one, in the order in which they were written: standard output is empty.
+/// `hear` gets every line as it comes.
 pub fn run_in_order(
     command: &mut Command,
     echo: bool,

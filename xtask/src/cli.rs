@@ -55,13 +55,14 @@ pub enum Job {
     },
     /// Build the studio: the engine as WebAssembly and its page, as the one file target/studio/studio.html.
     Site,
-    /// Measure instructions per tick (also of other filters), ticks per second, and time and memory of a comparison.
+    /// Measure instructions per tick (also of other filters), ticks per second, and time and memory of a
+    /// comparison.
     Bench {
         /// Print JSON instead of tables.
         #[arg(long)]
         json: bool,
-        /// Only this part: `target` (instructions, in QEMU), `host` (time and memory) or `import` (real logs, also with their formats'
-        /// reference readers).
+        /// Only this part: `target` (instructions, in QEMU), `host` (time and memory) or `import` (real logs,
+        /// also with their formats' reference readers).
         part: Option<BenchPart>,
     },
     /// Diagnose simulated flights with hidden effects, and count how often the diagnosis is right.
@@ -76,7 +77,8 @@ pub enum Job {
         #[arg(long, default_value = "dynamic", value_parser = ["dynamic", "kinematic"])]
         family: String,
     },
-    /// Search simulated flights with a hidden law of the recorded signals for it, blind, and count how often the search is right.
+    /// Search simulated flights with a hidden law of the recorded signals for it, blind, and count how often
+    /// the search is right.
     Laws {
         /// How many trials.
         #[arg(default_value_t = 120)]
@@ -84,15 +86,16 @@ pub enum Job {
         /// The first trial's seed; each further one's is one more.
         #[arg(long, default_value_t = 1)]
         seed: u64,
-        /// How many of them symbolic regression (gplearn) and sparse regression (PySINDy) get as well; they take half a minute each.
+        /// How many of them symbolic regression (gplearn) and sparse regression (PySINDy) get as well; they
+        /// take half a minute each.
         #[arg(long, default_value_t = 24)]
         beside: u64,
         /// Write the table into docs/blind-laws.md as well.
         #[arg(long)]
         write: bool,
     },
-    /// Diagnose the real logs in ../shared/flights/real, flights simulated along their tracks, and both with one effect added,
-    /// and count how often the diagnosis is right.
+    /// Diagnose the real logs in ../shared/flights/real, flights simulated along their tracks, and both with
+    /// one effect added, and count how often the diagnosis is right.
     RealTrials {
         /// Which half of the logs: `development`, or `unseen`, for final figures only.
         #[arg(long, default_value = "development", value_parser = ["development", "unseen"])]
@@ -130,7 +133,8 @@ Exit status: 0 every invariant was kept; 1 one was broken; 2 bad usage.")]
         #[arg(long, default_value_t = 1)]
         seed: u64,
     },
-    /// Build the flight computer's image with a model, write it to a board through its debug probe, and start it.
+    /// Build the flight computer's image with a model, write it to a board through its debug probe, and start
+    /// it.
     #[command(after_help = "\
 Examples:
   cargo xtask flash                             the default model
@@ -161,7 +165,8 @@ It neither stops nor resets the board, which drops entries that do not fit into 
         #[arg(long)]
         probe: Option<String>,
     },
-    /// Fly a flight through a board and its debug probe (hardware in the loop), and compare every tick with the host.
+    /// Fly a flight through a board and its debug probe (hardware in the loop), and compare every tick with
+    /// the host.
     #[command(after_help = "\
 Examples:
   cargo xtask hil q.csv                         through an STM32F405 on an ST-LINK, with the default model
@@ -176,7 +181,8 @@ to be connected: the sensors are models, on the board as on the host. docs/bring
 
 Exit status: 0 every bit is the same; 1 bits differ; 2 bad usage or bad input, or no probe or board.")]
     Hil(hil::Arguments),
-    /// Fly ten hours of captive flight, and fifty random flights, through the emulated flight computer, bit for bit.
+    /// Fly ten hours of captive flight, and fifty random flights, through the emulated flight computer, bit
+    /// for bit.
     Endurance {
         /// Hours of captive flight.
         #[arg(long, default_value_t = 10.0)]
@@ -188,7 +194,8 @@ Exit status: 0 every bit is the same; 1 bits differ; 2 bad usage or bad input, o
         #[arg(long, default_value_t = 1)]
         seed: u64,
     },
-    /// Measure what the tests of a crate catch: change its code at random places, one at a time, and run its tests
+    /// Measure what the tests of a crate catch: change its code at random places, one at a time, and run its
+    /// tests
     #[command(after_help = "\
 Examples:
   cargo xtask mutants statistics               25 mutants of workbench/statistics
@@ -207,7 +214,8 @@ are listed in target/mutants/mutants.out/missed.txt; docs/mutants.md has what wa
         #[arg(long, default_value_t = 1)]
         seed: u64,
     },
-    /// Write the JSON schemas of what the commands print into docs/schemas. A test fails where these are stale.
+    /// Write the JSON schemas of what the commands print into docs/schemas. A test fails where these are
+    /// stale.
     Schemas,
     /// Run a command and print its wall time and its peak memory as JSON (for `bench`).
     #[command(hide = true)]

@@ -42,7 +42,8 @@ pub fn run(echo: bool) -> anyhow::Result<()> {
                 child::run_heard(&mut workspace::firmware_build("flight", "board-qemu"), echo, &|_| ())
             });
             child::run_heard(&mut workspace::build_workbench(), echo, &|line| news.hear(line))?;
-            // What kept it from being built, whoever flies it says; it may be no more than a panic of the thread.
+            // What kept it from being built, whoever flies it says; it may be no more than a panic of the
+            // thread.
             if let Ok(built) = image.join() {
                 built?;
             }
@@ -60,8 +61,8 @@ pub fn run(echo: bool) -> anyhow::Result<()> {
 const SHOWN: &str = "docs/figure-4-reconstruction.svg";
 const DRAWN: &str = "figure-4-free-flight.svg";
 
-/// The demo as a test: that it comes to its end, with pictures, of which the README shows one as it is drawn now; with the workbench that
-/// the tests have built.
+/// The demo as a test: that it comes to its end, with pictures, of which the README shows one as it is drawn
+/// now; with the workbench that the tests have built.
 pub fn test(echo: bool) -> anyhow::Result<Done> {
     child::run(&mut workspace::test(["--no-run"]), echo)?;
     let mut demo = Demo { workbench: workspace::tested("pylon"), echo, stages: Stages::new(STAGES) };
@@ -93,8 +94,8 @@ struct Demo {
 }
 
 impl Demo {
-    /// Does all there is to tell about: the paper's flight, and one with a hidden effect, its diagnosis, the improved model and a flight that was
-    /// held out.
+    /// Does all there is to tell about: the paper's flight, and one with a hidden effect, its diagnosis, the
+    /// improved model and a flight that was held out.
     fn tell(&mut self) -> anyhow::Result<(Story, Improvement)> {
         let folder = folder();
         if folder.exists() {
@@ -144,7 +145,8 @@ impl Demo {
         ))
     }
 
-    /// Builds the images with these models and flies the flights in QEMU, side by side: while one image is linked, the other flies.
+    /// Builds the images with these models and flies the flights in QEMU, side by side: while one image is
+    /// linked, the other flies.
     fn fly(&mut self, flights: [(&Path, &Path); 2]) -> anyhow::Result<[Flown; 2]> {
         let commands = flights.map(|(flight, model)| {
             let mut fly = self.pylon("fly");

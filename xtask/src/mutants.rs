@@ -16,8 +16,9 @@ use crate::workspace;
 const VERSION: &str = "27.1.0";
 /// Mutants that end with this many seconds of tests unfinished count as caught.
 const TIMEOUT_S: &str = "120";
-/// Crates whose tests are in part in another crate: the drivers run against the models of their chips, and what a model's text of a
-/// formula means is tested where that text is read. A crate's own features are on in any case: kf-core's formulas are one.
+/// Crates whose tests are in part in another crate: the drivers run against the models of their chips, and
+/// what a model's text of a formula means is tested where that text is read. A crate's own features are on in
+/// any case: kf-core's formulas are one.
 const TESTED_BY: [(&str, &str); 2] = [("drivers", "chip-models"), ("kf-core", "model")];
 /// How cargo-mutants names the mutants that its filter of names lets through, whatever it says.
 const UNFILTERED: &str = ": delete field ";

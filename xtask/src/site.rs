@@ -44,7 +44,8 @@ pub fn check(echo: bool) -> anyhow::Result<Done> {
     Ok(Done::all(made))
 }
 
-/// What opens the page in a browser and compares it with the command line, once [`check`] has run and the tests are built.
+/// What opens the page in a browser and compares it with the command line, once [`check`] has run and the
+/// tests are built.
 pub fn browser_tests() -> anyhow::Result<Command> {
     if fs::read_dir(folder().join("e2e")).map_or(0, Iterator::count) == 0 {
         bail!("{PAGE}/e2e has no test");

@@ -1,4 +1,5 @@
-//! A job that somebody watches: what is being done, how far it is while it takes long, and what each step took.
+//! A job that somebody watches: what is being done, how far it is while it takes long, and what each step
+//! took.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};

@@ -8,7 +8,8 @@ use comfy_table::Cell;
 use crate::child::Failure;
 use crate::table::{plain, right};
 
-/// What takes a smaller part of the time has no row of its own among the slowest: a hundred rows hold no more than this each.
+/// What takes a smaller part of the time has no row of its own among the slowest: a hundred rows hold no more
+/// than this each.
 const SMALLEST_SHARE: f64 = 0.01;
 
 /// What a step that ended well has to say.
@@ -140,8 +141,8 @@ impl Steps {
         table.trim_fmt()
     }
 
-    /// Where the time went, slowest first: of a step with parts, each of them, and what is left of it. Parts that ran side by side have
-    /// their share of the time that they took together.
+    /// Where the time went, slowest first: of a step with parts, each of them, and what is left of it. Parts
+    /// that ran side by side have their share of the time that they took together.
     pub fn slowest(&self) -> String {
         let mut rows: Vec<(String, Duration, Duration)> = Vec::new();
         for Row { name, took, parts, .. } in &self.rows {

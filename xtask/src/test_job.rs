@@ -56,7 +56,8 @@ const STEPS: &[Step] = &[
     Step { name: "demo", needs: &[Need::Target, Need::Qemu, Need::Npm], run: Run::Alone(demo::test) },
 ];
 
-/// Runs the steps and the programs of tests whose name contains one of the words, or all; says whether none failed.
+/// Runs the steps and the programs of tests whose name contains one of the words, or all; says whether none
+/// failed.
 pub fn run(words: &[String], list: bool, echo: bool) -> anyhow::Result<bool> {
     let is_meant = |name: &str| words.is_empty() || words.iter().any(|word| name.contains(word.as_str()));
     let mut programs = test_programs::all()?;
@@ -126,7 +127,8 @@ fn clippy_host(echo: bool) -> anyhow::Result<Done> {
     cargo(["clippy", "--workspace", "--exclude", "firmware", "--all-targets", "--", "-D", "warnings"], echo)
 }
 
-/// The workbench's formats, each of which is a feature: without any, and with each alone, as who embeds them may want them.
+/// The workbench's formats, each of which is a feature: without any, and with each alone, as who embeds them
+/// may want them.
 fn formats_one_by_one(echo: bool) -> anyhow::Result<Done> {
     const FEATURES: [&str; 10] =
         ["", "altus", "dataflash", "igc", "mcap", "parquet", "record", "table", "tlog", "ulog"];
@@ -191,8 +193,8 @@ fn image(board: &str, echo: bool) -> anyhow::Result<Done> {
     Ok(Done::default())
 }
 
-/// The tests of every crate but the firmware, of the page and of the documentation's examples: unit, property and whole-chain tests, the
-/// flights in the emulator among them.
+/// The tests of every crate but the firmware, of the page and of the documentation's examples: unit, property
+/// and whole-chain tests, the flights in the emulator among them.
 fn tests(programs: Vec<TestProgram>, echo: bool) -> anyhow::Result<Done> {
     eprintln!();
     let mut report = TestReport::default();

@@ -1,6 +1,8 @@
-//! The programs of tests: what cargo builds of every crate but the firmware, the documentation's examples, and the studio in a browser.
+//! The programs of tests: what cargo builds of every crate but the firmware, the documentation's examples,
+//! and the studio in a browser.
 //!
-//! They run side by side: one that links an image, or waits for a browser or the emulator, leaves processors to another.
+//! They run side by side: one that links an image, or waits for a browser or the emulator, leaves processors
+//! to another.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -18,7 +20,8 @@ use crate::site;
 use crate::test_report::Kind;
 use crate::workspace;
 
-/// How many run at a time. Each has a thread for every processor, so that two of them leave none idle unless both wait.
+/// How many run at a time. Each has a thread for every processor, so that two of them leave none idle unless
+/// both wait.
 const SIDE_BY_SIDE: usize = 2;
 
 /// The documentation's examples, which `cargo test --doc` compiles and runs.
@@ -103,8 +106,8 @@ impl Target {
     }
 }
 
-/// Every program, in the order in which they are started, without building any: those that use few processors for long come first, so
-/// that none of them is left alone in the end.
+/// Every program, in the order in which they are started, without building any: those that use few processors
+/// for long come first, so that none of them is left alone in the end.
 pub fn all() -> anyhow::Result<Vec<TestProgram>> {
     let mut metadata = workspace::cargo(["metadata", "--format-version", "1", "--no-deps", "--offline"]);
     let Metadata { packages } = serde_json::from_str(&child::run(&mut metadata, false)?.stdout)?;
@@ -150,7 +153,8 @@ fn command(program: &TestProgram, executables: &HashMap<PathBuf, PathBuf>) -> an
     Ok(command)
 }
 
-/// Builds and runs these, some at a time; `ended` gets each as it ends. Says how long they took together, without the building.
+/// Builds and runs these, some at a time; `ended` gets each as it ends. Says how long they took together,
+/// without the building.
 ///
 /// # Errors
 /// They do not build. A program that fails, or cannot be run, does not keep the others from running.

@@ -56,7 +56,8 @@ pub struct TestReport {
 }
 
 impl TestReport {
-    /// Takes what a program of this kind said, both streams in order: one of Rust's with `--show-output`, or Node's.
+    /// Takes what a program of this kind said, both streams in order: one of Rust's with `--show-output`, or
+    /// Node's.
     pub fn hear(&mut self, kind: Kind, output: &str) {
         for line in output.lines() {
             if let Some(counts) = line.strip_prefix("test result: ") {

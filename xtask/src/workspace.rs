@@ -48,7 +48,8 @@ pub fn cargo<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Command {
 /// The crate without tests of its own, which only builds for the target.
 pub const UNTESTED: &str = "firmware";
 
-/// What runs every test but that one's: always with the same packages, or cargo builds them anew with other features.
+/// What runs every test but that one's: always with the same packages, or cargo builds them anew with other
+/// features.
 const TESTED: [&str; 4] = ["test", "--workspace", "--exclude", UNTESTED];
 
 /// Cargo, to run these tests.
@@ -58,8 +59,8 @@ pub fn test<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Command {
     test
 }
 
-/// A program as the tests have it, once `test(["--no-run"])` has run: the same bits as the release's, and the test command builds
-/// it in any case.
+/// A program as the tests have it, once `test(["--no-run"])` has run: the same bits as the release's, and the
+/// test command builds it in any case.
 pub fn tested(name: &str) -> PathBuf {
     target_folder().join("debug").join(format!("{name}{}", env::consts::EXE_SUFFIX))
 }

@@ -28,7 +28,8 @@ where
     prepare(path, content)?.publish()
 }
 
-/// An output file that is complete and on the disk, and does not have its name yet. Dropped, it leaves nothing behind.
+/// An output file that is complete and on the disk, and does not have its name yet. Dropped, it leaves
+/// nothing behind.
 #[must_use = "the file has no name before it is published"]
 #[derive(Debug)]
 pub struct Prepared {
@@ -39,7 +40,8 @@ pub struct Prepared {
 
 #[derive(Debug)]
 enum Kind {
-    /// What is written to is no regular file (`/dev/stdout`, a pipe), so it cannot be replaced: the text waits here.
+    /// What is written to is no regular file (`/dev/stdout`, a pipe), so it cannot be replaced: the text
+    /// waits here.
     Device(Vec<u8>),
     /// A file with a temporary name in the directory of `target`, or without any.
     File { target: PathBuf, temporary: Temporary },
@@ -52,17 +54,17 @@ enum Temporary {
     Named(tempfile::NamedTempFile),
 }
 
-/// Writes all of a file through `content` to the disk, in the directory of `path` and without that name: on Linux
-/// without any name, elsewhere under a temporary one.
+/// Writes all of a file through `content` to the disk, in the directory of `path` and without that name: on
+/// Linux without any name, elsewhere under a temporary one.
 ///
 /// A file that it will replace keeps its mode and its owner. A `path` that exists and is not a regular file
-/// (`/dev/stdout`, a pipe) is written to directly by [`Prepared::publish`]. A symbolic link stays; the file that it
-/// leads to is replaced.
+/// (`/dev/stdout`, a pipe) is written to directly by [`Prepared::publish`]. A symbolic link stays; the file
+/// that it leads to is replaced.
 ///
 /// # Errors
-/// [`OutputError`] when the directory is missing or read-only, the disk is full, `content` failed, or `path` is a
-/// file that must not be replaced: one that is read-only, or one with a second hard link, which would go on
-/// leading to the old text.
+/// [`OutputError`] when the directory is missing or read-only, the disk is full, `content` failed, or `path`
+/// is a file that must not be replaced: one that is read-only, or one with a second hard link, which would go
+/// on leading to the old text.
 pub fn prepare<F>(path: &Path, content: F) -> Result<Prepared, OutputError>
 where
     F: FnOnce(&mut dyn Write) -> io::Result<()>,
@@ -246,9 +248,9 @@ mod unnamed {
         Ok(rustix::fs::linkat(CWD, link(file), CWD, target, AtFlags::SYMLINK_FOLLOW)?)
     }
 
-    /// Gives the file a name, in place of what had it. The system names a file only where no other is, so a name that
-    /// is taken needs another one in between. That is always the same: killed at this moment, the program leaves it
-    /// behind, and the next one that writes the file takes it away.
+    /// Gives the file a name, in place of what had it. The system names a file only where no other is, so a
+    /// name that is taken needs another one in between. That is always the same: killed at this moment, the
+    /// program leaves it behind, and the next one that writes the file takes it away.
     pub fn replace(file: &File, target: &Path) -> io::Result<()> {
         match name(file, target) {
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}

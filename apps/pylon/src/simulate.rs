@@ -87,8 +87,8 @@ pub fn run_with_seed(
     let seed = seed.unwrap_or(scenario.seed);
     let (flight, truth) = simulate(&scenario, seed)
         .map_err(|reason| SimulateError::Motion { scenario: scenario_file.display().to_string(), reason })?;
-    // Both are complete before either has its name, and the truth has its first: killed in between, the program leaves no
-    // flight without its truth.
+    // Both are complete before either has its name, and the truth has its first: killed in between, the
+    // program leaves no flight without its truth.
     let flight_file = prepare(output, |out| flight::to_writer(out, &flight))?;
     let toml = truth
         .to_toml()

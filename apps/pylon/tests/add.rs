@@ -78,8 +78,9 @@ fn the_cores_filter_learns_what_the_diagnosis_estimates() {
     }
 }
 
-/// A time constant is refined between those of the diagnosis' grid, beside what else acts. The finer ones are a tenth or an eighth apart: one
-/// of the two nearest is found, where the grid's own, 30 and 90 s, are half as large again or more.
+/// A time constant is refined between those of the diagnosis' grid, beside what else acts. The finer ones are
+/// a tenth or an eighth apart: one of the two nearest is found, where the grid's own, 30 and 90 s, are half
+/// as large again or more.
 #[test]
 fn a_time_constant_is_refined_beside_what_else_acts() {
     use scenario::EffectId as Injected;

@@ -1,5 +1,6 @@
-//! What `pylon add` makes of a held-out flight, over many simulated flights: a true effect passes even where it is
-//! as small as the noise, and one that does not act there is refused at the rate that the verdict states.
+//! What `pylon add` makes of a held-out flight, over many simulated flights: a true effect passes even where
+//! it is as small as the noise, and one that does not act there is refused at the rate that the verdict
+//! states.
 //!
 //! `cargo test -p pylon --test add_held_out -- --nocapture` prints what was found.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
@@ -143,12 +144,13 @@ fn a_small_true_effect_passes_and_an_absent_or_opposite_one_is_refused_at_the_st
     // 95 % of the true ones.
     assert!(refused[0] * 20 <= SEEDS as u32, "{refused:?}");
     for (case, (mean, variance)) in expected.into_iter().enumerate().skip(1) {
-        // Fewer than stated by four binomial sigmas, or one flight, would be a test that has less power than it says.
+        // Fewer than stated by four binomial sigmas, or one flight, would be a test that has less power than
+        // it says.
         let least = mean - (4.0 * f64::sqrt(variance)).max(1.0);
         assert!(f64::from(refused[case]) >= least, "{case}: {refused:?}, stated {mean}");
     }
-    // Chi-squared of 120 over 120 is below 1.54 in 99.99 %; the interval takes more than the noise for chance, so it
-    // is rather below one.
+    // Chi-squared of 120 over 120 is below 1.54 in 99.99 %; the interval takes more than the noise for
+    // chance, so it is rather below one.
     assert!(square < 1.54, "{square}");
 }
 

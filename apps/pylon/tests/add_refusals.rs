@@ -1,4 +1,5 @@
-//! What `pylon add` refuses, what it writes all the same when told to, and what happens to the model file then.
+//! What `pylon add` refuses, what it writes all the same when told to, and what happens to the model file
+//! then.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 mod common;

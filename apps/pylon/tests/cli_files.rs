@@ -11,7 +11,8 @@ use common::Recipe;
 use common::program::{files, pylon, refusal, stdout};
 use tempfile::TempDir;
 
-/// A directory with a made flight, a scenario, a model and an IGC log, each with a second name of another kind.
+/// A directory with a made flight, a scenario, a model and an IGC log, each with a second name of another
+/// kind.
 fn directory() -> TempDir {
     let directory = tempfile::tempdir().unwrap();
     let at = |name: &str| directory.path().join(name);
@@ -105,8 +106,8 @@ fn of_two_additions_at_once_none_is_lost() {
     assert_eq!(model.matches("[[revision]]").count(), 2, "{model}");
 }
 
-/// The truth is written first: to a pipe that nobody reads, where the program waits until it is killed. Were the flight written
-/// first, it would be there then, without its truth.
+/// The truth is written first: to a pipe that nobody reads, where the program waits until it is killed. Were
+/// the flight written first, it would be there then, without its truth.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_program_that_is_killed_leaves_no_flight_without_its_truth() {
@@ -117,8 +118,8 @@ fn a_program_that_is_killed_leaves_no_flight_without_its_truth() {
     let mut command = pylon(directory.path());
     command.args(["simulate", "scenario.toml", "-o", "flight.csv", "--truth", "truth.toml"]);
     let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-    // It sleeps for good once it waits for the pipe's reader: the kernel's name of where it sleeps says so. Where that is hidden, two
-    // seconds without a tick of processor time do.
+    // It sleeps for good once it waits for the pipe's reader: the kernel's name of where it sleeps says so.
+    // Where that is hidden, two seconds without a tick of processor time do.
     let of_process = |file: &str| fs::read_to_string(format!("/proc/{}/{file}", child.id())).unwrap();
     let ticks = || of_process("stat").rsplit(')').next().unwrap().split(' ').nth(12).map(str::to_owned);
     let mut quiet = 0;

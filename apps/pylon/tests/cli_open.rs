@@ -10,8 +10,9 @@ use std::path::Path;
 use common::program::{refusal, stdout};
 use serde_json::Value;
 
-/// Writes a glider's log without a launch column: two minutes on the ground, a tow and a glide, ten minutes on the ground after the
-/// landing. The barometer is 40 m off, and some minutes after the landing, as the cockpit is closed, 70 m.
+/// Writes a glider's log without a launch column: two minutes on the ground, a tow and a glide, ten minutes
+/// on the ground after the landing. The barometer is 40 m off, and some minutes after the landing, as the
+/// cockpit is closed, 70 m.
 fn glider(file: &Path) {
     let mut text =
         "# pylon-flight: 1\n# vehicle: LS 6\ntime_s,gps_alt_m,gps_vn_mps,gps_ve_mps,baro_alt_m\n".to_owned();
@@ -100,8 +101,9 @@ fn every_command_leaves_out_what_follows_the_landing_and_says_so() {
     assert!(given.contains("20..90 s of the flight's own clock, as given"), "{given}");
 }
 
-/// Writes the log of a vehicle that is carried up, hangs under a mother ship in level flight for two minutes from 200 s on, is dropped at
-/// 320 s and pulls out after three seconds; without a launch column. Barometer at 20 Hz, receiver at 5 Hz.
+/// Writes the log of a vehicle that is carried up, hangs under a mother ship in level flight for two minutes
+/// from 200 s on, is dropped at 320 s and pulls out after three seconds; without a launch column. Barometer
+/// at 20 Hz, receiver at 5 Hz.
 fn dropped(file: &Path) {
     let mut text = "# pylon-flight: 1\ntime_s,gps_alt_m,gps_vn_mps,gps_ve_mps,baro_alt_m\n".to_owned();
     for row in 0..10_000 {

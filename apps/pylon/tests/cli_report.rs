@@ -1,5 +1,5 @@
-//! The page of `pylon report`: what is in it, and that it needs nothing else. That it draws what it should is seen in
-//! a browser (host-tests/tests/report_in_browser.rs).
+//! The page of `pylon report`: what is in it, and that it needs nothing else. That it draws what it should is
+//! seen in a browser (host-tests/tests/report_in_browser.rs).
 #![allow(clippy::unwrap_used, clippy::panic, clippy::expect_used)]
 
 mod common;

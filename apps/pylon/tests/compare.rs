@@ -97,7 +97,8 @@ fn a_step_is_flagged_when_it_happens_and_measured() {
     let sigma = recipe.white_m[2].hypot(recipe.gps_m);
     assert!((bound - 4.0 * sigma).abs() < 0.1 * bound, "{bound}");
     assert!((baro.doubtful_after_s.unwrap() - 30.0).abs() < 1e-6, "{:?}", baro.doubtful_after_s);
-    // The average passes the bound after this part of the 2 s; it is made of 32 bins, and noisy. But the error must have lasted.
+    // The average passes the bound after this part of the 2 s; it is made of 32 bins, and noisy. But the
+    // error must have lasted.
     let delay = (2.0 * bound / 10.0).max(f64::from(Model::default().monitor.persistence_s));
     let after = baro.untrustworthy_after_s.unwrap() - 30.0;
     assert!((after - delay).abs() < 2.0 / 32.0 + 0.1, "{after} {delay}");

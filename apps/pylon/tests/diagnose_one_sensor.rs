@@ -1,5 +1,5 @@
-//! `diagnose` on a log of one barometer and one receiver, a fix a second in whole metres, without a climb rate: what most people
-//! have. Only the difference of both delays can be seen there, and its sign names it.
+//! `diagnose` on a log of one barometer and one receiver, a fix a second in whole metres, without a climb
+//! rate: what most people have. Only the difference of both delays can be seen there, and its sign names it.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::f64::consts::TAU;
@@ -94,7 +94,8 @@ fn a_small_delay_is_a_set_of_two_with_its_probabilities() {
     assert!(probabilities.iter().sum::<f64>() <= 1.0 + 1e-9);
 }
 
-/// A drift is named by its probability against what a flight can try, and what no column of it could tell from it is said.
+/// A drift is named by its probability against what a flight can try, and what no column of it could tell
+/// from it is said.
 #[test]
 fn a_drift_is_named_and_the_temperature_that_was_not_recorded_is_said() {
     let mut named = 0;

@@ -1,4 +1,5 @@
-//! Laws over recorded signals: a simulated flight with a column that nobody knows in, the law on the command line out.
+//! Laws over recorded signals: a simulated flight with a column that nobody knows in, the law on the command
+//! line out.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
 
 mod common;
@@ -60,7 +61,8 @@ fn json(folder: &Path, arguments: &[&str]) -> Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// The law is found, has its coefficient, becomes a definition of a model, and a model that knows it knows no further one.
+/// The law is found, has its coefficient, becomes a definition of a model, and a model that knows it knows no
+/// further one.
 #[test]
 fn the_law_of_a_column_that_nobody_knows_is_found_and_written() {
     let folder = tempfile::tempdir().unwrap();
@@ -103,7 +105,8 @@ fn the_law_of_a_column_that_nobody_knows_is_found_and_written() {
     assert_eq!(rest["laws"], serde_json::json!([]), "{rest:#}");
 }
 
-/// A door that moves with the flap could be the cause as well: both are said to be equal on this flight, and what to fly to tell them apart.
+/// A door that moves with the flap could be the cause as well: both are said to be equal on this flight, and
+/// what to fly to tell them apart.
 #[test]
 fn laws_that_are_equal_on_a_flight_are_named_with_the_manoeuvre_that_tells_them_apart() {
     let folder = tempfile::tempdir().unwrap();

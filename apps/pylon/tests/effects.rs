@@ -1,4 +1,5 @@
-//! The flight computer's regressors against the simulator's own, in double precision, over a simulated flight.
+//! The flight computer's regressors against the simulator's own, in double precision, over a simulated
+//! flight.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use kf_core::effect::{AccelerationSource, Clock, EffectId, Regressor, SignalTracker};

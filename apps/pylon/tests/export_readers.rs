@@ -1,5 +1,5 @@
-//! What `pylon export` writes, read by the readers of those who use it: pyarrow, DuckDB, Python's csv and two MCAP libraries. They are
-//! installed by pip and npm into the build's folder.
+//! What `pylon export` writes, read by the readers of those who use it: pyarrow, DuckDB, Python's csv and two
+//! MCAP libraries. They are installed by pip and npm into the build's folder.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod common;

@@ -1,4 +1,5 @@
-//! Effects by formula, from a file on disk to what the user reads; and the catalogue's own, written as formulas.
+//! Effects by formula, from a file on disk to what the user reads; and the catalogue's own, written as
+//! formulas.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 mod common;
@@ -32,7 +33,8 @@ fn the_catalogue_as_formulas_is_the_catalogue() {
         let regressor = Regressor { time_constant_s: 20.0, ..Regressor::new(id) };
         let formula = Formula::compile(of_catalogue(id).unwrap(), &mut Columns::default()).unwrap();
         let used = formula.program().signals();
-        // As a model with this effect alone has it: beside an inertial effect the compiled pitch is carried on by the body rates.
+        // As a model with this effect alone has it: beside an inertial effect the compiled pitch is carried
+        // on by the body rates.
         let mut tracker = SignalTracker::for_effects([id], replay.model().latitude_deg);
         let mut evaluation = Evaluation::new(formula.program(), regressor.time_constant_s);
         let mut frame = Frame::default();
@@ -67,11 +69,13 @@ fn the_catalogue_as_formulas_is_the_catalogue() {
                 count += 1;
             }
         }
-        // Some roundings of the numbers that it is made of: altitudes of a kilometre and temperatures of 300 K are taken off each other.
+        // Some roundings of the numbers that it is made of: altitudes of a kilometre and temperatures of 300
+        // K are taken off each other.
         let rounding = match id {
             EffectId::BaroScale => 2.0 * 1.2e-4,
             EffectId::BaroTemperature => 2.0 * 3.1e-5,
-            // One straight line where the catalogue has two steps: half a sample's share of what its variance changes by.
+            // One straight line where the catalogue has two steps: half a sample's share of what its variance
+            // changes by.
             EffectId::ImuVibration => 0.01 * largest,
             _ => 1e-6 * largest.max(1.0),
         };
@@ -91,8 +95,8 @@ fn flap(free_s: f64) -> f64 {
     if (free_s / 12.0).rem_euclid(1.0) < 0.5 { 0.0 } else { 0.8 }
 }
 
-/// A flight with a flap under which the barometer reads so much of the dynamic head too much, and a slipstream that goes with throttle and
-/// airspeed squared, as CSV.
+/// A flight with a flap under which the barometer reads so much of the dynamic head too much, and a
+/// slipstream that goes with throttle and airspeed squared, as CSV.
 fn flown(directory: &Path, name: &str, seed: u64, of_flap: f64, of_slipstream: f64) {
     flown_late(directory, name, seed, [of_flap, of_slipstream], 0.0);
 }

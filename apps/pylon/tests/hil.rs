@@ -1,5 +1,5 @@
-//! A flight through a board on its debug link (`pylon fly --hil`), as far as that goes without one: the image for the board
-//! runs in QEMU, and OpenOCD is a stand-in (`common/openocd.rs`).
+//! A flight through a board on its debug link (`pylon fly --hil`), as far as that goes without one: the image
+//! for the board runs in QEMU, and OpenOCD is a stand-in (`common/openocd.rs`).
 //!
 //! Needs qemu-system-arm and the Rust target.
 #![allow(clippy::unwrap_used, clippy::panic, clippy::expect_used)]

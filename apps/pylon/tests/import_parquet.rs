@@ -1,4 +1,5 @@
-//! Parquet as a flight: what Pylon exported, as it was; a table of pyarrow's by a mapping, channel by channel.
+//! Parquet as a flight: what Pylon exported, as it was; a table of pyarrow's by a mapping, channel by
+//! channel.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod common;

@@ -1,4 +1,5 @@
-//! Every command that prints JSON: the output validates against the published schema, and the type reads it back unchanged.
+//! Every command that prints JSON: the output validates against the published schema, and the type reads it
+//! back unchanged.
 #![allow(clippy::unwrap_used, clippy::panic, clippy::expect_used)]
 
 mod common;

@@ -1,5 +1,5 @@
-//! Autopilots' logs against the formats' reference readers: every column's rows, times, values and sums. The logs are real
-//! ones, read where they lie; a test says so when its log is not there.
+//! Autopilots' logs against the formats' reference readers: every column's rows, times, values and sums. The
+//! logs are real ones, read where they lie; a test says so when its log is not there.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::collections::BTreeMap;
@@ -49,8 +49,9 @@ fn imported(flight: &Flight) -> BTreeMap<String, Samples> {
     known.chain(flight.extra.iter().map(|(name, column)| (name.clone(), samples(column)))).collect()
 }
 
-/// Every column that the reference has is there, sample by sample. Both make their value of the same number, in f64, and ours is
-/// rounded to f32 once: half a unit in its last place, and what f64's own order of factors may add to that.
+/// Every column that the reference has is there, sample by sample. Both make their value of the same number,
+/// in f64, and ours is rounded to f32 once: half a unit in its last place, and what f64's own order of
+/// factors may add to that.
 fn agree(file: &str, flight: &Flight, reference: &BTreeMap<String, Samples>) {
     let ours = imported(flight);
     // Times have the same zero if the reference has the first column as well.
@@ -117,7 +118,8 @@ fn px4s_logs_are_read_as_pyulog_reads_them() {
     }
 }
 
-/// Altitudes of zero are left out on both sides, with the satellites of such a fix: recorders write them for none, and at the sea's shore for themselves.
+/// Altitudes of zero are left out on both sides, with the satellites of such a fix: recorders write them for
+/// none, and at the sea's shore for themselves.
 #[test]
 fn gliders_logs_are_read_as_aerofiles_reads_them() {
     let (Some(few), Some(many)) = (real("igc"), real("igc_many")) else { return };
@@ -136,7 +138,8 @@ fn gliders_logs_are_read_as_aerofiles_reads_them() {
         let ours = imported(&flight);
         // A pressure altitude that is the receiver's own, or none, is said and not taken for a barometer's.
         reference.retain(|name, _| ours.contains_key(name) || name != "baro_alt_m");
-        // In hundredths of km/h; aerofiles has the numbers as they stand, as has a flight whose unit cannot be told.
+        // In hundredths of km/h; aerofiles has the numbers as they stand, as has a flight whose unit cannot
+        // be told.
         if name == "igclib_new_zealand.igc" {
             let speeds = reference.remove("igc_tas").unwrap();
             let in_mps = speeds.into_iter().map(|(time_s, value)| (time_s, value / 360.0)).collect();

@@ -1,5 +1,6 @@
-//! Every real log that there is: what it is, when it took off and landed, what of it is used. The logs are read where they lie; the
-//! test says so when they are not there. The table is `real_flights/table.txt`, whose take-offs and landings were read off plots.
+//! Every real log that there is: what it is, when it took off and landed, what of it is used. The logs are
+//! read where they lie; the test says so when they are not there. The table is `real_flights/table.txt`,
+//! whose take-offs and landings were read off plots.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::collections::BTreeMap;

@@ -1,5 +1,5 @@
-//! Cells that no aircraft makes, in a simulated flight's every column: a file in, the verdict and the sentence out. They change no verdict, and
-//! a coefficient by less than half a sigma, and are said.
+//! Cells that no aircraft makes, in a simulated flight's every column: a file in, the verdict and the
+//! sentence out. They change no verdict, and a coefficient by less than half a sigma, and are said.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 mod common;

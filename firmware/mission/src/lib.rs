@@ -1,7 +1,8 @@
 //! The mission of the model that was compiled in: the workbench's, to the bit (`build.rs`).
 //!
-//! `kf-core`'s mission is generic, so it is compiled where its shape is known. That is here and not in `firmware`, so that the tick is
-//! compiled for speed and everything that runs seldom for size (`Cargo.toml`, `[profile.firmware.package]`).
+//! `kf-core`'s mission is generic, so it is compiled where its shape is known. That is here and not in
+//! `firmware`, so that the tick is compiled for speed and everything that runs seldom for size (`Cargo.toml`,
+//! `[profile.firmware.package]`).
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -32,8 +33,8 @@ pub fn effects() -> [EffectId; generated::EFFECTS] {
     generated::mission_config().estimated_effects.map(|effect| effect.id())
 }
 
-/// Makes the mission before its first tick where it stays: it is too large to be moved over the stack. Compiled where it is called,
-/// for size.
+/// Makes the mission before its first tick where it stays: it is too large to be moved over the stack.
+/// Compiled where it is called, for size.
 ///
 /// # Errors
 /// [`ConfigError`]: the model makes no mission.

@@ -1,9 +1,10 @@
-//! The smallest image with the whole chain of a tick in it: the drivers of every chip, on buses that the compiler knows nothing
-//! about, and the mission.
+//! The smallest image with the whole chain of a tick in it: the drivers of every chip, on buses that the
+//! compiler knows nothing about, and the mission.
 //!
-//! It is never run. `budgets.toml` says which symbols must not be in it: what is linked here is what a tick needs, and a
-//! panic that a driver can reach would be among it. The receiver's driver is left out: the crate `ublox` (0.10, its
-//! `parser/buffer.rs` and the fields of `nav_pvt/proto27.rs`) checks bounds that hold but that the compiler cannot prove.
+//! It is never run. `budgets.toml` says which symbols must not be in it: what is linked here is what a tick
+//! needs, and a panic that a driver can reach would be among it. The receiver's driver is left out: the crate
+//! `ublox` (0.10, its `parser/buffer.rs` and the fields of `nav_pvt/proto27.rs`) checks bounds that hold but
+//! that the compiler cannot prove.
 #![no_std]
 #![no_main]
 

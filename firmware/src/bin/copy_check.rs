@@ -1,5 +1,5 @@
-//! Holds the copies and fills of memory against the same byte by byte: every length, at every place in a word where that is allowed,
-//! and nothing before or after. Only QEMU can run it.
+//! Holds the copies and fills of memory against the same byte by byte: every length, at every place in a word
+//! where that is allowed, and nothing before or after. Only QEMU can run it.
 #![no_std]
 #![no_main]
 
@@ -46,8 +46,8 @@ fn first_wrong_copy(copy: Copy, places: usize) -> Option<[usize; 3]> {
     tried.into_iter().find(|&[count, to_place, from_place]| {
         let mut to = Buffer([BEFOREHAND; BYTES]);
         let (to_start, from_start) = (BEFORE + to_place, BEFORE + from_place);
-        // SAFETY: both pointers have at least `LONGEST - 4` bytes behind them, and are at whole double words where only place 0 is
-        // tried.
+        // SAFETY: both pointers have at least `LONGEST - 4` bytes behind them, and are at whole double words
+        // where only place 0 is tried.
         unsafe {
             copy(to.0.as_mut_ptr().add(to_start).cast(), from.0.as_ptr().add(from_start).cast(), count);
         }
@@ -71,8 +71,8 @@ fn first_wrong_fill(fill: impl Fn(*mut c_void, usize), byte: u8) -> Option<[usiz
 
 #[entry]
 fn main() -> ! {
-    // SAFETY: `first_wrong_fill` gives a pointer at a whole double word with as many bytes behind it. Of an int, only the low byte
-    // counts.
+    // SAFETY: `first_wrong_fill` gives a pointer at a whole double word with as many bytes behind it. Of an
+    // int, only the low byte counts.
     let wrong = unsafe {
         [
             ("memcpy", first_wrong_copy(__aeabi_memcpy, 4)),

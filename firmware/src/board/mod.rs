@@ -1,5 +1,5 @@
-//! The board, chosen by a feature: everything that differs between the flight computer and the two boards that fly a flight
-//! record. All have the same names here.
+//! The board, chosen by a feature: everything that differs between the flight computer and the two boards
+//! that fly a flight record. All have the same names here.
 
 #[cfg(any(
     all(feature = "board-f405", feature = "board-qemu"),
@@ -38,7 +38,8 @@ pub struct Board {
     pub feeder: Feeder,
     /// The sensors.
     pub sensors: Sensors,
-    /// Whether they are a recording's, which knows when the vehicle left and the altitude of its inertial unit.
+    /// Whether they are a recording's, which knows when the vehicle left and the altitude of its inertial
+    /// unit.
     pub is_recording: bool,
     /// Where results go.
     pub sink: Sink,

@@ -46,7 +46,8 @@ struct Arguments {
     /// Write the tables into docs/fault-campaign.md.
     #[arg(long)]
     write: bool,
-    /// Fail for what this list does not name, and for what it names and does not happen any more, instead of for any violation.
+    /// Fail for what this list does not name, and for what it names and does not happen any more, instead of
+    /// for any violation.
     #[arg(long, value_name = "FILE")]
     known: Option<PathBuf>,
     /// Write the list anew from this campaign.

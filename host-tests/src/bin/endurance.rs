@@ -12,7 +12,8 @@ use model::Model;
 use pylon::fly::{FlyOptions, FlyReport, SensorSource, fly, fly_inputs};
 use pylon::replay::Replay;
 
-/// Fly long and many simulated flights through the emulated flight computer, every tick bit for bit the host's.
+/// Fly long and many simulated flights through the emulated flight computer, every tick bit for bit the
+/// host's.
 #[derive(Debug, Parser)]
 #[command(name = "endurance")]
 struct Arguments {

@@ -17,7 +17,8 @@ struct Arguments {
     /// The first trial's seed; each further one's is one more.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Write what is searched, and what was true, to this folder, and search nothing: for other methods to try.
+    /// Write what is searched, and what was true, to this folder, and search nothing: for other methods to
+    /// try.
     #[arg(long, value_name = "FOLDER")]
     dump: Option<PathBuf>,
     /// Only the table, not a line for every trial.

@@ -5,7 +5,8 @@ use host_tests::real_trials::{Case, Half, Log, Outcome, logs, of_log, reliabilit
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
-/// Diagnose real logs, flights made of their tracks, and both with one effect added, and count how often that is right.
+/// Diagnose real logs, flights made of their tracks, and both with one effect added, and count how often that
+/// is right.
 #[derive(Debug, Parser)]
 #[command(name = "real_trials")]
 struct Arguments {

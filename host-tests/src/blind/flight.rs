@@ -24,7 +24,8 @@ pub struct Flown {
     pub noise_m: f64,
 }
 
-/// Flies a case; a second flight of the same case, with the same coefficients in other air, has another `number`.
+/// Flies a case; a second flight of the same case, with the same coefficients in other air, has another
+/// `number`.
 ///
 /// # Errors
 /// When the aircraft can't fly the plan, or a column is not there.

@@ -1,4 +1,5 @@
-//! What adding the identified effects does to the error of the next flight, beside what knowing the truth does.
+//! What adding the identified effects does to the error of the next flight, beside what knowing the truth
+//! does.
 
 use std::fmt::Write as _;
 
@@ -12,7 +13,8 @@ use pylon::replay::Replay;
 use pylon::simulate::scenario::{Effect, InjectionPhase};
 use time::{Date, Month};
 
-/// Root mean square errors in free flight of the sensors concerned, on a flight that nothing was learned from, metres.
+/// Root mean square errors in free flight of the sensors concerned, on a flight that nothing was learned
+/// from, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Improvement {
     /// With the model that lacks the effects.

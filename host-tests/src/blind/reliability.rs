@@ -6,8 +6,8 @@ use super::draw::Kind;
 use super::trial::Trial;
 use crate::reliability::diagram;
 
-/// The effects of flights in which nothing but the catalogue acts, by the probability that was said of each: of one that is identified, and of
-/// those of a set.
+/// The effects of flights in which nothing but the catalogue acts, by the probability that was said of each:
+/// of one that is identified, and of those of a set.
 #[must_use]
 pub fn reliability(trials: &[Trial]) -> String {
     let mut said: Vec<(f64, bool)> = Vec::new();

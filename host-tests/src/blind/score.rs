@@ -26,7 +26,8 @@ impl Share {
         if self.of == 0 { 1.0 } else { self.hits as f64 / self.of as f64 }
     }
 
-    /// A score's line: what it is, padded to so many characters, in per cent, and what is wanted of it. Of no trial there is no per cent.
+    /// A score's line: what it is, padded to so many characters, in per cent, and what is wanted of it. Of no
+    /// trial there is no per cent.
     pub(crate) fn line(&self, what: &str, width: usize, wanted: &str) -> String {
         let rate = if self.of == 0 { "-".to_owned() } else { format!("{:.1} %", 100.0 * self.value()) };
         format!("{what:<width$} {rate:>8}  ({} of {})  {wanted}\n", self.hits, self.of)

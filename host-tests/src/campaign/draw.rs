@@ -131,9 +131,9 @@ fn bits(width: u32, random: &mut impl Rng) -> u32 {
     if draw() % 3 > 0 { first } else { first | one(&mut draw) | one(&mut draw) }
 }
 
-/// The most ticks until the barometer's chip has brought that many results. A temperature comes once in eight conversions, 16 ticks
-/// at 100 conversions a second. A pressure out of the chip's range is followed by a pause, a reset and a temperature, which takes ten ticks
-/// (`drivers::ms5611`).
+/// The most ticks until the barometer's chip has brought that many results. A temperature comes once in eight
+/// conversions, 16 ticks at 100 conversions a second. A pressure out of the chip's range is followed by a
+/// pause, a reset and a temperature, which takes ten ticks (`drivers::ms5611`).
 fn conversions_ticks(quantity: Quantity, results: u32) -> usize {
     let each = if quantity == Quantity::Temperature { 16 } else { 10 };
     each * results as usize
@@ -492,7 +492,8 @@ fn of_wire(fault: &mut Drawn, plan: &Plan, random: &mut impl Rng) {
     }
 }
 
-/// Crashes, each as soon as the program runs again: from the fourth in a row on it stands by before it goes on (`survival::History`).
+/// Crashes, each as soon as the program runs again: from the fourth in a row on it stands by before it goes
+/// on (`survival::History`).
 fn of_program(fault: &mut Drawn, plan: &Plan, random: &mut impl Rng) {
     fault.place = Place::Program;
     let count = random.random_range(1..=6_usize);
@@ -534,7 +535,8 @@ fn of_supply(fault: &mut Drawn, plan: &Plan, random: &mut impl Rng) {
         };
         let ticks = random.random_range(1..40);
         fault.dips.push(Dip { tick: when, ticks, boundary, with_chips, is_crash: false });
-        // The fault is over when the last dip is, and a receiver that has lost its power has booted for half a second.
+        // The fault is over when the last dip is, and a receiver that has lost its power has booted for half
+        // a second.
         last_end = tick + ticks + if with_chips { SECOND / 2 } else { 0 };
         tick += ticks + random.random_range(4..400);
     }

@@ -99,8 +99,8 @@ pub enum DipTick {
 }
 
 impl Boundary {
-    /// Whether nobody has heard of the tick that the supply goes in: messages and records are made by tasks below the tick,
-    /// which run when it has ended.
+    /// Whether nobody has heard of the tick that the supply goes in: messages and records are made by tasks
+    /// below the tick, which run when it has ended.
     #[must_use]
     pub const fn is_before_telling(self) -> bool {
         matches!(self, Self::BeforeMark | Self::InMark(_))

@@ -21,18 +21,19 @@ const BOUND_FACTOR: f32 = 1.3;
 const DELAY_FACTOR: f32 = 1.5;
 /// What a transient may cost beyond its own length, ticks: half a second.
 const GRACE_TICKS: usize = 100;
-/// Half of the default model's moving average: by so much a ramp's average is behind it (eq. 16's second criterion;
-/// `kf_core::monitor`: "a ramp is doubtful at the bound and untrustworthy half a window later").
+/// Half of the default model's moving average: by so much a ramp's average is behind it (eq. 16's second
+/// criterion; `kf_core::monitor`: "a ramp is doubtful at the bound and untrustworthy half a window later").
 const HALF_WINDOW_TICKS: usize = 200;
 /// For how long a launch may be left undecided, ticks.
 const UNDECIDED_TICKS: usize = (LaunchConfig::DEFAULT.undecided_s as f64 * TICKS_PER_S) as usize;
-/// From a message to the tick that knows of it, ticks, and what the wire's debounce takes: a launch may be told so much after the limit.
+/// From a message to the tick that knows of it, ticks, and what the wire's debounce takes: a launch may be
+/// told so much after the limit.
 const DECISION_TICKS: usize = 10;
-/// Most operations on ports that a tick may take. A clean flight's worst tick takes 14; the budget of instructions, which the
-/// QEMU sample is held to, is for all of them.
+/// Most operations on ports that a tick may take. A clean flight's worst tick takes 14; the budget of
+/// instructions, which the QEMU sample is held to, is for all of them.
 const MOST_OPERATIONS: u32 = 40;
-/// A sensor is called untrustworthy rightly if its true error is beyond this share of the bound: the reference, which the bound
-/// allows for, has an error of its own.
+/// A sensor is called untrustworthy rightly if its true error is beyond this share of the bound: the
+/// reference, which the bound allows for, has an error of its own.
 const RIGHTLY: f32 = 0.6;
 
 /// What a run must keep.
@@ -40,14 +41,15 @@ const RIGHTLY: f32 = 0.6;
 pub enum Invariant {
     /// No launch without separation.
     Launch,
-    /// A separation is seen, whatever a single fault does to anything but the wire: one that is shorted or cannot be read hides
-    /// it, as `kf_core::launch` says.
+    /// A separation is seen, whatever a single fault does to anything but the wire: one that is shorted or
+    /// cannot be read hides it, as `kf_core::launch` says.
     Seen,
     /// A latch called good has each bias within 4 of its own sigmas of the clean run's.
     Bias,
     /// The monitor's bound is within 1.3 of the clean run's, or the calibration is called degraded.
     Bound,
-    /// A failure after launch is flagged within 1.5 times the clean delay, or the sensor was said not to be monitored.
+    /// A failure after launch is flagged within 1.5 times the clean delay, or the sensor was said not to be
+    /// monitored.
     Detection,
     /// A healthy sensor is not called untrustworthy by somebody else's fault.
     Blame,
@@ -249,7 +251,8 @@ impl Judge<'_> {
         }
         let restarts = &self.faulty.restarts;
         for (place, restart) in restarts.iter().enumerate().filter(|(_, restart)| !restart.is_told) {
-            // One that is off again before its text is out is told by the number of a later one, which counts them all.
+            // One that is off again before its text is out is told by the number of a later one, which counts
+            // them all.
             let is_counted = |later: &Restarted| later.tick <= restart.tick + TELLING_TICKS && later.is_told;
             if restarts.iter().skip(place + 1).any(is_counted) {
                 continue;
@@ -309,7 +312,8 @@ impl Judge<'_> {
             if clean.readings < 2 || faulty.readings < 2 {
                 continue;
             }
-            // An offset that is there from before the calibration begins until it is latched is the sensor's bias.
+            // An offset that is there from before the calibration begins until it is latched is the sensor's
+            // bias.
             let latched = self.faulty.launched.unwrap_or(self.faulty.ticks.len());
             let is_its_bias = |fault: &Drawn| {
                 fault.is_altitude_offset()
@@ -355,8 +359,8 @@ impl Judge<'_> {
         }
     }
 
-    /// Whether the receiver was off by the same from before its first fix until the latch: everything is measured against that, and nobody on
-    /// board knows of another level.
+    /// Whether the receiver was off by the same from before its first fix until the latch: everything is
+    /// measured against that, and nobody on board knows of another level.
     fn is_level_the_only_one(&self, latched: usize) -> bool {
         let is_fresh = |seen: &Option<Seen>| seen.is_some_and(|seen| seen.fresh & 1 << REFERENCE != 0);
         let Some(first_fix) = self.faulty.ticks.iter().position(is_fresh) else { return false };
@@ -421,7 +425,8 @@ impl Judge<'_> {
             return;
         }
         let (sensor, i) = (failure.sensor, failure.sensor.index());
-        // A push that comes while the flight computer is away is none: no sample of it was taken, so nothing of it is in the altitude.
+        // A push that comes while the flight computer is away is none: no sample of it was taken, so nothing
+        // of it is in the altitude.
         let has_unit = self.case.plan.own_unit.is_some();
         let is_there = |tick: usize| self.faulty.ticks.get(tick).is_some_and(Option::is_some);
         if sensor == Sensor::ImuSlave && !has_unit && !(failure.tick..failure.tick + PUSH_TICKS).any(is_there)
@@ -429,7 +434,8 @@ impl Judge<'_> {
             return;
         }
         let Some(clean) = self.clean.flagged[i].filter(|clean| clean.tick >= failure.tick) else { return };
-        // One that is doubtful before it fails is flagged for that sooner or later: when, tells nothing of the failure.
+        // One that is doubtful before it fails is flagged for that sooner or later: when, tells nothing of
+        // the failure.
         if self.clean.trust(sensor, failure.tick) != Some(Trust::Trusted) {
             return;
         }
@@ -443,7 +449,8 @@ impl Judge<'_> {
             .iter()
             .map(|fault| fault.to.min(latest).saturating_sub(fault.from.max(failure.tick)))
             .sum();
-        // Nor is any time, however long, in which what the watch rests on is at fault: the sensor itself, the reference, the computer.
+        // Nor is any time, however long, in which what the watch rests on is at fault: the sensor itself, the
+        // reference, the computer.
         let bears = |fault: &&Drawn| {
             matches!(fault.place, Place::Gps | Place::Supply | Place::Clock | Place::Program)
                 || is_own(fault, sensor, has_unit)
@@ -467,9 +474,10 @@ impl Judge<'_> {
         if promised < delay || !is_promised(latest) || (Self::is_degraded(self.faulty) && flagged.is_some()) {
             return;
         }
-        // What reads right needs no flag until it leaves its bound, and is owed it from then on as soon as the clean one has it. An altitude that
-        // the flight computer integrates has another drift of its own after a gap than the clean one, and a push while a gap is mended is taken
-        // out with it: it is right as far as its bound.
+        // What reads right needs no flag until it leaves its bound, and is owed it from then on as soon as
+        // the clean one has it. An altitude that the flight computer integrates has another drift of its own
+        // after a gap than the clean one, and a push while a gap is mended is taken out with it: it is right
+        // as far as its bound.
         let is_integrated = sensor == Sensor::ImuSlave && !has_unit;
         let rightly_m = if is_integrated { 1.0 } else { RIGHTLY } * self.bound_m(sensor);
         let is_right = |watched: &Watched, tick: usize| {
@@ -482,8 +490,8 @@ impl Judge<'_> {
         };
         let end = self.faulty.ticks.len();
         let Some(wrong) = (latest..end).find(|tick| !is_right(self.faulty, *tick)) else { return };
-        // The time that the clean one takes from there to its flag, which may be none where the receiver was off to the same side. The
-        // average, which the second criterion judges, needs half its window.
+        // The time that the clean one takes from there to its flag, which may be none where the receiver was
+        // off to the same side. The average, which the second criterion judges, needs half its window.
         let beyond = left(self.faulty, wrong);
         let from_there = clean.tick.saturating_sub(left(self.clean, clean.tick)).max(HALF_WINDOW_TICKS);
         let owed = beyond + (from_there as f32 * DELAY_FACTOR) as usize + GRACE_TICKS;
@@ -525,7 +533,8 @@ impl Judge<'_> {
             return;
         }
         let mut end = self.faulty.ticks.len().min(self.clean.ticks.len());
-        // A sensor that fails is gated where the launch is not seen, as `seen` allows, and calibration goes on: by its own failure.
+        // A sensor that fails is gated where the launch is not seen, as `seen` allows, and calibration goes
+        // on: by its own failure.
         let launched = self.faulty.launched.unwrap_or(usize::MAX);
         if let Some(failure) = self.case.failure.filter(|failure| failure.tick < launched) {
             end = end.min(failure.tick);
@@ -534,7 +543,8 @@ impl Judge<'_> {
         // What a restart under the pylon costs is a calibration, and that is told.
         // At the first edge as well, until the task below that tick has kept a copy.
         let begins_anew = |start: Start| matches!(start, Start::Captive | Start::Cold);
-        // So is a release that the clean flight itself does not see in time: until it does, the vehicle is captive as far as it knows.
+        // So is a release that the clean flight itself does not see in time: until it does, the vehicle is
+        // captive as far as it knows.
         let edge = self.clean.first_edge.unwrap_or(end);
         let seen = self.clean.launched.unwrap_or(end);
         let known = if seen > edge + UNDECIDED_TICKS + DECISION_TICKS { seen } else { edge };

@@ -1,4 +1,5 @@
-//! What a campaign is known to break, so that the test command fails for anything else: a list that may only shrink.
+//! What a campaign is known to break, so that the test command fails for anything else: a list that may only
+//! shrink.
 
 use std::collections::BTreeMap;
 use std::path::Path;

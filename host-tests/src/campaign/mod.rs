@@ -1,10 +1,11 @@
-//! A Monte Carlo campaign of faults on the whole chain: chips' registers and wires in, latch, flags and telemetry out.
+//! A Monte Carlo campaign of faults on the whole chain: chips' registers and wires in, latch, flags and
+//! telemetry out.
 //!
-//! A run draws a flight ([`plan`], [`flight`]), faults ([`fault`]) and a sensor that fails by itself in free flight. It flies twice
-//! ([`run`]): clean, and with the faults; the same sensor fails in both. What is seen of both ([`watch`]) is held against the invariants
-//! ([`mod@judge`]); a campaign is a table of what came of which fault in which phase ([`matrix`]). Taking out a
-//! guard must show ([`mutants`]). A run is a function of the
-//! campaign's seed and its own number, whatever else is flown and on how many threads.
+//! A run draws a flight ([`plan`], [`flight`]), faults ([`fault`]) and a sensor that fails by itself in free
+//! flight. It flies twice ([`run`]): clean, and with the faults; the same sensor fails in both. What is seen
+//! of both ([`watch`]) is held against the invariants ([`mod@judge`]); a campaign is a table of what came of
+//! which fault in which phase ([`matrix`]). Taking out a guard must show ([`mutants`]). A run is a function
+//! of the campaign's seed and its own number, whatever else is flown and on how many threads.
 
 mod computer;
 pub mod draw;

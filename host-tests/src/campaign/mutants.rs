@@ -1,5 +1,5 @@
-//! A campaign that finds nothing proves something only if it finds what is wrong: each guard is taken out in turn, and the runs whose
-//! faults it is there for are flown again.
+//! A campaign that finds nothing proves something only if it finds what is wrong: each guard is taken out in
+//! turn, and the runs whose faults it is there for are flown again.
 
 use anyhow::Result;
 use kf_core::guard::Guard;
@@ -45,7 +45,8 @@ fn concerns(guard: Guard, fault: &Drawn) -> bool {
     }
 }
 
-/// Takes out a guard, and flies the runs that it is there for; `cases` and what they came to with every guard.
+/// Takes out a guard, and flies the runs that it is there for; `cases` and what they came to with every
+/// guard.
 ///
 /// # Errors
 /// The model makes no mission.

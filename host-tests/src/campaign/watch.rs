@@ -171,7 +171,8 @@ impl Watched {
         self.ticks.get(tick).copied().flatten().map(|seen| seen.trust[sensor.index()])
     }
 
-    /// The longest time without a reading that was used, of a sensor or the reference, in ticks from `from` to `to`.
+    /// The longest time without a reading that was used, of a sensor or the reference, in ticks from `from`
+    /// to `to`.
     #[must_use]
     pub fn longest_gap(&self, source: usize, from: usize, to: usize) -> usize {
         let is_fresh = |tick: &usize| {

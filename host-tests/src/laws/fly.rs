@@ -25,7 +25,8 @@ pub struct Flown {
     pub captive: Vec<bool>,
 }
 
-/// Flies a case; another `number` is another flight of the same aircraft with the same coefficient, in other air and with another flap.
+/// Flies a case; another `number` is another flight of the same aircraft with the same coefficient, in other
+/// air and with another flap.
 ///
 /// # Errors
 /// When the aircraft can't fly the plan.
@@ -71,7 +72,8 @@ struct Made {
     moments: Vec<Moment>,
 }
 
-/// The flight without law and noise, with the columns that nobody knows, which are recorded ten times a second with noise.
+/// The flight without law and noise, with the columns that nobody knows, which are recorded ten times a
+/// second with noise.
 fn made(case: &Case, scenario: &Scenario, number: u64) -> anyhow::Result<Made> {
     let seed = case.seed.wrapping_mul(1000).wrapping_add(number);
     let (mut flight, truth) = simulate(scenario, seed).map_err(|error| anyhow::anyhow!("{error}"))?;

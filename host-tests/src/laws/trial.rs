@@ -23,13 +23,13 @@ pub struct Trial {
     pub discovery: Discovery,
     /// Of each law, the correlation with the truth in free flight of the next flight.
     pub correlations: Vec<f64>,
-    /// What the hidden law makes of the barometer in free flight of the next flight, rms about captive flight, metres; and what the first
-    /// law leaves of it.
+    /// What the hidden law makes of the barometer in free flight of the next flight, rms about captive
+    /// flight, metres; and what the first law leaves of it.
     pub next_m: Option<[f64; 2]>,
 }
 
-/// Writes what the search works on, for other methods to try: block means of the flight and of the next one, each with a column `true_m`,
-/// what the hidden law adds in the block.
+/// Writes what the search works on, for other methods to try: block means of the flight and of the next one,
+/// each with a column `true_m`, what the hidden law adds in the block.
 ///
 /// # Errors
 /// When the aircraft can't fly the plan, or a file can't be written.

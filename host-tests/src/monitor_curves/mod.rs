@@ -1,7 +1,7 @@
 //! Rules for a monitor as curves: false alarms an hour against the delay to faults, on the same residuals.
 //!
-//! Every rule is a statistic and a threshold; the threshold is what moves along a curve. A healthy launch alarms at the
-//! first statistic beyond it, so its rate is the alarms by the hours until them.
+//! Every rule is a statistic and a threshold; the threshold is what moves along a curve. A healthy launch
+//! alarms at the first statistic beyond it, so its rate is the alarms by the hours until them.
 
 use residuals::Launch;
 use rules::Rule;
@@ -57,7 +57,8 @@ type Records = Vec<(f64, f64)>;
 #[derive(Clone, Debug)]
 pub struct Curve {
     healthy: Vec<(Records, f64)>,
-    /// By the fault, for each launch: the largest statistic before it, and the records since, by the time since.
+    /// By the fault, for each launch: the largest statistic before it, and the records since, by the time
+    /// since.
     faulty: Vec<Vec<(f64, Records)>>,
 }
 
@@ -127,8 +128,8 @@ impl Curve {
         self.healthy.iter().map(|(_, length_s)| length_s).sum::<f64>() / 3_600.0
     }
 
-    /// Median delay to a fault, seconds, of those launches that had not alarmed before it; infinite if fewer than half are ever
-    /// detected.
+    /// Median delay to a fault, seconds, of those launches that had not alarmed before it; infinite if fewer
+    /// than half are ever detected.
     #[must_use]
     pub fn delay_s(&self, fault: usize, threshold: f64) -> f64 {
         let quiet = self.faulty[fault].iter().filter(|(before, _)| *before <= threshold);
@@ -163,8 +164,8 @@ mod tests {
     #[test]
     fn a_curve_on_white_noise_is_the_normal_distributions() {
         let curve = Curve::draw(Rule::TestRatio, &made(Made::White, 400, 3), 100);
-        // A reading in 500 beyond 3.09 sigma, five readings a second: 36 an hour. 600 alarms are known to 4 %, and the
-        // calibrations' spread of sigma and bias adds some.
+        // A reading in 500 beyond 3.09 sigma, five readings a second: 36 an hour. 600 alarms are known to 4
+        // %, and the calibrations' spread of sigma and bias adds some.
         let rate = curve.false_alarms_per_hour(3.090);
         assert!((rate / 36.0 - 1.0).abs() < 0.25, "{rate}");
         let threshold = curve.threshold(36.0);

@@ -30,7 +30,8 @@ pub struct Launch {
 }
 
 impl Launch {
-    /// Of a residual that is cut into calibration and free flight; `None` if it is too short, or has no spread.
+    /// Of a residual that is cut into calibration and free flight; `None` if it is too short, or has no
+    /// spread.
     fn of(residual_m: &[f64], interval_s: f64, correlation_s: f64) -> Option<Self> {
         let captive = (CAPTIVE_S / interval_s) as usize;
         let free = (FREE_S / interval_s) as usize;
@@ -53,8 +54,8 @@ pub enum Made {
     White,
     /// The default preset's reference: 2 m of wander over 60 s, and 0.5 m of white noise.
     Wandering,
-    /// The same with white noise of Student's t with three degrees of freedom, and steps of 2 m (Laplace) every 100 s on average,
-    /// which decay in 60 s: satellites that rise and set.
+    /// The same with white noise of Student's t with three degrees of freedom, and steps of 2 m (Laplace)
+    /// every 100 s on average, which decay in 60 s: satellites that rise and set.
     HeavyTails,
 }
 
@@ -159,8 +160,9 @@ fn half_of(name: &str) -> Half {
     if digit.is_some_and(|digit| digit % 2 == 0) { Half::Development } else { Half::Final }
 }
 
-/// Barometer less receiver in flight, at the median interval, less what a straight line in altitude and climb rate explains of
-/// it over the whole log: those are effects of a model (`baro.scale`, `baro.lag`), not the noise of a monitor.
+/// Barometer less receiver in flight, at the median interval, less what a straight line in altitude and climb
+/// rate explains of it over the whole log: those are effects of a model (`baro.scale`, `baro.lag`), not the
+/// noise of a monitor.
 fn residual(file: &Path) -> Result<(Vec<f64>, f64), String> {
     let (flight, _) = import_file(file).map_err(|error| error.to_string().lines().collect::<String>())?;
     let (times_s, gps_m, baro_m) = altitudes(&flight).ok_or("no barometer beside the receiver")?;
@@ -195,7 +197,8 @@ fn residual(file: &Path) -> Result<(Vec<f64>, f64), String> {
 
 type Altitudes = (Vec<f64>, Vec<f64>, Vec<f64>);
 
-/// Times, the receiver's altitude and the barometer's, at the rows that have a fix and a pressure; the barometer's is its last.
+/// Times, the receiver's altitude and the barometer's, at the rows that have a fix and a pressure; the
+/// barometer's is its last.
 fn altitudes(flight: &Flight) -> Option<Altitudes> {
     let gps = flight.channel(Channel::GpsAltM)?;
     let (baro, is_pressure) = match flight.channel(Channel::BaroAltM) {

@@ -1,18 +1,21 @@
-//! The monitors' rules that are compared: each makes one number of the errors so far, which an alarm's threshold is set on.
+//! The monitors' rules that are compared: each makes one number of the errors so far, which an alarm's
+//! threshold is set on.
 
 /// A rule for one sensor's error in sigmas.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rule {
-    /// The paper's and the default: the magnitude of the mean over the last two seconds. What is not covered yet counts as none.
+    /// The paper's and the default: the magnitude of the mean over the last two seconds. What is not covered
+    /// yet counts as none.
     MovingAverage,
-    /// PX4's EKF2: the innovation's test ratio, as its root; with the gate as the threshold (`updateAidSourceStatus`).
+    /// PX4's EKF2: the innovation's test ratio, as its root; with the gate as the threshold
+    /// (`updateAidSourceStatus`).
     TestRatio,
     /// Its signed ratio through a low pass of 0.5 s, as PX4 publishes it.
     FilteredTestRatio,
     /// Two-sided CUSUM (Page 1954) with this allowance in sigmas; its threshold is in sigma seconds.
     Cusum(f64),
-    /// Window-limited generalised likelihood ratio of a step of unknown size (Lorden 1971, Willsky and Jones 1976), over up
-    /// to 10 s, by the root of its statistic.
+    /// Window-limited generalised likelihood ratio of a step of unknown size (Lorden 1971, Willsky and Jones
+    /// 1976), over up to 10 s, by the root of its statistic.
     Glr,
 }
 

@@ -11,7 +11,8 @@ use crate::real_logs::Injection;
 /// Sizes over the noise, rms: from the least that must be named to the largest.
 const SIZES: std::ops::Range<f64> = 2.2..6.0;
 
-/// What is added, in units of its coefficient; a lag is a low pass as a tube is, or a pure delay as a wrong time stamp is.
+/// What is added, in units of its coefficient; a lag is a low pass as a tube is, or a pure delay as a wrong
+/// time stamp is.
 pub const UNITS: [Injection; 9] = [
     Injection::Scale(0.01),
     Injection::Scale(-0.01),
@@ -24,8 +25,8 @@ pub const UNITS: [Injection; 9] = [
     Injection::DynamicPressure(-0.1),
 ];
 
-/// The injection of that kind whose size is drawn, within what nature allows; `None` where that is not over twice the noise, or
-/// where the flight lacks what it is made of.
+/// The injection of that kind whose size is drawn, within what nature allows; `None` where that is not over
+/// twice the noise, or where the flight lacks what it is made of.
 pub fn sized(unit: Injection, flight: &Flight, track: &Track, random: &mut ChaCha8Rng) -> Option<Injection> {
     let size = (SIZES.start.ln() + (SIZES.end / SIZES.start).ln() * random.random::<f64>()).exp();
     let mut one = flight.clone();

@@ -20,7 +20,8 @@ impl Half {
     /// The half that a file is in, by its name: even or odd by FNV-1a (Fowler, Noll, Vo; draft-eastlake-fnv).
     #[must_use]
     pub fn of(name: &str) -> Self {
-        // The lowest bit of the hash is that of the sum of the bytes only; the highest depends on all of them.
+        // The lowest bit of the hash is that of the sum of the bytes only; the highest depends on all of
+        // them.
         if hash(name) >> 63 == 0 { Self::Development } else { Self::Unseen }
     }
 }
@@ -41,7 +42,8 @@ pub struct Log {
     pub flight: Flight,
 }
 
-/// The logs of a half, by name, and those that can't be read with the reason; `None` where the folder is not there.
+/// The logs of a half, by name, and those that can't be read with the reason; `None` where the folder is not
+/// there.
 ///
 /// # Errors
 /// A folder that can't be listed.

@@ -1,4 +1,5 @@
-//! Flights made of a log's own track: its smoothed path for the truth, and noise at the levels that the log itself shows.
+//! Flights made of a log's own track: its smoothed path for the truth, and noise at the levels that the log
+//! itself shows.
 
 use anyhow::{Context as _, bail};
 use model::Model;
@@ -83,7 +84,8 @@ impl Track {
         self.fast_m.hypot(self.slow_m)
     }
 
-    /// The flight with both altitudes on the path, without noise and without steps, and an airspeed where there is one.
+    /// The flight with both altitudes on the path, without noise and without steps, and an airspeed where
+    /// there is one.
     #[must_use]
     pub fn clean(&self, flight: &Flight) -> Flight {
         let mut clean = flight.clone();
@@ -106,8 +108,8 @@ impl Track {
         clean
     }
 
-    /// A clean flight, perhaps with an effect in it, with noise; its airspeed is recorded with errors of its own if
-    /// `has_airspeed`, else not at all.
+    /// A clean flight, perhaps with an effect in it, with noise; its airspeed is recorded with errors of its
+    /// own if `has_airspeed`, else not at all.
     #[must_use]
     pub fn noisy(&self, clean: &Flight, seed: u64, has_airspeed: bool) -> Flight {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -151,7 +153,8 @@ fn change(flight: &mut Flight, channel: Channel, to: &dyn Fn(usize, f64) -> f64)
     flight.set_channel(channel, column);
 }
 
-/// A path through samples by local straight lines with Gaussian weights of that sigma (seconds); NaN where none is near.
+/// A path through samples by local straight lines with Gaussian weights of that sigma (seconds); NaN where
+/// none is near.
 fn smoothed(times_s: &[f64], samples: &[(f64, f64)], sigma_s: f64) -> Vec<f64> {
     let mut first = 0;
     let at = times_s.iter().map(|time_s| {
@@ -203,8 +206,9 @@ fn levels(both: &[(f64, f64, f64)]) -> (f64, f64) {
     (fast_m.max(0.1), (rest.norm_squared() / both.len() as f64).sqrt().max(0.3))
 }
 
-/// True airspeed by the speed over ground and one wind: the centre of the circle that the velocities lie on (Kasa, "A circle
-/// fitting procedure and its error analysis", IEEE Transactions on Instrumentation and Measurement 25, 1976).
+/// True airspeed by the speed over ground and one wind: the centre of the circle that the velocities lie on
+/// (Kasa, "A circle fitting procedure and its error analysis", IEEE Transactions on Instrumentation and
+/// Measurement 25, 1976).
 fn airspeed(flight: &Flight, used: std::ops::Range<usize>) -> Option<Vec<f64>> {
     let (north, east) = (flight.channel(Channel::GpsVnMps)?, flight.channel(Channel::GpsVeMps)?);
     let velocity = |row: usize| Some((f64::from(north.get(row)?), f64::from(east.get(row)?)));

@@ -1,5 +1,5 @@
-//! Noise of another family than the estimator's: what it takes for Gauss-Markov processes is here made of sines, steps and
-//! heavy tails, and quantised.
+//! Noise of another family than the estimator's: what it takes for Gauss-Markov processes is here made of
+//! sines, steps and heavy tails, and quantised.
 
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
@@ -8,7 +8,8 @@ use rand_distr::{Distribution as _, Exp1, StudentT};
 /// Sines that a wander is made of.
 const SINES: usize = 8;
 
-/// A slow wander of that rms (metres) with periods between two bounds (seconds), the slower the larger; by time.
+/// A slow wander of that rms (metres) with periods between two bounds (seconds), the slower the larger; by
+/// time.
 pub fn wander(
     random: &mut ChaCha8Rng,
     times_s: &[f64],
@@ -34,8 +35,8 @@ pub fn wander(
     times_s.iter().map(|time_s| scale * at(*time_s)).collect::<Vec<f64>>()
 }
 
-/// An offset that holds until the next change of satellites and is then another one, of that rms (metres); changes come every
-/// `every_s` seconds in the mean.
+/// An offset that holds until the next change of satellites and is then another one, of that rms (metres);
+/// changes come every `every_s` seconds in the mean.
 pub fn steps(random: &mut ChaCha8Rng, times_s: &[f64], rms_m: f64, every_s: f64) -> Vec<f64> {
     let exponential = |random: &mut ChaCha8Rng| -> f64 { Exp1.sample(random) };
     // Laplace's: an exponential of either sign, whose rms is sqrt(2) times its mean.
@@ -56,8 +57,8 @@ pub fn steps(random: &mut ChaCha8Rng, times_s: &[f64], rms_m: f64, every_s: f64)
     offsets
 }
 
-/// Noise of heavy tails (Student's t of so many degrees of freedom, over two) of that rms, metres, averaged over so many samples
-/// in a row, as a receiver's own filter does.
+/// Noise of heavy tails (Student's t of so many degrees of freedom, over two) of that rms, metres, averaged
+/// over so many samples in a row, as a receiver's own filter does.
 pub fn heavy(random: &mut ChaCha8Rng, count: usize, rms_m: f64, freedom: f64, averaged: usize) -> Vec<f64> {
     let averaged = averaged.max(1);
     let Ok(student) = StudentT::new(freedom) else { return vec![0.0; count] };

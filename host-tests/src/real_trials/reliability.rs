@@ -3,7 +3,8 @@
 use super::trial::{Case, Outcome};
 use crate::reliability::diagram;
 
-/// The effects of flights whose truth is known (made of a track, with one effect or without), by the probability that was said of each.
+/// The effects of flights whose truth is known (made of a track, with one effect or without), by the
+/// probability that was said of each.
 #[must_use]
 pub fn reliability(outcomes: &[Outcome]) -> String {
     let mut said: Vec<(f64, bool)> = Vec::new();

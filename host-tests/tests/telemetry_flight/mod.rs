@@ -18,8 +18,8 @@ pub fn model() -> Model {
     )
 }
 
-/// The flight of `ticks`, with outside air and an inertial altitude that is none. From 21.2 to 29 s there is no fix, and from
-/// 27 s on the inertial altitude, until then without error, is 30 m too high.
+/// The flight of `ticks`, with outside air and an inertial altitude that is none. From 21.2 to 29 s there is
+/// no fix, and from 27 s on the inertial altitude, until then without error, is 30 m too high.
 pub fn inputs() -> Vec<TickInput> {
     let mut inputs = flight();
     for (k, input) in inputs.iter_mut().enumerate() {

@@ -1,43 +1,49 @@
 //! Which readings of a source are outliers, and when it is the filter that is wrong.
 //!
-//! An innovation is an outlier beyond [`GATE_SIGMAS`]. Two things keep that from locking out a source that is well:
+//! An innovation is an outlier beyond [`GATE_SIGMAS`]. Two things keep that from locking out a source that is
+//! well:
 //!
-//! - How large its innovations really are is followed by a mean of the NIS that no outlier can move much (a winsorised mean; P. J.
-//!   Huber, "Robust Statistics", Wiley 1981). Where they are clearly larger than the model says, the gate and the noise that the
-//!   filter weighs the source with grow with them: the gate lets a noisy sensor in, and the weight keeps it from moving the others.
-//! - Outliers that stay on one side are a level, not outliers: once they have outlasted what the filter's opinion rests on,
-//!   or [`STEP_AFTER_US`], the opinion is given up.
+//! - How large its innovations really are is followed by a mean of the NIS that no outlier can move much (a
+//!   winsorised mean; P. J. Huber, "Robust Statistics", Wiley 1981). Where they are clearly larger than the
+//!   model says, the gate and the noise that the filter weighs the source with grow with them: the gate lets
+//!   a noisy sensor in, and the weight keeps it from moving the others.
+//! - Outliers that stay on one side are a level, not outliers: once they have outlasted what the filter's
+//!   opinion rests on, or [`STEP_AFTER_US`], the opinion is given up.
 //!
-//! Outliers that come close together put a source on probation: its readings are judged, but not taken, until some fifty in a row
-//! have been within the gate. What a broken source has within the gate by chance moves no other's state.
+//! Outliers that come close together put a source on probation: its readings are judged, but not taken, until
+//! some fifty in a row have been within the gate. What a broken source has within the gate by chance moves no
+//! other's state.
 
 use crate::guard::Guard;
 use crate::time::seconds_between;
 
-/// Beyond this many sigmas an innovation is an outlier. A Gaussian one is so once in 5e8, or once in a hundred days at 50 Hz,
-/// and what is cut off takes 1e-7 off a variance: the residual's sigma needs no correction.
+/// Beyond this many sigmas an innovation is an outlier. A Gaussian one is so once in 5e8, or once in a
+/// hundred days at 50 Hz, and what is cut off takes 1e-7 off a variance: the residual's sigma needs no
+/// correction.
 pub(super) const GATE_SIGMAS: f32 = 6.0;
 /// An NIS counts in their mean up to three sigmas: of Gaussian innovations that takes off 0.5 %.
 const CLIPPED_SIGMAS: f32 = 3.0;
-/// Memory of that mean, seconds. A second of nothing but outliers raises it by exp(8 / 20), and so the gate's width by a fifth.
+/// Memory of that mean, seconds. A second of nothing but outliers raises it by exp(8 / 20), and so the gate's
+/// width by a fifth.
 const MEMORY_S: f32 = 20.0;
 /// Longest step of it, seconds.
 const LONGEST_STEP_S: f32 = 5.0;
-/// Up to this the mean may be chance or a harmless inaccuracy of the model (innovations 1.4 times as large as it says): the
-/// model's word stands.
+/// Up to this the mean may be chance or a harmless inaccuracy of the model (innovations 1.4 times as large as
+/// it says): the model's word stands.
 const TOLERATED_SPREAD: f32 = 2.0;
 /// The model can be wrong by no more: a source with ten times its noise is not the one that the model is of.
 pub(super) const LARGEST_SPREAD: f32 = 100.0;
 /// Fewer outliers in a row overturn nothing: two may be a glitch and its echo in a driver's average.
 const FEWEST_TO_OVERTURN: u32 = 3;
-/// Outliers on one side for this long are a step, microseconds. A transient lasts a second; the gate's width reaches the
-/// smaller steps sooner.
+/// Outliers on one side for this long are a step, microseconds. A transient lasts a second; the gate's width
+/// reaches the smaller steps sooner.
 const STEP_AFTER_US: u64 = 5_000_000;
-/// So many readings within the gate make up for one outlier: those that come more rarely, up to twice the share that a good
-/// calibration may have, are refused one by one and cost no others.
+/// So many readings within the gate make up for one outlier: those that come more rarely, up to twice the
+/// share that a good calibration may have, are refused one by one and cost no others.
 const FITS_PER_OUTLIER: u32 = 20;
-/// A probation that lasts ends after 50 readings in a row within the gate. Noise of which the widest gate lets in three quarters
-/// (any bits, around the level that it set last) gets there once in 2e6; a source of 50 Hz that is well again waits for a second.
+/// A probation that lasts ends after 50 readings in a row within the gate. Noise of which the widest gate
+/// lets in three quarters (any bits, around the level that it set last) gets there once in 2e6; a source of
+/// 50 Hz that is well again waits for a second.
 const MOST_TO_MAKE_UP: u32 = FITS_PER_OUTLIER + 50;
 
 /// What has come of an outlier.
@@ -45,7 +51,8 @@ const MOST_TO_MAKE_UP: u32 = FITS_PER_OUTLIER + 50;
 pub(super) enum Outcome {
     /// It is one.
     Outlier,
-    /// The readings have a level of their own: what was believed of the source is void, and the next one is to be believed.
+    /// The readings have a level of their own: what was believed of the source is void, and the next one is
+    /// to be believed.
     Overturned,
 }
 
@@ -84,7 +91,8 @@ impl SourceGate {
         has_stepped: false,
     };
 
-    /// By what factor the source's innovations have a larger variance than the model says: gate and noise grow by it.
+    /// By what factor the source's innovations have a larger variance than the model says: gate and noise
+    /// grow by it.
     #[inline(always)]
     pub(super) fn excess(&self) -> f32 {
         if self.spread <= TOLERATED_SPREAD { 1.0 } else { smaller(self.spread, LARGEST_SPREAD) }
@@ -134,20 +142,21 @@ impl SourceGate {
         self.misfits = self.misfits.saturating_add(1);
     }
 
-    /// Whether the next reading is only to be judged. The first one of a new level is taken: nothing is known of the bias, so
-    /// it says nothing of the altitude.
+    /// Whether the next reading is only to be judged. The first one of a new level is taken: nothing is known
+    /// of the bias, so it says nothing of the altitude.
     #[inline(always)]
     pub(super) const fn is_on_probation(&self) -> bool {
         self.to_make_up > FITS_PER_OUTLIER && self.taken > 0
     }
 
-    /// What is known of the source is void; how much its innovations seemed to spread as well, for they were against what is void.
+    /// What is known of the source is void; how much its innovations seemed to spread as well, for they were
+    /// against what is void.
     pub(super) fn believe_anew(&mut self) {
         (self.taken, self.run, self.spread) = (0, 0, 1.0);
     }
 
-    /// The source was lost: what was known of it is void. The outliers since then still count, or one that has come back elsewhere would be
-    /// refused for ever.
+    /// The source was lost: what was known of it is void. The outliers since then still count, or one that
+    /// has come back elsewhere would be refused for ever.
     pub(super) fn begin_anew(&mut self) {
         if self.taken > 0 {
             self.believe_anew();

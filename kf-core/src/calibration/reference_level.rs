@@ -1,8 +1,9 @@
 //! Whether the reference stayed on one level in captive flight.
 //!
-//! A receiver's altitude is code, its climb rate Doppler: the altitude less the integrated climb rate is a level that moves only as
-//! the receiver's error does, and that is slow. Where it moves at once by more, the receiver was wrong before or is wrong since,
-//! and nobody knows which. A level of a few metres less is within the gate of single fixes, and has to be seen by a mean of some.
+//! A receiver's altitude is code, its climb rate Doppler: the altitude less the integrated climb rate is a
+//! level that moves only as the receiver's error does, and that is slow. Where it moves at once by more, the
+//! receiver was wrong before or is wrong since, and nobody knows which. A level of a few metres less is
+//! within the gate of single fixes, and has to be seen by a mean of some.
 
 use crate::config::ReferenceConfig;
 use crate::gauss_markov::recent_variance_factor;
@@ -10,12 +11,13 @@ use crate::reference::AcceptedFix;
 
 /// Memory of the level as it is now, seconds: some fixes, so that one alone makes no level.
 const NOW_S: f32 = 0.5;
-/// Memory of the level as it was, seconds. Of a jump the two come to be 0.65 apart; with eight times the shorter one, and so short that
-/// the receiver's wander and the climb rate's error hardly add to that.
+/// Memory of the level as it was, seconds. Of a jump the two come to be 0.65 apart; with eight times the
+/// shorter one, and so short that the receiver's wander and the climb rate's error hardly add to that.
 pub(super) const BEFORE_S: f32 = 4.0;
 /// A fix counts up to so many of its sigmas away: one or two that are off by kilometres make no level either.
 const CLIPPED_SIGMAS: f32 = 2.0;
-/// Beyond this many sigmas the levels are two: a Gaussian is once in 150,000 values, of which an hour has a thousand independent ones.
+/// Beyond this many sigmas the levels are two: a Gaussian is once in 150,000 values, of which an hour has a
+/// thousand independent ones.
 const JUMP_SIGMAS: f32 = 4.5;
 
 /// The reference's level in captive flight.
@@ -52,7 +54,8 @@ impl ReferenceLevel {
         };
         self.now_m += clipped(level_m - self.now_m) * share(NOW_S);
         self.before_m += clipped(level_m - self.before_m) * share(BEFORE_S);
-        // Of the wander what is younger than the longer memory, and of the climb rate's random walk half of that memory.
+        // Of the wander what is younger than the longer memory, and of the climb rate's random walk half of
+        // that memory.
         let variance_m2 =
             config.sigma_m * config.sigma_m * recent_variance_factor(BEFORE_S, config.correlation_time_s)
                 + climb.sigma_mps * climb.sigma_mps * climb.correlation_time_s * BEFORE_S;

@@ -1,7 +1,8 @@
 //! The level that a sensor was on in the settling time: whether the calibration's bias is of the same one.
 //!
-//! A sensor that steps between settling and calibration leaves a bias that is consistent with every later reading, and it is nobody's
-//! to say which of the two levels is the sound one. So the step is told, as readings that are not consistent.
+//! A sensor that steps between settling and calibration leaves a bias that is consistent with every later
+//! reading, and it is nobody's to say which of the two levels is the sound one. So the step is told, as
+//! readings that are not consistent.
 
 use crate::config::{MissionConfig, SensorConfig};
 
@@ -36,7 +37,8 @@ impl SettlingLevel {
         }
     }
 
-    /// Whether a bias, metres, estimated over so long, is still of that level. Where nothing was confirmed, nothing contradicts it.
+    /// Whether a bias, metres, estimated over so long, is still of that level. Where nothing was confirmed,
+    /// nothing contradicts it.
     pub(super) fn is_level_of<const E: usize>(
         &self,
         config: &MissionConfig<E>,
@@ -49,7 +51,8 @@ impl SettlingLevel {
     }
 }
 
-/// Variance of the difference of two residuals, each with an error of the sensor and one of the reference, square metres.
+/// Variance of the difference of two residuals, each with an error of the sensor and one of the reference,
+/// square metres.
 fn variance_m2<const E: usize>(config: &MissionConfig<E>, sensor: &SensorConfig) -> f32 {
     2.0 * (square(sensor.sigma_m) + square(config.reference.sigma_m))
 }

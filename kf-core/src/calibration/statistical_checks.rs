@@ -1,4 +1,5 @@
-//! What a held calibration's statistics say of its quality, one part at a time: all of them in one tick would cost a third of it.
+//! What a held calibration's statistics say of its quality, one part at a time: all of them in one tick would
+//! cost a third of it.
 
 use super::{Calibration, square};
 use crate::block_statistics::{BlockStatistics, Trend};
@@ -33,8 +34,8 @@ impl StatisticalChecks {
         Check::InnovationsPlausible,
     ];
 
-    /// Of a calibration that is held now, after `duration_s`. Nothing is checked yet, and whoever has to go on without the
-    /// outcome, as after a restart, is not to take it for good: all are noted as failed.
+    /// Of a calibration that is held now, after `duration_s`. Nothing is checked yet, and whoever has to go
+    /// on without the outcome, as after a restart, is not to take it for good: all are noted as failed.
     pub(crate) fn begin<const E: usize>(
         config: &MissionConfig<E>,
         duration_s: f32,

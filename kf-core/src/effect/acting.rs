@@ -4,7 +4,8 @@ use super::EffectSubject;
 use crate::config::MissionConfig;
 use crate::sensor::SENSORS;
 
-/// One bit an effect, for each subject: the reference, then the sensors in the order of [`crate::sensor::Sensor`].
+/// One bit an effect, for each subject: the reference, then the sensors in the order of
+/// [`crate::sensor::Sensor`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct ActingEffects {
     estimated: [u32; 1 + SENSORS],

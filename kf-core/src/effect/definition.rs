@@ -11,8 +11,9 @@ use crate::input::{GpsFix, TickInput};
 use super::formulas::run;
 use super::{EffectTerm, SignalTracker};
 
-/// What runs formulas. Reached by a reference from each definition, so that an image without any does not have it, and made where the
-/// definition is, so that it is compiled as that crate is: for speed in the flight computer's image, whose `kf-core` is for size.
+/// What runs formulas. Reached by a reference from each definition, so that an image without any does not
+/// have it, and made where the definition is, so that it is compiled as that crate is: for speed in the
+/// flight computer's image, whose `kf-core` is for size.
 pub(crate) struct Machine {
     pub take: fn(&mut Frame, u64, &TickInput, Option<&GpsFix>, &SignalTracker),
     pub run: Run,
@@ -43,11 +44,13 @@ pub struct Parts {
     pub law: &'static str,
     /// What it is, for the reader.
     pub about: &'static str,
-    /// Stands for what it acts on, its unit and its formula, whatever its layout: a learned coefficient is one of this.
+    /// Stands for what it acts on, its unit and its formula, whatever its layout: a learned coefficient is
+    /// one of this.
     pub fingerprint: u64,
 }
 
-/// An effect by formula, for [`super::EffectId::Defined`]. Two with the same name and fingerprint are the same.
+/// An effect by formula, for [`super::EffectId::Defined`]. Two with the same name and fingerprint are the
+/// same.
 pub struct Definition {
     parts: Parts,
     pub(super) row: Row,
@@ -58,7 +61,8 @@ pub struct Definition {
 #[cfg(feature = "formulas")]
 pub type Defined = &'static Definition;
 
-/// Which effect by formula an id means. In an image without the feature `formulas` there is none, so that an id takes one byte.
+/// Which effect by formula an id means. In an image without the feature `formulas` there is none, so that an
+/// id takes one byte.
 #[cfg(not(feature = "formulas"))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Defined {}

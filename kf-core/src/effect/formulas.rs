@@ -7,15 +7,16 @@ use crate::formula::{Frame, Silent, Stack, step};
 use crate::input::{GpsFix, TickInput};
 use crate::sensor::SENSORS;
 
-/// How many numbers the formulas of a model without estimated effects can remember, all together; none in an image whose model has no
-/// formula, which then does not pay for the room.
+/// How many numbers the formulas of a model without estimated effects can remember, all together; none in an
+/// image whose model has no formula, which then does not pay for the room.
 pub const MAX_FORMULA_WORDS: usize = if cfg!(feature = "formulas") { formula_words(0) } else { 0 };
 
-/// How many numbers the formulas of a model can remember beside so many estimated effects: with them the snapshot of a mission is no longer
-/// than that of the model with the most estimated effects, which is as long as there is room for.
+/// How many numbers the formulas of a model can remember beside so many estimated effects: with them the
+/// snapshot of a mission is no longer than that of the model with the most estimated effects, which is as
+/// long as there is room for.
 ///
-/// Each estimated effect fewer saves its coefficient, its row of the covariance, and its regressor at the last fix; the count of silent
-/// formulas and the length take two of these words.
+/// Each estimated effect fewer saves its coefficient, its row of the covariance, and its regressor at the
+/// last fix; the count of silent formulas and the length take two of these words.
 #[must_use]
 pub const fn formula_words(estimated: usize) -> usize {
     let saved = MAX_ESTIMATED_EFFECTS.saturating_sub(estimated);
@@ -26,7 +27,8 @@ pub const fn formula_words(estimated: usize) -> usize {
 /// What the formulas of a mission remember.
 pub(crate) type FormulaWords = heapless::Vec<f32, MAX_FORMULA_WORDS>;
 
-/// Signals, memory and values of a model's effects by formula. In an image whose model has no formula it takes next to no memory.
+/// Signals, memory and values of a model's effects by formula. In an image whose model has no formula it
+/// takes next to no memory.
 #[derive(Clone, Debug)]
 pub(crate) struct Formulas {
     machine: Option<&'static Machine>,
@@ -72,7 +74,8 @@ impl Formulas {
         words(config) <= formula_words(E)
     }
 
-    /// Of a model's effects, which must [`Self::fit`]. That is asked apart: as an option of this it would be on the stack twice.
+    /// Of a model's effects, which must [`Self::fit`]. That is asked apart: as an option of this it would be
+    /// on the stack twice.
     pub(crate) fn of<const E: usize>(config: &MissionConfig<E>) -> Self {
         let mut formulas =
             Self { machine: None, used: 0, memory: [Memory::default(); MEMORIES], integrals_lost: false };
@@ -103,7 +106,8 @@ impl Formulas {
         self.integrals_lost = false;
     }
 
-    /// Takes a tick that the tracker of signals has taken; returns how many formulas had no value though their signals are there.
+    /// Takes a tick that the tracker of signals has taken; returns how many formulas had no value though
+    /// their signals are there.
     #[inline]
     pub(crate) fn take<const E: usize>(
         &mut self,
@@ -167,8 +171,8 @@ fn words<const E: usize>(config: &MissionConfig<E>) -> usize {
     terms.map(EffectTerm::id).map(|id| id.formula().map_or(0, |formula| formula.program.state_words())).sum()
 }
 
-/// Runs the formulas among `terms` for one tick, each with its part of `state`, in their order. Returns the state that is left, and how many
-/// formulas had no value though their signals are there.
+/// Runs the formulas among `terms` for one tick, each with its part of `state`, in their order. Returns the
+/// state that is left, and how many formulas had no value though their signals are there.
 #[inline]
 pub(super) fn run<'a>(
     terms: &[EffectTerm],

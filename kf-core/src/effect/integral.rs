@@ -79,7 +79,8 @@ mod tests {
 
     #[test]
     fn hours_do_not_drift() {
-        // Two hours of 1 mm/s^2 at 200 Hz: 25,920 m; the last step adds 0.036 m, of which f32 there resolves 2 mm.
+        // Two hours of 1 mm/s^2 at 200 Hz: 25,920 m; the last step adds 0.036 m, of which f32 there resolves
+        // 2 mm.
         let mut integral = DoubleIntegral::default();
         integral.advance(0.0, 0.001);
         for _ in 0..2 * 3600 * 200 {

@@ -1,7 +1,8 @@
 //! Effects: physical causes that add `coefficient * regressor(signals)` to what a sensor reads.
 //!
-//! The catalogue ([`EffectId`]) has one row an effect; [`SignalTracker`] makes the regressors, tick by
-//! tick, from the signals. A model adds effects of its own by formula ([`Definition`]), which [`crate::formula`] runs.
+//! The catalogue ([`EffectId`]) has one row an effect; [`SignalTracker`] makes the regressors, tick by tick,
+//! from the signals. A model adds effects of its own by formula ([`Definition`]), which [`crate::formula`]
+//! runs.
 
 mod acting;
 mod barometer;

@@ -159,7 +159,8 @@ impl SignalTracker {
         self.integrals_lost = true;
     }
 
-    /// It was no launch: the flight is captive as before, and the next [`Self::begin_free_flight`] starts afresh.
+    /// It was no launch: the flight is captive as before, and the next [`Self::begin_free_flight`] starts
+    /// afresh.
     pub fn resume_captive(&mut self) {
         self.launch_us = None;
         self.integrals_lost = false;
@@ -270,7 +271,8 @@ impl SignalTracker {
         }
     }
 
-    /// How many signal values were refused: not finite, implausible, no angle, or so large that an integral overflows.
+    /// How many signal values were refused: not finite, implausible, no angle, or so large that an integral
+    /// overflows.
     #[must_use]
     pub const fn refused(&self) -> u32 {
         self.refused

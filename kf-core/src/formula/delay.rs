@@ -11,8 +11,9 @@ pub(super) const KEPT: usize = INTERVALS + 1;
 /// Words of a delay's memory.
 pub const WORDS: usize = KEPT + 4;
 
-/// A delay's memory: the samples in a ring, then the last argument, [`BEGUN`] or how long it waited, the time since the newest sample, and
-/// the index of the oldest. Until the ring is full, the last word is [`KEPT`] plus the index of the next sample, which is out of the ring.
+/// A delay's memory: the samples in a ring, then the last argument, [`BEGUN`] or how long it waited, the time
+/// since the newest sample, and the index of the oldest. Until the ring is full, the last word is [`KEPT`]
+/// plus the index of the next sample, which is out of the ring.
 #[inline(always)]
 pub(super) fn parts(memory: &mut [f32; WORDS]) -> Option<(&mut [f32; KEPT], &mut [f32; 4])> {
     let (ring, rest) = memory.split_first_chunk_mut::<KEPT>()?;
@@ -28,8 +29,8 @@ pub(super) fn between(ring: &[f32; KEPT], oldest: f32, part: f32) -> Option<f32>
     Some(oldest + (next - oldest) * part)
 }
 
-/// The argument sixteen intervals ago: samples an interval apart, each on the straight line between two ticks, and straight lines between
-/// those. NaN until there is enough of the past.
+/// The argument sixteen intervals ago: samples an interval apart, each on the straight line between two
+/// ticks, and straight lines between those. NaN until there is enough of the past.
 #[inline(never)]
 pub(super) fn delay(memory: &mut [f32; WORDS], argument: f32, interval_s: f32, seconds: f32) -> f32 {
     let Some((ring, [last, waited, phase_s, oldest])) = parts(memory) else {

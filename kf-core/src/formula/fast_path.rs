@@ -1,9 +1,9 @@
-//! Fast paths of the operations with memory, for the common tick: the argument is a number, the last tick had one too, and a delay has no
-//! sample to take.
+//! Fast paths of the operations with memory, for the common tick: the argument is a number, the last tick had
+//! one too, and a delay has no sample to take.
 //!
-//! They are inlined, and test only what separates the common tick from the others. `None` means another tick, with the memory unchanged: the
-//! general function in `words` or `delay` then does the work. The arithmetic is written once, there; a property test holds that both give the same
-//! bits.
+//! They are inlined, and test only what separates the common tick from the others. `None` means another tick,
+//! with the memory unchanged: the general function in `words` or `delay` then does the work. The arithmetic
+//! is written once, there; a property test holds that both give the same bits.
 
 use super::delay;
 use super::words::{BEGUN, add_sample, add_to_mean, add_trapezium, add_twice, towards, wait};
@@ -118,8 +118,9 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Runs the fast path and the general function tick by tick. Wherever the fast path has a value, both agree in value and memory, to the
-    /// bit; elsewhere it has changed nothing. Returns how many ticks the fast path served.
+    /// Runs the fast path and the general function tick by tick. Wherever the fast path has a value, both
+    /// agree in value and memory, to the bit; elsewhere it has changed nothing. Returns how many ticks the
+    /// fast path served.
     fn agree<const N: usize>(
         ticks: &[(f32, bool, bool, bool)],
         fast: impl Fn(&mut [f32; N], (f32, bool, bool, bool)) -> Option<f32>,
@@ -226,8 +227,9 @@ mod tests {
             ),
         ]
         .map(Result::unwrap);
-        // An integral is 0 before launch. A rate has no value before the second sample, and a new sample after ticks without one is the
-        // general function's. A delay of a second takes a sample at every sixth tick, and has a value after a second.
+        // An integral is 0 before launch. A rate has no value before the second sample, and a new sample
+        // after ticks without one is the general function's. A delay of a second takes a sample at every
+        // sixth tick, and has a value after a second.
         for (served, least) in served.into_iter().zip([199, 316, 399, 398, 240]) {
             assert!(served >= least, "{served} of 400, {least} at least");
         }

@@ -23,8 +23,8 @@ pub(super) const INERTIAL_AND_ATTITUDE: &[&str] = &[
 /// Zero degrees Celsius, K.
 const CELSIUS_K: f32 = 273.15;
 
-/// Latest values of the signals, which of them are new, and where the flight is. Values are in the units of [`Signal::unit`]; NaN is
-/// what has not been seen.
+/// Latest values of the signals, which of them are new, and where the flight is. Values are in the units of
+/// [`Signal::unit`]; NaN is what has not been seen.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
     pub(super) values: [f32; PLACES],
@@ -51,8 +51,8 @@ impl Default for Frame {
 }
 
 impl Frame {
-    /// Begins a tick by hand, `seconds` after the last one: nothing is new but time. For who has signals and no [`TickInput`]s; follow it
-    /// with [`Self::set`].
+    /// Begins a tick by hand, `seconds` after the last one: nothing is new but time. For who has signals and
+    /// no [`TickInput`]s; follow it with [`Self::set`].
     pub fn begin(&mut self, seconds: f32, launched: bool, calibration_begins: bool) {
         (self.seconds, self.launched, self.calibration_begins) = (seconds, launched, calibration_begins);
         self.new = ALWAYS_NEW;
@@ -67,7 +67,8 @@ impl Frame {
         }
     }
 
-    /// The latest value at a place of a program, which has been checked to be one; NaN where it has not been seen.
+    /// The latest value at a place of a program, which has been checked to be one; NaN where it has not been
+    /// seen.
     #[inline(always)]
     pub(super) fn number(&self, place: u8) -> f32 {
         self.values.get(usize::from(place) & PLACES.wrapping_sub(1)).copied().unwrap_or(f32::NAN)
@@ -84,8 +85,8 @@ impl Frame {
         self.calibration_begins = true;
     }
 
-    /// Takes what is new at a tick of the signals in the set `used`; `fix` is the tick's if it was accepted. The tracker has taken the
-    /// tick already. [`Self::end`] after the programs have run.
+    /// Takes what is new at a tick of the signals in the set `used`; `fix` is the tick's if it was accepted.
+    /// The tracker has taken the tick already. [`Self::end`] after the programs have run.
     #[inline]
     pub fn take(&mut self, used: u64, input: &TickInput, fix: Option<&GpsFix>, tracker: &SignalTracker) {
         self.seconds = self.last_us.map_or(0.0, |last_us| elapsed_s(last_us, input.time_us));
@@ -125,8 +126,8 @@ impl Frame {
         self.calibration_begins = false;
     }
 
-    /// A signal's value if it is new; `imu` is the tick's sample if it is plausible. Not inlined: the compiler would compute every signal
-    /// before the loop over those that are used.
+    /// A signal's value if it is new; `imu` is the tick's sample if it is plausible. Not inlined: the
+    /// compiler would compute every signal before the loop over those that are used.
     #[inline(never)]
     fn sample(
         &mut self,

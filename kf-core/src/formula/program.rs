@@ -12,11 +12,13 @@ pub const MAX_MASKS: usize = 8;
 pub const MAX_STATE_WORDS: usize = 64;
 /// So that a mask keeps an index within them.
 const _: () = assert!(MAX_DEPTH.is_power_of_two() && MAX_MASKS.is_power_of_two());
-/// The `of` of an operation whose argument is on the stack rather than a signal: every operation as the compiler of formulas writes it.
+/// The `of` of an operation whose argument is on the stack rather than a signal: every operation as the
+/// compiler of formulas writes it.
 pub const TOP: u8 = u8::MAX;
 
-/// One operation. Arguments are taken from the stack, the last one from its top, and the result takes their place; `at` is where the
-/// operation's memory begins, `mask` which of the program's sets of signals it samples its argument at.
+/// One operation. Arguments are taken from the stack, the last one from its top, and the result takes their
+/// place; `at` is where the operation's memory begins, `mask` which of the program's sets of signals it
+/// samples its argument at.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Op {
     /// A number.
@@ -51,7 +53,8 @@ pub enum Op {
     Not,
     /// 1 where `a > 0`, else 0.
     Step,
-    /// `a + c`: a constant that an operation takes at once is in the operation, as [`Program::new`] joins them; likewise below.
+    /// `a + c`: a constant that an operation takes at once is in the operation, as [`Program::new`] joins
+    /// them; likewise below.
     AddConstant(f32),
     /// `a - c`.
     SubtractConstant(f32),
@@ -139,12 +142,14 @@ pub enum Op {
         /// Two words.
         at: u8,
     },
-    /// `a` as it was `b` seconds ago, from sixteen samples over that time with straight lines between them; silent until then.
+    /// `a` as it was `b` seconds ago, from sixteen samples over that time with straight lines between them;
+    /// silent until then.
     Delay {
         /// `delay::WORDS` words.
         at: u8,
     },
-    /// Mean of `a` over the samples of the calibration (before it: of all so far), and that of captive flight after launch.
+    /// Mean of `a` over the samples of the calibration (before it: of all so far), and that of captive flight
+    /// after launch.
     Captive {
         /// Three words.
         at: u8,
@@ -240,8 +245,8 @@ impl Op {
         }
     }
 
-    /// This operation and the one before it, which puts its last argument on the stack, as one; `None` where there is none for both. The
-    /// same numbers at less than the price of two.
+    /// This operation and the one before it, which puts its last argument on the stack, as one; `None` where
+    /// there is none for both. The same numbers at less than the price of two.
     const fn joined(self, before: Self) -> Option<Self> {
         Some(match (before, self) {
             (Self::Constant(number), Self::Add) => Self::AddConstant(number),
@@ -299,9 +304,10 @@ pub struct Program {
 }
 
 impl Program {
-    /// A program of these operations; `masks` are sets of signals, a bit for each place in a [`super::Frame`]. `None` where it is too
-    /// long, reads what is not on the stack, leaves other than one number there, needs a stack that is too deep, has more memory than
-    /// there is, or memory that is not laid out in the operations' order.
+    /// A program of these operations; `masks` are sets of signals, a bit for each place in a
+    /// [`super::Frame`]. `None` where it is too long, reads what is not on the stack, leaves other than one
+    /// number there, needs a stack that is too deep, has more memory than there is, or memory that is not
+    /// laid out in the operations' order.
     #[must_use]
     pub const fn new(ops: &[Op], masks: &[u64]) -> Option<Self> {
         if ops.is_empty() || ops.len() > MAX_OPS || masks.len() > MAX_MASKS {

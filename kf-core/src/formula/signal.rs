@@ -2,7 +2,8 @@
 
 use crate::effect::Uses;
 
-/// How many columns that the estimator does not know a model's formulas may read; only at the desk, where there are such.
+/// How many columns that the estimator does not know a model's formulas may read; only at the desk, where
+/// there are such.
 pub const MAX_COLUMNS: usize = if cfg!(target_os = "none") { 0 } else { 8 };
 
 macro_rules! signals {
@@ -56,7 +57,8 @@ signals! {
     UpwardAcceleration = "upward_accel_mps2", "m/s^2";
     /// Forward acceleration in the level frame.
     ForwardAcceleration = "forward_accel_mps2", "m/s^2";
-    /// Half the squared difference of two neighbouring samples of the specific force, summed over the axes: the vibration's variance.
+    /// Half the squared difference of two neighbouring samples of the specific force, summed over the axes:
+    /// the vibration's variance.
     AccelerationVariance = "accel_variance", "m^2/s^4";
     /// Column `tas_mps`.
     TrueAirspeed = "tas_mps", "m/s";
@@ -113,8 +115,8 @@ signals! {
 /// Places of a frame: the signals, then the columns that the estimator does not know.
 pub const SIGNALS: usize = Signal::ALL.len() + MAX_COLUMNS;
 
-/// How many of these a [`super::Frame`] has room for: none where no model has a formula. A power of two, so that a mask keeps an index
-/// inside, which is cheaper than a comparison.
+/// How many of these a [`super::Frame`] has room for: none where no model has a formula. A power of two, so
+/// that a mask keeps an index inside, which is cheaper than a comparison.
 pub(super) const PLACES: usize = if cfg!(feature = "formulas") { SIGNALS.next_power_of_two() } else { 0 };
 
 impl Signal {

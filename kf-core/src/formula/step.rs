@@ -39,8 +39,8 @@ impl Silent {
     }
 }
 
-/// Scratch memory for the stack of one tick. Nothing in it survives the tick; the caller owns it because clearing it at every tick would cost
-/// as much as an operation.
+/// Scratch memory for the stack of one tick. Nothing in it survives the tick; the caller owns it because
+/// clearing it at every tick would cost as much as an operation.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Stack([f32; MAX_DEPTH]);
 
@@ -86,8 +86,8 @@ impl Evaluation {
     }
 }
 
-/// Runs a program over a tick's signals. `state` has at least [`Program::state_words`] numbers, 0 before the first tick, then as they
-/// were left.
+/// Runs a program over a tick's signals. `state` has at least [`Program::state_words`] numbers, 0 before the
+/// first tick, then as they were left.
 ///
 /// # Errors
 /// [`Silent`]: the first thing that left the formula without a value.
@@ -103,7 +103,8 @@ pub fn step(
     let mut depth = 0_usize;
     let mut top = 0.0_f32;
     let (seconds, launched, begins) = (frame.seconds, frame.launched, frame.calibration_begins);
-    // The program has been checked: what it takes is there. Masks keep every index inside for the compiler to see.
+    // The program has been checked: what it takes is there. Masks keep every index inside for the compiler to
+    // see.
     for op in program.ops() {
         let mut under = 0.0;
         macro_rules! push {
@@ -120,7 +121,8 @@ pub fn step(
                 under
             }};
         }
-        // A second argument that is not on the stack: whether it is a number is asked for as that of one that was.
+        // A second argument that is not on the stack: whether it is a number is asked for as that of one that
+        // was.
         macro_rules! constant {
             ($value:expr) => {{
                 under = $value;
@@ -133,7 +135,8 @@ pub fn step(
                 under
             }};
         }
-        // An operation with memory takes its argument from the stack, or pushes a signal first and takes that.
+        // An operation with memory takes its argument from the stack, or pushes a signal first and takes
+        // that.
         macro_rules! argument {
             ($of:expr) => {
                 if $of != TOP {
@@ -395,7 +398,8 @@ fn power(a: f32, exponent: i8) -> f32 {
     if exponent < 0 { 1.0 / result } else { result }
 }
 
-/// Why an operation made no number; `top` is the argument that was on the top of the stack, `second` the one that was not.
+/// Why an operation made no number; `top` is the argument that was on the top of the stack, `second` the one
+/// that was not.
 #[cold]
 fn reason(op: Op, top: f32, second: f32, was_number: bool, value: f32) -> Silent {
     if !was_number {

@@ -133,7 +133,8 @@ fn what_is_kept_of_captive_flight_stays_after_launch() {
 
 #[test]
 fn what_is_no_number_waits_and_is_made_up_for() {
-    // 1/throttle over twenty ticks, at seven of which the throttle is 0: nothing is known there, and the line goes across.
+    // 1/throttle over twenty ticks, at seven of which the throttle is 0: nothing is known there, and the line
+    // goes across.
     let ops = [
         Op::Constant(1.0),
         Op::Signal(Signal::Throttle.place()),
@@ -209,7 +210,8 @@ fn joined_operations_are_the_two_they_are_made_of() {
 #[test]
 fn a_memory_with_a_constant_is_the_two_operations_that_it_is_made_of() {
     let memories = [Op::LowPass { at: 0 }, Op::Delay { at: 0 }];
-    // What is no number, a step, a number so large that its difference is none, and time constants that are none.
+    // What is no number, a step, a number so large that its difference is none, and time constants that are
+    // none.
     let values: Vec<_> = (0..200_u8)
         .map(|k| match k {
             50..60 => Some(0.0),
@@ -234,7 +236,8 @@ fn a_memory_with_a_constant_is_the_two_operations_that_it_is_made_of() {
     }
 }
 
-/// Ticks of a flight with all that a memory must tell apart: a launch, a calibration that begins (twice), no new sample, no number.
+/// Ticks of a flight with all that a memory must tell apart: a launch, a calibration that begins (twice), no
+/// new sample, no number.
 fn ticks() -> impl Strategy<Value = Vec<(Option<Option<f32>>, bool)>> {
     let value = prop_oneof![8 => (-50.0_f32..50.0).prop_map(Some), 1 => Just(None), 1 => Just(Some(3e38))];
     let tick = (prop_oneof![3 => value.prop_map(Some), 1 => Just(None)], proptest::bool::weighted(0.05));
@@ -282,8 +285,8 @@ proptest! {
     }
 }
 
-/// A tick that brings everything, and what a frame takes of it for one signal: its value, and the signals that are new beside those that
-/// always are.
+/// A tick that brings everything, and what a frame takes of it for one signal: its value, and the signals
+/// that are new beside those that always are.
 fn taken(signal: Signal, gyro_radps: [f32; 3]) -> (Option<f32>, u64) {
     let input = TickInput {
         time_us: 5_000,
@@ -344,7 +347,8 @@ fn a_frame_takes_the_signal_that_is_used_and_no_other() {
     assert_eq!(taken(Signal::Altitude, [0.01, 0.02, 0.03]).0, Some(1_000.0), "that of the tick's own fix");
 }
 
-/// No vehicle of this class turns at a hundred radians a second: of such a sample nothing is taken, not its forces either.
+/// No vehicle of this class turns at a hundred radians a second: of such a sample nothing is taken, not its
+/// forces either.
 #[test]
 fn a_frame_takes_no_inertial_signal_of_a_sample_that_can_not_be() {
     for signal in [Signal::AccelX, Signal::GyroY, Signal::LoadFactor, Signal::AccelerationVariance] {
@@ -352,8 +356,8 @@ fn a_frame_takes_no_inertial_signal_of_a_sample_that_can_not_be() {
     }
 }
 
-/// Of two samples that are independent, half the square of their difference is their variance, on the mean; what they have in common is no
-/// vibration.
+/// Of two samples that are independent, half the square of their difference is their variance, on the mean;
+/// what they have in common is no vibration.
 #[test]
 fn the_forces_variance_is_of_its_change() {
     let used = Signal::AccelerationVariance;

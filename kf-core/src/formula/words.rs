@@ -1,6 +1,7 @@
 //! Memory of single operations, as numbers in the state.
 //!
-//! A state is all zeros at the start. Where "nothing yet" has to be told from a number it is a word of its own, so that no NaN is needed.
+//! A state is all zeros at the start. Where "nothing yet" has to be told from a number it is a word of its
+//! own, so that no NaN is needed.
 
 /// Memory of that many words from `at` on.
 #[inline(always)]
@@ -8,8 +9,9 @@ pub(super) fn words<const N: usize>(state: &mut [f32], at: u8) -> Option<&mut [f
     state.get_mut(usize::from(at)..)?.first_chunk_mut()
 }
 
-/// What an addition keeps, and what it rounds off (Kahan, "Further remarks on reducing truncation errors", CACM 8(1), 1965). The second
-/// is finite only where the first is: an infinity less a number is no finite one.
+/// What an addition keeps, and what it rounds off (Kahan, "Further remarks on reducing truncation errors",
+/// CACM 8(1), 1965). The second is finite only where the first is: an infinity less a number is no finite
+/// one.
 #[inline(always)]
 fn plus(sum: f32, lost: f32, addend: f32) -> (f32, f32) {
     let corrected = addend - lost;
@@ -17,11 +19,12 @@ fn plus(sum: f32, lost: f32, addend: f32) -> (f32, f32) {
     (value, (value - sum) - corrected)
 }
 
-/// A word that says how long an operation has waited for its argument to be a number again: 0 where it never was one, this where it was
-/// one at the last tick, and else minus the seconds.
+/// A word that says how long an operation has waited for its argument to be a number again: 0 where it never
+/// was one, this where it was one at the last tick, and else minus the seconds.
 pub(super) const BEGUN: f32 = 1.0;
 
-/// Adds a step to `[sum, lost, last, waited]`, by the trapezium. `None`, with nothing kept, where the sum is not finite.
+/// Adds a step to `[sum, lost, last, waited]`, by the trapezium. `None`, with nothing kept, where the sum is
+/// not finite.
 #[inline(always)]
 pub(super) fn add_trapezium([sum, lost, last, _]: &mut [f32; 4], argument: f32, step_s: f32) -> Option<f32> {
     let (next, next_lost) = plus(*sum, *lost, 0.5 * step_s * (*last + argument));
@@ -53,8 +56,8 @@ pub(super) fn integral(memory: &mut [f32; 4], argument: f32, seconds: f32, launc
     begun(value, &mut memory[3])
 }
 
-/// Adds a step to `[slope, lost, value, lost, last, waited]`, exactly for a straight line between two arguments, as `effect::integral` does.
-/// `None`, with nothing kept, where a sum is not finite.
+/// Adds a step to `[slope, lost, value, lost, last, waited]`, exactly for a straight line between two
+/// arguments, as `effect::integral` does. `None`, with nothing kept, where a sum is not finite.
 #[inline(always)]
 pub(super) fn add_twice(
     [slope, slope_lost, value, lost, last, _]: &mut [f32; 6],
@@ -104,7 +107,8 @@ fn begun(value: Option<f32>, waited: &mut f32) -> f32 {
     }
 }
 
-/// Whether it is above 0 and finite. By its bits: the compiler makes some thirty instructions of the two comparisons.
+/// Whether it is above 0 and finite. By its bits: the compiler makes some thirty instructions of the two
+/// comparisons.
 #[inline(always)]
 pub(super) fn is_positive(value: f32) -> bool {
     value.to_bits().wrapping_sub(1) < f32::INFINITY.to_bits() - 1
@@ -128,7 +132,8 @@ pub(super) fn elapsed(waited: f32, seconds: f32) -> f32 {
     if waited == BEGUN { seconds } else { seconds - waited }
 }
 
-/// Takes a new sample into `[last, waited, rate, has a rate]`. `None`, with nothing kept, where the rate is not finite.
+/// Takes a new sample into `[last, waited, rate, has a rate]`. `None`, with nothing kept, where the rate is
+/// not finite.
 #[inline(always)]
 pub(super) fn add_sample(
     [last, _, rate, has_rate]: &mut [f32; 4],
@@ -162,7 +167,8 @@ pub(super) fn rate(memory: &mut [f32; 4], argument: f32, seconds: f32, is_new: b
     begun(value, &mut memory[1])
 }
 
-/// A first-order low pass after a step towards `argument`, by the backward Euler rule; `whole_s` is the time constant and the step together.
+/// A first-order low pass after a step towards `argument`, by the backward Euler rule; `whole_s` is the time
+/// constant and the step together.
 #[inline(always)]
 pub(super) fn towards(filtered: f32, argument: f32, step_s: f32, whole_s: f32) -> f32 {
     filtered + (argument - filtered) * (step_s / whole_s)
@@ -201,8 +207,8 @@ pub(super) fn add_to_mean([mean, lost, count]: &mut [f32; 3], argument: f32) -> 
     true
 }
 
-/// `[mean, lost, count]`. At the first sample of the calibration it starts anew: the count is then negative. Whether there is a sample is
-/// asked only where one would be taken.
+/// `[mean, lost, count]`. At the first sample of the calibration it starts anew: the count is then negative.
+/// Whether there is a sample is asked only where one would be taken.
 #[inline(never)]
 pub(super) fn captive(
     memory: &mut [f32; 3],

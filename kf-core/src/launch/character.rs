@@ -1,11 +1,13 @@
-//! The force's character: whether its mean on any axis, or how rough it is, has changed since the suspicion of a launch
-//! began.
+//! The force's character: whether its mean on any axis, or how rough it is, has changed since the suspicion
+//! of a launch began.
 //!
-//! A vehicle that leaves loses the mother ship's lift, drag and vibration, and starts an engine: even one that carries itself, and so
-//! feels no step, is another body from then on. A tear of the cable changes none of it.
+//! A vehicle that leaves loses the mother ship's lift, drag and vibration, and starts an engine: even one
+//! that carries itself, and so feels no step, is another body from then on. A tear of the cable changes none
+//! of it.
 //!
-//! Blocks of a quarter of a second are compared with those of captive flight. The block in progress and the one
-//! before are left out when a suspicion begins: the hooks open up to a quarter of a second before the wire does.
+//! Blocks of a quarter of a second are compared with those of captive flight. The block in progress and the
+//! one before are left out when a suspicion begins: the hooks open up to a quarter of a second before the
+//! wire does.
 
 /// Length of a block, microseconds.
 const BLOCK_US: u64 = 250_000;
@@ -15,9 +17,9 @@ const LEAST_SAMPLES: u16 = 10;
 const MEMORY_BLOCKS: u16 = 40;
 /// Fewer are nothing to compare with: 5 s.
 const LEAST_BLOCKS: u16 = 20;
-/// A block differs by so many standard deviations, squared. Two in a row must: in Gaussian noise of 40 remembered blocks, where the
-/// deviation itself is known to 11 %, one of the four figures does so by chance in some 1e-7 of the blocks, and a gust
-/// that fills two blocks in some 1e-5.
+/// A block differs by so many standard deviations, squared. Two in a row must: in Gaussian noise of 40
+/// remembered blocks, where the deviation itself is known to 11 %, one of the four figures does so by chance
+/// in some 1e-7 of the blocks, and a gust that fills two blocks in some 1e-5.
 const SIGMAS_SQUARED: f32 = 36.0;
 /// Least standard deviation of a mean, m/s^2: flexing of the mounting. In still air a step of 0.06 g shows.
 const FLOOR_MPS2: f32 = 0.1;
@@ -25,8 +27,8 @@ const FLOOR_MPS2: f32 = 0.1;
 const FLOOR_ROUGHNESS: f32 = 0.25;
 /// Blocks in a row that differ.
 const IN_A_ROW: u8 = 2;
-/// So many captive ones in a row are what the flight is like from then on; fewer are a flipped bit or a bump, which must not widen for
-/// ten seconds what a change is held against.
+/// So many captive ones in a row are what the flight is like from then on; fewer are a flipped bit or a bump,
+/// which must not widen for ten seconds what a change is held against.
 const NEW_REGIME: u8 = 3;
 /// The last block of a living unit ended no longer ago than this, microseconds: a block and a lost one.
 const LIVING_US: u64 = 600_000;
@@ -146,8 +148,8 @@ impl Character {
         self.is_comparable() && self.is_living(now_us)
     }
 
-    /// Whether the unit lives, and has lived since a block before the suspicion began: for as long as the cable's slack takes, so that it has seen the
-    /// hooks open if they have.
+    /// Whether the unit lives, and has lived since a block before the suspicion began: for as long as the
+    /// cable's slack takes, so that it has seen the hooks open if they have.
     pub(super) fn is_living(&self, now_us: u64) -> bool {
         !self.was_blind && self.lives(now_us)
     }

@@ -1,7 +1,8 @@
 //! The climb rate by the fixes: a witness of a fall that is not the accelerometer.
 
-/// A loss of climb rate that no mother ship flies in the time of a suspicion, m/s: in 3 s it is a push-over to 0.83 g, which she
-/// does not begin, with a vehicle under her, in the moment in which its cable tears. Near free fall takes 0.7 s for it.
+/// A loss of climb rate that no mother ship flies in the time of a suspicion, m/s: in 3 s it is a push-over
+/// to 0.83 g, which she does not begin, with a vehicle under her, in the moment in which its cable tears.
+/// Near free fall takes 0.7 s for it.
 const FALL_MPS: f32 = 5.0;
 /// A fix older than this says nothing, microseconds: of 1 Hz, one may be late.
 const FRESH_US: u64 = 1_500_000;

@@ -1,12 +1,14 @@
 //! The ticks' clock without its leaps.
 //!
-//! A leap between the opening of the wire and a message that came within the cable's slack would make of that message one that
-//! came too late for a launch, and of everything else a long silence. A clock that runs back would hide a departure until it has caught up.
-//! A tick is a tick, whatever its clock: both are counted as one.
+//! A leap between the opening of the wire and a message that came within the cable's slack would make of that
+//! message one that came too late for a launch, and of everything else a long silence. A clock that runs back
+//! would hide a departure until it has caught up. A tick is a tick, whatever its clock: both are counted as
+//! one.
 
 use super::LaunchInput;
 
-/// A tick comes every 5 ms. One that is later than this by the clock is a clock that has leapt: after an outage there is another detector.
+/// A tick comes every 5 ms. One that is later than this by the clock is a clock that has leapt: after an
+/// outage there is another detector.
 const LEAP_US: u64 = 100_000;
 /// What has passed then.
 const TICK_US: u64 = 5_000;
@@ -22,8 +24,8 @@ pub(super) struct Clock {
 }
 
 impl Clock {
-    /// A tick's input by a clock that has not leapt, and by how much it has leapt on since the tick before, microseconds: negative where it
-    /// has run back, or stood still.
+    /// A tick's input by a clock that has not leapt, and by how much it has leapt on since the tick before,
+    /// microseconds: negative where it has run back, or stood still.
     #[inline]
     pub(super) fn without_leaps(&mut self, input: &LaunchInput) -> (LaunchInput, i64) {
         let elapsed_us = self.last_us.map_or(TICK_US, |last_us| input.time_us.wrapping_sub(last_us));

@@ -1,7 +1,7 @@
 //! The force on the vehicle: when it departs from what it was under the pylon, and when it falls.
 //!
-//! The magnitude comes from its smoothed square by one of Heron's steps a sample: no tick takes a root, and a value
-//! that moves little between samples is followed closely.
+//! The magnitude comes from its smoothed square by one of Heron's steps a sample: no tick takes a root, and a
+//! value that moves little between samples is followed closely.
 
 use super::{LaunchConfig, LaunchCounts, LaunchInput, count, step_s};
 use crate::atmosphere::STANDARD_GRAVITY_MPS2;
@@ -14,8 +14,9 @@ const MEAN_S: f32 = 2.0;
 const SPREAD_S: f32 = 10.0;
 /// Captive samples without which there is no mean to depart from, seconds.
 const LEAST_CAPTIVE_S: f32 = 5.0;
-/// What is further off the captive mean than half a g is learnt only once it has lasted for so long, seconds: a turn lasts, wild samples
-/// of a unit do not, and would hide a departure for as long as the spread remembers them.
+/// What is further off the captive mean than half a g is learnt only once it has lasted for so long, seconds:
+/// a turn lasts, wild samples of a unit do not, and would hide a departure for as long as the spread
+/// remembers them.
 const UNLIKELY_MPS2: f32 = 4.9;
 const REGIME_S: f32 = 1.0;
 /// Captive samples from which on anything is unlikely, seconds: the mean is known to a gust's size by then.
@@ -54,8 +55,8 @@ pub(super) struct Force {
 }
 
 impl Force {
-    /// Takes a tick's sample, if it has one, and hands on a valid one. Only what is captive for certain enters mean and
-    /// spread.
+    /// Takes a tick's sample, if it has one, and hands on a valid one. Only what is captive for certain
+    /// enters mean and spread.
     pub(super) fn take(
         &mut self,
         input: &LaunchInput,
@@ -88,7 +89,8 @@ impl Force {
             (0..steps).fold(start, |root, _| 0.5 * (root + self.square / root)).max(LEAST_FORCE_MPS2);
         self.follow_fall(now_us, config);
         self.follow_departure(now_us, config);
-        // Nobody is carried in free fall: a unit that reads one must not widen what a departure is held against.
+        // Nobody is carried in free fall: a unit that reads one must not widen what a departure is held
+        // against.
         if let (true, Some(gap_s), None) = (is_captive, gap_s, self.falling_us) {
             let apart = self.magnitude - self.captive_mean;
             let is_unlikely = apart.abs() > UNLIKELY_MPS2 && self.captive_s >= LEAST_LIKELY_S;
@@ -143,7 +145,8 @@ impl Force {
         self.departed_us
     }
 
-    /// Since when it has been below its captive mean, if it still is. A gust may interrupt a near free fall, but hardly this.
+    /// Since when it has been below its captive mean, if it still is. A gust may interrupt a near free fall,
+    /// but hardly this.
     pub(super) fn below_since_us(&self) -> Option<u64> {
         self.departed_us.filter(|_| self.side == Side::Below)
     }

@@ -1,25 +1,28 @@
-//! Launch: when the UAV left its mother ship, by the umbilical's break-wire, the mother ship's messages, the force on the
-//! vehicle and its climb rate.
+//! Launch: when the UAV left its mother ship, by the umbilical's break-wire, the mother ship's messages, the
+//! force on the vehicle and its climb rate.
 //!
-//! None of them is proof. A wire bounces, breaks under the pylon and shorts; a data link dies by itself; a cable that tears takes
-//! both at once; a gust or a fault moves the accelerometer. What each one says, from physics:
+//! None of them is proof. A wire bounces, breaks under the pylon and shorts; a data link dies by itself; a
+//! cable that tears takes both at once; a gust or a fault moves the accelerometer. What each one says, from
+//! physics:
 //!
-//! - Wire: parts once the vehicle has moved by the connector's travel and the cable's slack, up to a quarter of a second
-//!   after the hooks open (0.3 m of fall). Contacts that part bounce for milliseconds.
-//! - Messages: come through the same umbilical, so one that arrives later than the cable's slack allows proves that
-//!   the vehicle is still there, whatever else is read. Silence is no more than a hint.
-//! - Force: under the pylon the vehicle has the mother ship's load factor and vibration. Free, it has those of its own wings and
-//!   engine, and an ejector's push for some ten milliseconds. A share L/W of its weight carried by its own wings makes a step of 1 - L/W;
-//!   without a step the mean on some axis or the roughness still changes, for thrust, drag and vibration are others (`character.rs`).
-//! - Climb rate: near free fall takes 7 m/s a second off it. It is the receiver's, so it and the accelerometer do not fail
-//!   together.
+//! - Wire: parts once the vehicle has moved by the connector's travel and the cable's slack, up to a quarter
+//!   of a second after the hooks open (0.3 m of fall). Contacts that part bounce for milliseconds.
+//! - Messages: come through the same umbilical, so one that arrives later than the cable's slack allows
+//!   proves that the vehicle is still there, whatever else is read. Silence is no more than a hint.
+//! - Force: under the pylon the vehicle has the mother ship's load factor and vibration. Free, it has those
+//!   of its own wings and engine, and an ejector's push for some ten milliseconds. A share L/W of its weight
+//!   carried by its own wings makes a step of 1 - L/W; without a step the mean on some axis or the roughness
+//!   still changes, for thrust, drag and vibration are others (`character.rs`).
+//! - Climb rate: near free fall takes 7 m/s a second off it. It is the receiver's, so it and the
+//!   accelerometer do not fail together.
 //!
 //! # Decisions
-//! `e`: first opening edge. "Departs": the force leaves its captive mean within [`LaunchConfig::window_s`] of `e`,
-//! before or after. "Changes": since the suspicion began, the force's character, or the climb rate has fallen by 5 m/s (`climb.rs`).
-//! "Known": the accelerometer delivers, and has since before `e`, so that a change would have been seen. "Silent": for longer than
-//! [`LaunchConfig::silent_intervals`] of their own intervals (of fewer than three messages: than [`LaunchConfig::undecided_s`]). "Alive": not silent yet
-//! at `e`. "Limit": [`LaunchConfig::undecided_s`] after `e`.
+//! `e`: first opening edge. "Departs": the force leaves its captive mean within [`LaunchConfig::window_s`] of
+//! `e`, before or after. "Changes": since the suspicion began, the force's character, or the climb rate has
+//! fallen by 5 m/s (`climb.rs`). "Known": the accelerometer delivers, and has since before `e`, so that a
+//! change would have been seen. "Silent": for longer than [`LaunchConfig::silent_intervals`] of their own
+//! intervals (of fewer than three messages: than [`LaunchConfig::undecided_s`]). "Alive": not silent yet at
+//! `e`. "Limit": [`LaunchConfig::undecided_s`] after `e`.
 //!
 //! | wire | messages | force and climb rate | verdict |
 //! |---|---|---|---|
@@ -45,53 +48,62 @@
 //! | closed | silent from then on | near free fall for [`LaunchConfig::fall_s`] | launched, [`Confirmation::StuckWire`] |
 //! | any but open | any | any other | captive |
 //!
-//! A wire counts as unreadable once it has not been read for the limit's time. A broken wire that reads closed for the debounce time is
-//! whole again. One that opens five times, each within a second of the time before, is a loose contact, and broken; it is whole again
-//! once it has read closed for the limit's time. A wire that is open at the first tick opened there. A launch is final.
+//! A wire counts as unreadable once it has not been read for the limit's time. A broken wire that reads
+//! closed for the debounce time is whole again. One that opens five times, each within a second of the time
+//! before, is a loose contact, and broken; it is whole again once it has read closed for the limit's time. A
+//! wire that is open at the first tick opened there. A launch is final.
 //!
-//! In the first ten seconds there is nothing that a change could be told from, and nothing calibrated that a launch would latch: a wire
-//! that opens there without a change is broken, for else a cable torn at power-on would be a launch. A start after an interruption is
-//! excepted ([`LaunchDetector::after_interruption`]): the vehicle may have been released while it lasted; unless the wire was broken before it
-//! ([`LaunchDetector::with_broken_wire`]). So is one that finds the traces of a mission ([`LaunchDetector::after_traces`]) and moves over ground at 10 m/s: nobody has switched it on, its supply has dipped, and the release may be
-//! a second away. In the first five seconds the force departs from one g, there being no captive mean yet, and nothing else can show: once the
-//! window has passed the opening is decided. To wait for the limit would be to leave the wire undecided for the next dip of the supply, and who starts
-//! with an open wire that nobody has called broken has been released.
+//! In the first ten seconds there is nothing that a change could be told from, and nothing calibrated that a
+//! launch would latch: a wire that opens there without a change is broken, for else a cable torn at power-on
+//! would be a launch. A start after an interruption is excepted ([`LaunchDetector::after_interruption`]): the
+//! vehicle may have been released while it lasted; unless the wire was broken before it
+//! ([`LaunchDetector::with_broken_wire`]). So is one that finds the traces of a mission
+//! ([`LaunchDetector::after_traces`]) and moves over ground at 10 m/s: nobody has switched it on, its supply
+//! has dipped, and the release may be a second away. In the first five seconds the force departs from one g,
+//! there being no captive mean yet, and nothing else can show: once the window has passed the opening is
+//! decided. To wait for the limit would be to leave the wire undecided for the next dip of the supply, and
+//! who starts with an open wire that nobody has called broken has been released.
 //!
 //! # One fault is no launch
-//! - Wire broken, bouncing, unreadable: her messages go on. Without any, force and climb rate are known and do not change.
+//! - Wire broken, bouncing, unreadable: her messages go on. Without any, force and climb rate are known and
+//!   do not change.
 //! - Messages that stop, or come from a stranger: the wire is closed, and holds.
-//! - Accelerometer dead at zero, stuck or wild: with a closed wire it needs the climb rate or the messages' silence with it.
-//! - The whole cable torn: wire and messages speak with one voice, and are one witness. Force and climb rate are the other. Nothing
-//!   else on board can tell: the mother ship's motion after the tear is not known here.
+//! - Accelerometer dead at zero, stuck or wild: with a closed wire it needs the climb rate or the messages'
+//!   silence with it.
+//! - The whole cable torn: wire and messages speak with one voice, and are one witness. Force and climb rate
+//!   are the other. Nothing else on board can tell: the mother ship's motion after the tear is not known
+//!   here.
 //!
-//! What cannot be told apart is a release that changes neither mean, roughness nor climb rate in 3 s, from a torn cable. Such a vehicle
-//! hangs within 2 m of the pylon still (below the 0.06 g that shows in still air), and its launch is then seen, unconfirmed, when it first
-//! falls. Of two faults, one of them the cable, and the accelerometer gone with it, a release is the likelier reading,
-//! for it is to happen in every flight: a launch, and `launch_confirmed` fails. Were the climb rate waited
-//! for, a single fault, that of the unit, would leave a vehicle that carries itself unwatched.
+//! What cannot be told apart is a release that changes neither mean, roughness nor climb rate in 3 s, from a
+//! torn cable. Such a vehicle hangs within 2 m of the pylon still (below the 0.06 g that shows in still air),
+//! and its launch is then seen, unconfirmed, when it first falls. Of two faults, one of them the cable, and
+//! the accelerometer gone with it, a release is the likelier reading, for it is to happen in every flight: a
+//! launch, and `launch_confirmed` fails. Were the climb rate waited for, a single fault, that of the unit,
+//! would leave a vehicle that carries itself unwatched.
 //!
-//! A wire that is shorted closed, or cannot be read, hides a release that is no fall: it is then captive for ever, and no sensor is said to be
-//! watched. To call silence and a change a launch there would make one of a data link that dies while its ship manoeuvres.
+//! A wire that is shorted closed, or cannot be read, hides a release that is no fall: it is then captive for
+//! ever, and no sensor is said to be watched. To call silence and a change a launch there would make one of a
+//! data link that dies while its ship manoeuvres.
 //!
 //! # What calibration sees
-//! From the first tick of a suspicion on no calibration data may be taken ([`LaunchState::doubt`]), so how long a
-//! verdict takes changes no latched bias. Where the first sign of a launch is not the wire (broken, closed or unreadable)
-//! the suspicion starts with the departure or the fall, some 30 ms of smoothing after the release; with a broken
-//! wire and no departure it starts only when the silence is noticed.
+//! From the first tick of a suspicion on no calibration data may be taken ([`LaunchState::doubt`]), so how
+//! long a verdict takes changes no latched bias. Where the first sign of a launch is not the wire (broken,
+//! closed or unreadable) the suspicion starts with the departure or the fall, some 30 ms of smoothing after
+//! the release; with a broken wire and no departure it starts only when the silence is noticed.
 //!
 //! # False alarms and misses
-//! A vertical gust `w` changes the mother ship's load factor by `rho V a w / (2 W/S)` (Pratt's sharp-edged gust, NACA
-//! Report 1206, 1954): at 1 m/s, 0.2 g for a transport (100 m/s, 2,500 N/m^2, a = 5/rad: 0.11 g), 0.5 g for a light
-//! carrier (28 m/s, 150 N/m^2). So no fixed threshold tells gusts from releases for both: the force departs when it is
-//! both [`LaunchConfig::departure`] and [`LaunchConfig::departure_sigmas`] captive standard deviations away, and its character
-//! has changed when two blocks in a row are six away.
-//! - False alarm: a cable must tear within 3 s of a manoeuvre or of a change of the mother ship's engine. Of 1,500 tears at random in
-//!   five simulated captive flights in turbulence (0.8 and 0.5 m/s) none was a launch; no block was beyond 4.4 of the 6
-//!   deviations.
-//! - Miss: none of eight such flights with an engine of 0.8 m/s^2, whose release is no step; it was seen 0.5 to 1.5 s after the edge. With
-//!   neither step, engine nor vibration it is the case above.
-//! - Near free fall (below [`LaunchConfig::fall_load`] g) for 2 s takes 14 m/s off the climb rate: no carrier pushes over so
-//!   with a vehicle under it.
+//! A vertical gust `w` changes the mother ship's load factor by `rho V a w / (2 W/S)` (Pratt's sharp-edged
+//! gust, NACA Report 1206, 1954): at 1 m/s, 0.2 g for a transport (100 m/s, 2,500 N/m^2, a = 5/rad: 0.11 g),
+//! 0.5 g for a light carrier (28 m/s, 150 N/m^2). So no fixed threshold tells gusts from releases for both:
+//! the force departs when it is both [`LaunchConfig::departure`] and [`LaunchConfig::departure_sigmas`]
+//! captive standard deviations away, and its character has changed when two blocks in a row are six away.
+//! - False alarm: a cable must tear within 3 s of a manoeuvre or of a change of the mother ship's engine. Of
+//!   1,500 tears at random in five simulated captive flights in turbulence (0.8 and 0.5 m/s) none was a
+//!   launch; no block was beyond 4.4 of the 6 deviations.
+//! - Miss: none of eight such flights with an engine of 0.8 m/s^2, whose release is no step; it was seen 0.5
+//!   to 1.5 s after the edge. With neither step, engine nor vibration it is the case above.
+//! - Near free fall (below [`LaunchConfig::fall_load`] g) for 2 s takes 14 m/s off the climb rate: no carrier
+//!   pushes over so with a vehicle under it.
 
 mod character;
 mod climb;
@@ -118,7 +130,8 @@ use wire::{Reading, Wire};
 pub struct LaunchConfig {
     /// How long the wire must read open without a closed reading between, seconds.
     pub debounce_s: f32,
-    /// How far from the edge a departure of force, and how long after the first sign a last message, may lie, seconds.
+    /// How far from the edge a departure of force, and how long after the first sign a last message, may lie,
+    /// seconds.
     pub window_s: f32,
     /// Departure of the specific force's magnitude from its captive mean, as a share of that mean.
     pub departure: f32,
@@ -126,8 +139,8 @@ pub struct LaunchConfig {
     pub departure_sigmas: f32,
     /// Messages are silent after so many of their own mean intervals.
     pub silent_intervals: u16,
-    /// How long an open wire that nothing confirms, a wire that cannot be read, or a sign of the force that nothing confirms, is left
-    /// undecided, seconds.
+    /// How long an open wire that nothing confirms, a wire that cannot be read, or a sign of the force that
+    /// nothing confirms, is left undecided, seconds.
     pub undecided_s: f32,
     /// Specific force below which it is near free fall, g.
     pub fall_load: f32,
@@ -138,7 +151,8 @@ pub struct LaunchConfig {
 }
 
 impl LaunchConfig {
-    /// From the module's physics. `undecided_s`: an engine must have been started, some blocks compared, and slow messages missed.
+    /// From the module's physics. `undecided_s`: an engine must have been started, some blocks compared, and
+    /// slow messages missed.
     pub const DEFAULT: Self = Self {
         debounce_s: 0.02,
         window_s: 0.25,
@@ -204,7 +218,8 @@ impl Confirmation {
 /// A launch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Launch {
-    /// When the suspicion began: the first edge, or the first sign in the force or the messages; microseconds.
+    /// When the suspicion began: the first edge, or the first sign in the force or the messages;
+    /// microseconds.
     pub first_edge_us: u64,
     /// When it was confirmed, microseconds.
     pub confirmed_us: u64,
@@ -282,7 +297,8 @@ pub struct LaunchCounts {
     pub reclosures: u32,
     /// Times that the wire was found broken.
     pub broken_wires: u32,
-    /// Times that the wire opened and the messages were silent, or none, and the vehicle moved and shook as before.
+    /// Times that the wire opened and the messages were silent, or none, and the vehicle moved and shook as
+    /// before.
     pub torn_cables: u32,
     /// Times that a broken wire was whole again.
     pub mended_wires: u32,
@@ -339,11 +355,11 @@ pub struct LaunchDetector {
     counts: LaunchCounts,
 }
 
-/// The force's character is known after 5 s of captive flight (`character.rs`); the inertial unit and the receiver take some seconds
-/// until they deliver.
+/// The force's character is known after 5 s of captive flight (`character.rs`); the inertial unit and the
+/// receiver take some seconds until they deliver.
 const EARLY_US: u64 = 10_000_000;
-/// Who moves over ground as fast as this, squared, is not being made ready: (10 m/s)^2, faster than anybody taxies with a loose
-/// cable, slower than anything flies.
+/// Who moves over ground as fast as this, squared, is not being made ready: (10 m/s)^2, faster than anybody
+/// taxies with a loose cable, slower than anything flies.
 const UNDER_WAY_M2PS2: f32 = 100.0;
 
 /// What a tick comes to, before it is dated.
@@ -403,8 +419,8 @@ impl LaunchDetector {
         Self { was_interrupted: true, ..self }
     }
 
-    /// After a start that was a cold one, because the wire is closed, but has found the traces of a mission: yesterday's, or one whose
-    /// supply has dipped. Moving over ground tells which.
+    /// After a start that was a cold one, because the wire is closed, but has found the traces of a mission:
+    /// yesterday's, or one whose supply has dipped. Moving over ground tells which.
     #[must_use]
     pub const fn after_traces(self) -> Self {
         Self { had_mission: true, ..self }
@@ -527,8 +543,8 @@ impl LaunchDetector {
         if was_alive && !is_silent && !is_over {
             return Verdict::Suspected;
         }
-        // A release is felt no longer before the edge than the cable's slack takes. A force that has been low for longer shows none, where the
-        // climb rate would show its fall.
+        // A release is felt no longer before the edge than the cable's slack takes. A force that has been low
+        // for longer shows none, where the climb rate would show its fall.
         let is_older =
             self.force.below_since_us().is_some_and(|below_us| edge_us.saturating_sub(below_us) > window_us)
                 && self.climb.is_known(edge_us, now_us);

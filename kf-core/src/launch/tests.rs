@@ -161,8 +161,8 @@ fn a_release_is_confirmed_by_force_once_the_messages_have_ended() {
     }
 }
 
-/// An ejector's push is a departure too, also where the vehicle then carries itself: it has been pushed away, or its engine
-/// runs. Where nothing goes on being different, a jolt may have torn the cable.
+/// An ejector's push is a departure too, also where the vehicle then carries itself: it has been pushed away,
+/// or its engine runs. Where nothing goes on being different, a jolt may have torn the cable.
 #[test]
 fn an_ejector_is_felt() {
     let after = |now: Now, load| {
@@ -176,7 +176,8 @@ fn an_ejector_is_felt() {
     assert_eq!(after(OPEN, 4.0), Some(Confirmation::Unconfirmed));
 }
 
-/// A turn that lasts is what the vehicle is carried in: a release out of it departs from the turn's load, by whatever level flight has.
+/// A turn that lasts is what the vehicle is carried in: a release out of it departs from the turn's load, by
+/// whatever level flight has.
 #[test]
 fn a_release_out_of_a_turn_that_lasts_is_a_departure() {
     let mut rig = Rig::captive();
@@ -230,14 +231,16 @@ fn silence_and_a_change_confirm_a_release_that_is_no_departure() {
         let edge_us = rig.now_us() + TICK_US;
         let launch = rig.run(20.0, now).unwrap();
         assert_eq!((launch.first_edge_us, launch.by), (edge_us, Confirmation::Silence));
-        // Five intervals after the last message, which came up to one before the edge, and two blocks; or the time limit.
+        // Five intervals after the last message, which came up to one before the edge, and two blocks; or the
+        // time limit.
         let took_us = launch.confirmed_us - edge_us;
         let silent_us = (message_ticks * TICK_US * 11 / 2).max(520_000);
         assert!(took_us <= silent_us.min(3_000_000), "{took_us} {message_ticks}");
     }
 }
 
-/// The cable is torn as a whole under the pylon: wire and messages both say so, and nothing on board moves otherwise.
+/// The cable is torn as a whole under the pylon: wire and messages both say so, and nothing on board moves
+/// otherwise.
 #[test]
 fn a_torn_cable_is_no_launch() {
     for message_ticks in [4, 20, 100] {
@@ -267,7 +270,8 @@ fn without_force_a_torn_cable_is_a_launch_without_confirmation() {
     }
 }
 
-/// A unit reads free fall, and a second later the wire breaks: no release is felt so long before it is seen, and the fixes show no fall.
+/// A unit reads free fall, and a second later the wire breaks: no release is felt so long before it is seen,
+/// and the fixes show no fall.
 #[test]
 fn a_wire_that_breaks_in_a_fall_that_is_none_is_no_launch() {
     let falls = Now { load: Some(0.1), is_sending: false, fixes: Fixes::Level, ..CAPTIVE };
@@ -299,7 +303,8 @@ fn a_wire_that_breaks_in_a_fall_that_is_none_is_no_launch() {
     }
 }
 
-/// A vehicle that leaves and feels nothing of it for three seconds does not exist: that needs no receiver to know.
+/// A vehicle that leaves and feels nothing of it for three seconds does not exist: that needs no receiver to
+/// know.
 #[test]
 fn a_torn_cable_is_none_without_a_receiver_either() {
     let mut rig = Rig::new();
@@ -308,8 +313,9 @@ fn a_torn_cable_is_none_without_a_receiver_either() {
     assert_eq!((rig.state(), rig.detector.wire()), (LaunchState::Captive, WireCondition::Broken));
 }
 
-/// A second after a start nothing is known that a change could be told from. In flight, with the traces of a mission, its supply has
-/// dipped, and the release comes as it would have; otherwise somebody is making the vehicle ready, or tears the cable.
+/// A second after a start nothing is known that a change could be told from. In flight, with the traces of a
+/// mission, its supply has dipped, and the release comes as it would have; otherwise somebody is making the
+/// vehicle ready, or tears the cable.
 #[test]
 fn a_release_soon_after_a_dip_of_the_supply_in_flight_is_seen() {
     let after = |has_traces, ground_speed_mps, captive_s, now: Now| {
@@ -340,8 +346,8 @@ fn a_release_soon_after_a_dip_of_the_supply_in_flight_is_seen() {
     }
 }
 
-/// Nothing but a departure can show in the first seconds, so the wire is broken once that is out of the question: the next dip of the supply is to
-/// find it called so.
+/// Nothing but a departure can show in the first seconds, so the wire is broken once that is out of the
+/// question: the next dip of the supply is to find it called so.
 #[test]
 fn a_wire_that_breaks_soon_after_a_dip_is_called_broken_at_once() {
     let mut rig = Rig::new();
@@ -355,7 +361,8 @@ fn a_wire_that_breaks_soon_after_a_dip_is_called_broken_at_once() {
     assert!(rig.run(3.0, RELEASED).is_some());
 }
 
-/// A unit that reads no force for five seconds, under the pylon, must not widen what a departure and a change are held against.
+/// A unit that reads no force for five seconds, under the pylon, must not widen what a departure and a change
+/// are held against.
 #[test]
 fn free_fall_that_was_none_hides_no_release() {
     let mut rig = Rig::captive();
@@ -366,8 +373,8 @@ fn free_fall_that_was_none_hides_no_release() {
     assert_eq!((launch.first_edge_us, launch.by), (edge_us, Confirmation::Force));
 }
 
-/// A vehicle that soon carries itself shows its release for a second. A unit that is silent in that second has not seen that nothing
-/// changed, however well it is afterwards.
+/// A vehicle that soon carries itself shows its release for a second. A unit that is silent in that second
+/// has not seen that nothing changed, however well it is afterwards.
 #[test]
 fn a_unit_that_was_silent_at_the_edge_denies_no_launch() {
     let mut rig = Rig::captive();
@@ -376,7 +383,8 @@ fn a_unit_that_was_silent_at_the_edge_denies_no_launch() {
     assert_eq!(rig.run(5.0, TORN).map(|launch| launch.by), Some(Confirmation::Unconfirmed));
 }
 
-/// One wild sample in captive flight must not hide for ten seconds, in what it does to the spread, how the roughness changes at a release.
+/// One wild sample in captive flight must not hide for ten seconds, in what it does to the spread, how the
+/// roughness changes at a release.
 #[test]
 fn one_wild_sample_hides_no_release() {
     let mut rig = Rig::captive();
@@ -475,7 +483,8 @@ fn a_broken_wire_can_be_whole_again() {
     assert_eq!(rig.run(2.0, RELEASED).map(|launch| launch.by), Some(Confirmation::Force));
 }
 
-/// A broken wire, and then the messages end: a launch if anything else changes or nobody can say, and else two faults.
+/// A broken wire, and then the messages end: a launch if anything else changes or nobody can say, and else
+/// two faults.
 #[test]
 fn silence_after_a_broken_wire_needs_a_change() {
     for (now, by) in [
@@ -531,7 +540,8 @@ fn a_stuck_wire_needs_a_fall_and_silence() {
     assert_eq!(launch.by, Confirmation::StuckWire);
 }
 
-/// A wire that reads closed, or cannot be read, and no messages: the accelerometer's fall has to be the climb rate's.
+/// A wire that reads closed, or cannot be read, and no messages: the accelerometer's fall has to be the climb
+/// rate's.
 #[test]
 fn without_messages_only_a_fall_of_force_and_climb_rate_shows_a_launch() {
     for is_open in [Some(false), None] {
@@ -600,7 +610,8 @@ fn the_wire_decides_where_nothing_else_can_say() {
         assert_eq!(launch, wanted);
         assert_eq!(rig.state().doubt(), LaunchDoubt::Unconfirmed);
     }
-    // With both, and messages that had died under the pylon long before: a wire that breaks is none, a release is.
+    // With both, and messages that had died under the pylon long before: a wire that breaks is none, a
+    // release is.
     for (now, by) in [(TORN, None), (RELEASED, Some(Confirmation::Force))] {
         let mut rig = Rig::captive();
         assert_eq!(rig.run(10.0, Now { is_sending: false, ..CAPTIVE }), None);
@@ -637,7 +648,8 @@ fn a_wire_that_can_not_be_read_says_nothing() {
     assert_eq!(rig.state(), LaunchState::Captive);
 }
 
-/// In air so rough that 0.3 g comes every second, a wire that breaks is not taken for a release, and a release is.
+/// In air so rough that 0.3 g comes every second, a wire that breaks is not taken for a release, and a
+/// release is.
 #[test]
 fn rough_air_widens_what_counts_as_a_departure() {
     let (mut false_launches, mut felt) = (0, 0);
@@ -653,8 +665,8 @@ fn rough_air_widens_what_counts_as_a_departure() {
                 .is_some_and(|launch| launch.by == Confirmation::Force),
         );
     }
-    // At 4 sigmas one in 1,600 for each break; of 200, four or more are as good as impossible. A release is a step of
-    // 0.9 g, six sigmas of 0.15 g.
+    // At 4 sigmas one in 1,600 for each break; of 200, four or more are as good as impossible. A release is a
+    // step of 0.9 g, six sigmas of 0.15 g.
     assert!(false_launches <= 3, "{false_launches}");
     assert!(felt >= 195, "{felt}");
 }
@@ -674,7 +686,8 @@ fn what_comes_after_a_launch_is_counted_and_changes_nothing() {
     assert!(counts.messages_after_launch >= 50 && counts.closures_after_launch == 2, "{counts:?}");
 }
 
-/// 0.7 s of ticks whose times were there before, while the vehicle leaves: the departure is in them. And back to the start.
+/// 0.7 s of ticks whose times were there before, while the vehicle leaves: the departure is in them. And back
+/// to the start.
 #[test]
 fn a_clock_that_runs_back_hides_no_launch_and_makes_none() {
     for back_us in [0.7e6 as u64, 10_000_000] {
@@ -741,7 +754,8 @@ fn stretches() -> impl Strategy<Value = Vec<(u64, Option<bool>, Option<f32>, boo
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
-    /// Under the pylon, with messages: neither any wire with a captive force nor any force with a closed wire.
+    /// Under the pylon, with messages: neither any wire with a captive force nor any force with a closed
+    /// wire.
     #[test]
     fn nothing_launches_what_is_captive(stretches in stretches(), by_wire in any::<bool>(), seed in any::<u32>()) {
         let mut rig = Rig::captive();
@@ -757,9 +771,9 @@ proptest! {
         prop_assert_eq!(rig.state(), LaunchState::Captive);
     }
 
-    /// Without a receiver an open wire and no more messages are a launch in bounded time, where there is no accelerometer,
-    /// whatever the wire was before; or where it feels the release, and neither wire nor force were odd before. It is dated to where
-    /// the suspicion, and with it the hold of the calibration, began.
+    /// Without a receiver an open wire and no more messages are a launch in bounded time, where there is no
+    /// accelerometer, whatever the wire was before; or where it feels the release, and neither wire nor force
+    /// were odd before. It is dated to where the suspicion, and with it the hold of the calibration, began.
     #[test]
     fn no_launch_is_refused(stretches in stretches(), load in proptest::option::of(0.0f32..0.5), seed in any::<u32>()) {
         let mut rig = Rig::captive();
@@ -790,7 +804,8 @@ proptest! {
     }
 }
 
-/// Half a second of wild samples, seconds before the release, must not hide a step of 0.3 g that a wing's lift takes back within a second.
+/// Half a second of wild samples, seconds before the release, must not hide a step of 0.3 g that a wing's
+/// lift takes back within a second.
 #[test]
 fn wild_samples_before_a_release_hide_no_departure() {
     for wild_load in [0.0, 10.7] {
@@ -806,7 +821,8 @@ fn wild_samples_before_a_release_hide_no_departure() {
     }
 }
 
-/// A flipped bit, or a unit that reads free fall, seconds after a release whose step a wing has taken back, must not undo the departure.
+/// A flipped bit, or a unit that reads free fall, seconds after a release whose step a wing has taken back,
+/// must not undo the departure.
 #[test]
 fn wild_samples_after_a_release_undo_no_departure() {
     for (wild_load, wild_ticks) in [(8.0, 1), (0.0, 600), (-4.0, 3)] {

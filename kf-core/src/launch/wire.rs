@@ -3,8 +3,8 @@
 use super::{LaunchConfig, LaunchCounts, LaunchInput, WireCondition, count};
 use crate::time::microseconds;
 
-/// Openings, each within the time below of the one before, that make a wire a loose contact: a plug that is pulled bounces for some 10 ms,
-/// of which the tick sees one or two edges.
+/// Openings, each within the time below of the one before, that make a wire a loose contact: a plug that is
+/// pulled bounces for some 10 ms, of which the tick sees one or two edges.
 const RESTLESS: u8 = 5;
 /// See [`RESTLESS`], microseconds.
 const RESTLESS_US: u64 = 1_000_000;
@@ -81,7 +81,8 @@ impl Wire {
         }
     }
 
-    /// A wire that opens and closes again and again is a loose contact: it would hide a launch among its edges.
+    /// A wire that opens and closes again and again is a loose contact: it would hide a launch among its
+    /// edges.
     fn note_opening(&mut self, edge_us: u64, counts: &mut LaunchCounts) {
         let is_next = edge_us.saturating_sub(self.opened_us) < RESTLESS_US;
         self.openings = if is_next { self.openings.saturating_add(1) } else { 1 };

@@ -95,7 +95,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         self.tracker.correct(accepted, correction_m)
     }
 
-    /// What the effects on the reference add to a fix, as at the last one, metres, and the variance of that, square metres.
+    /// What the effects on the reference add to a fix, as at the last one, metres, and the variance of that,
+    /// square metres.
     pub(super) fn effects_on_fix(&self) -> (f32, f32) {
         let mut effects_m = self.tracker.correction_m();
         let mut variance_m2 = 0.0;

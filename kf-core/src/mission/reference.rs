@@ -36,7 +36,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         altitude_m - products.map(|(coefficient, phi)| coefficient * phi).sum::<f32>()
     }
 
-    /// What the next fix is to be held against, if it comes now; `None` in captive flight, and where the reference is lost.
+    /// What the next fix is to be held against, if it comes now; `None` in captive flight, and where the
+    /// reference is lost.
     pub(super) fn carried(&self, time_us: u64) -> Option<Carried> {
         self.latch.as_ref()?;
         Some(Carried {
@@ -60,7 +61,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         let is_good = match (rates_mps, fix.interval_s) {
             ((Some(before_mps), Some(now_mps)), Some(interval_s)) => {
                 let age_s = carried.map_or(interval_s, |carried| carried.age_s);
-                // By the mean of the climb rates at both ends, and over the time that it was: the clock may have leapt.
+                // By the mean of the climb rates at both ends, and over the time that it was: the clock may
+                // have leapt.
                 let carried_m =
                     carried_m + 0.5 * (now_mps - before_mps) * interval_s + before_mps * (interval_s - age_s);
                 self.free_flight.take_fix(time_us, Some(carried_m), altitude_m)
@@ -73,7 +75,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         (!is_good).then_some(Rejection::Gated)
     }
 
-    /// A suspicion was none: captive flight goes on from what was carried on to a fix that was refused in it, and not from that fix.
+    /// A suspicion was none: captive flight goes on from what was carried on to a fix that was refused in it,
+    /// and not from that fix.
     pub(super) fn resume_reference(&mut self) {
         let last_m = self.tracker.altitude_m(self.tracker.last_fix_us());
         if let (Some(carried_m), Some(last_m)) = (self.free_flight.carried_m(), last_m) {

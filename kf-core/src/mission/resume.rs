@@ -17,23 +17,25 @@ pub(super) const BOUNCE_US: u64 = 20_000;
 pub(super) struct TakenBack {
     /// When, microseconds.
     pub(super) time_us: u64,
-    /// It was as short as a bounce. One that lasted was decided: of a wire that is broken nothing is suspected any more.
+    /// It was as short as a bounce. One that lasted was decided: of a wire that is broken nothing is
+    /// suspected any more.
     pub(super) is_bounce: bool,
     /// Of what was held for it.
     pub(super) failed_checks: u16,
 }
 
 impl TakenBack {
-    /// Whether the parting contacts may have bounced just now: what was held is still kept, and a restart that finds the wire open goes on
-    /// from that.
+    /// Whether the parting contacts may have bounced just now: what was held is still kept, and a restart
+    /// that finds the wire open goes on from that.
     pub(super) const fn may_be_a_bounce(&self, now_us: u64) -> bool {
         self.is_bounce && now_us.saturating_sub(self.time_us) < BOUNCE_US
     }
 }
 
 impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E> {
-    /// The mission's state, to be kept; `None` until a launch is at least suspected. What is held during a suspicion is
-    /// what the launch will latch, but for what confirming it changes: that is in [`Self::mark`].
+    /// The mission's state, to be kept; `None` until a launch is at least suspected. What is held during a
+    /// suspicion is what the launch will latch, but for what confirming it changes: that is in
+    /// [`Self::mark`].
     #[must_use]
     pub fn snapshot(&self) -> Option<MissionSnapshot> {
         let (first_us, latch) = (self.first_us?, self.latch.as_ref()?);
@@ -123,22 +125,26 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         signals.is_for(effects.map(|effect| effect.id()), self.config.latitude_deg)
     }
 
-    /// Goes on from the bytes of [`MissionSnapshot::to_bytes`], before the first tick, by the mark of the last tick before the
-    /// interruption; returns the snapshot's time, microseconds. The mission's clock must go on from there too.
+    /// Goes on from the bytes of [`MissionSnapshot::to_bytes`], before the first tick, by the mark of the
+    /// last tick before the interruption; returns the snapshot's time, microseconds. The mission's clock must
+    /// go on from there too.
     ///
-    /// A snapshot from before the confirmation of the launch, which came after it, becomes one of the launch; if there was none
-    /// yet, it goes on as a suspicion, and a suspicion that comes to nothing starts the calibration again.
+    /// A snapshot from before the confirmation of the launch, which came after it, becomes one of the launch;
+    /// if there was none yet, it goes on as a suspicion, and a suspicion that comes to nothing starts the
+    /// calibration again.
     ///
-    /// The time between the snapshot and the first tick is a gap: the moving averages have no samples in it, the regressors'
-    /// integrals cross it on a straight line. If it is longer than the configuration's `lost_after_s`, the integrals are given up,
-    /// and the sensors that have such an effect are not monitored any more, whatever flags they have staying.
-    /// [`crate::output::TickOutput::bridged_us`] says how long it was.
+    /// The time between the snapshot and the first tick is a gap: the moving averages have no samples in it,
+    /// the regressors' integrals cross it on a straight line. If it is longer than the configuration's
+    /// `lost_after_s`, the integrals are given up, and the sensors that have such an effect are not monitored
+    /// any more, whatever flags they have staying. [`crate::output::TickOutput::bridged_us`] says how long it
+    /// was.
     ///
-    /// The bytes are read a field at a time, first to see whether they are a snapshot of this mission, then into it: a restart has
-    /// no room on the stack for a whole one.
+    /// The bytes are read a field at a time, first to see whether they are a snapshot of this mission, then
+    /// into it: a restart has no room on the stack for a whole one.
     ///
     /// # Errors
-    /// [`SnapshotError`]; the mission has then to start as any other, which nothing that has been restored by then disturbs.
+    /// [`SnapshotError`]; the mission has then to start as any other, which nothing that has been restored by
+    /// then disturbs.
     #[inline(never)]
     pub fn restore_snapshot(&mut self, bytes: &[u8], mark: &MissionMark) -> Result<u64, SnapshotError> {
         self.check_fields(Fields::of(bytes)?, mark)?;

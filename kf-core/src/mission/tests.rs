@@ -615,7 +615,8 @@ fn a_drift_within_the_sigmas_that_are_allowed_it_is_none() {
         (failed(&mission).contains(&"biases_stationary"), sigma_m)
     };
     let (is_drift, sigma_m) = drifting(1.0);
-    // A ramp of 9 m alone has a spread of 9 / sqrt(12) m, so it is at most 3.5 of its sigmas; noise makes it fewer.
+    // A ramp of 9 m alone has a spread of 9 / sqrt(12) m, so it is at most 3.5 of its sigmas; noise makes it
+    // fewer.
     assert!(is_drift && sigma_m > DRIFT_M / 12f32.sqrt(), "{sigma_m}");
     assert!(drifting(0.8 * DRIFT_M / sigma_m).0);
     assert!(!drifting(1.2 * DRIFT_M / sigma_m).0);

@@ -128,8 +128,9 @@ fn a_held_fix_is_one_and_a_bad_one_is_counted() {
     assert_eq!(navigation.counts().fixes_refused, 2);
 }
 
-/// A unit that reads free fall under the pylon: nothing it makes of that is there to calibrate with. Once it has contradicted the fixes'
-/// climb rates for longer than a transient lasts it is tied to them anew, and right again before the launch.
+/// A unit that reads free fall under the pylon: nothing it makes of that is there to calibrate with. Once it
+/// has contradicted the fixes' climb rates for longer than a transient lasts it is tied to them anew, and
+/// right again before the launch.
 #[test]
 fn a_unit_that_falls_by_itself_says_nothing_until_it_is_tied_anew() {
     let (_, said) = fly(60, |k, input| {
@@ -179,8 +180,8 @@ fn a_climb_rate_that_is_wrong_for_a_second_costs_that_second() {
     assert!((180..230).contains(&gap), "{gap}");
 }
 
-/// A unit that has stood still while the velocities changed: level and altitude are found anew. An ideal one that rests repeats itself too, and
-/// its velocities agree.
+/// A unit that has stood still while the velocities changed: level and altitude are found anew. An ideal one
+/// that rests repeats itself too, and its velocities agree.
 #[test]
 fn a_unit_that_stood_still_while_the_vehicle_moved_begins_anew() {
     let first_after = |turns: bool| {
@@ -203,8 +204,8 @@ fn a_unit_that_stood_still_while_the_vehicle_moved_begins_anew() {
     assert!((7_800 + 4_000..7_800 + 5_000).contains(&first_after(true)));
 }
 
-/// A unit that repeats itself for 0.45 s in a release of 0.4 g costs 2 m/s, which no altitude has taken out before the first of the fixes'
-/// climb rates is asked.
+/// A unit that repeats itself for 0.45 s in a release of 0.4 g costs 2 m/s, which no altitude has taken out
+/// before the first of the fixes' climb rates is asked.
 #[test]
 fn a_part_of_the_release_that_nobody_measured_is_mended_by_the_climb_rates() {
     let released_s = 40.0;

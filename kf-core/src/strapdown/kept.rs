@@ -7,7 +7,8 @@ use super::tie::Tie;
 use super::vector::{Down, Vector};
 use super::{Config, Last, Phase, VerticalChannel};
 
-/// A channel in free flight, or held for a launch that is suspected: all that its next sample goes on from. Body axes, SI units.
+/// A channel in free flight, or held for a launch that is suspected: all that its next sample goes on from.
+/// Body axes, SI units.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct KeptChannel {
     time_us: u64,
@@ -39,7 +40,8 @@ impl KeptChannel {
 }
 
 impl VerticalChannel {
-    /// What is to be kept: `None` in captive flight, where a restart begins anew, and where there is no altitude to keep.
+    /// What is to be kept: `None` in captive flight, where a restart begins anew, and where there is no
+    /// altitude to keep.
     #[must_use]
     pub fn kept(&self) -> Option<KeptChannel> {
         let Phase::Free { accel_bias, aligned: true } = self.phase else { return None };
@@ -61,8 +63,8 @@ impl VerticalChannel {
         })
     }
 
-    /// The channel as it was kept. `unknown_s` is how much longer than the clock has it the gap until the next sample may be,
-    /// seconds. `None` if a number is none.
+    /// The channel as it was kept. `unknown_s` is how much longer than the clock has it the gap until the
+    /// next sample may be, seconds. `None` if a number is none.
     #[must_use]
     pub fn resumed(config: Config, kept: &KeptChannel, unknown_s: f32) -> Option<Self> {
         if !kept.is_finite() {
@@ -84,7 +86,8 @@ impl VerticalChannel {
         channel.tie_time_us = kept.tie_time_us;
         channel.bridged_m2ps2 = kept.bridged_m2ps2;
         channel.is_mending = kept.is_mending;
-        // Where the next sample leaves no gap, nothing else asks for a climb rate before an altitude has the last word.
+        // Where the next sample leaves no gap, nothing else asks for a climb rate before an altitude has the
+        // last word.
         channel.climb_fix_us = kept.is_mending.then_some(kept.tie_time_us);
         channel.is_resumed = true;
         channel.unknown_s = unknown_s;

@@ -1,7 +1,7 @@
 //! Level alignment: where down is, and what the gyro reads at rest, from the accelerometer in trimmed flight.
 //!
-//! Over a time in which the aircraft neither speeds up nor turns, specific force is minus gravity, so its mean is the
-//! vertical (Titterton and Weston, section 10.3). Attitude is kept by the gyro meanwhile; what is
+//! Over a time in which the aircraft neither speeds up nor turns, specific force is minus gravity, so its
+//! mean is the vertical (Titterton and Weston, section 10.3). Attitude is kept by the gyro meanwhile; what is
 //! fitted is its error, a straight line in time: the tilt at its start and the gyro's bias. So the mean is
 //! taken in axes that do not move with gusts, and what comes out is the attitude now.
 
@@ -14,17 +14,18 @@ use super::{Config, GRAVITY_MPS2};
 /// before it has pulled at the level.
 const TRIM_TIME_CONSTANT_S: f32 = 1.0;
 
-/// A line over less than this (seconds) says less of the gyro's bias than what is known of any unit (0.02 rad/s): gusts and vibration move
-/// what specific force shows by 0.03 rad within it. By what it makes of it the flight seems to turn, and a fit that therefore takes no
-/// more samples stays there. So until then it is the gyro alone that says whether the flight turns.
+/// A line over less than this (seconds) says less of the gyro's bias than what is known of any unit (0.02
+/// rad/s): gusts and vibration move what specific force shows by 0.03 rad within it. By what it makes of it
+/// the flight seems to turn, and a fit that therefore takes no more samples stays there. So until then it is
+/// the gyro alone that says whether the flight turns.
 const LEAST_LINE_S: f32 = 3.0;
 
-/// Two shaken samples make a bias of 20 rad/s, by which the axes turn further than small angles do. Over less than this (seconds) the fit is
-/// a mean.
+/// Two shaken samples make a bias of 20 rad/s, by which the axes turn further than small angles do. Over less
+/// than this (seconds) the fit is a mean.
 const LEAST_SLOPE_S: f32 = 0.2;
 
-/// A fit of less than [`super::COARSE_LEVEL_S`] that finds the flight untrimmed for so long (seconds) is wrong itself: of a gust's first samples
-/// it makes a gyro's bias that every flight turns by.
+/// A fit of less than [`super::COARSE_LEVEL_S`] that finds the flight untrimmed for so long (seconds) is
+/// wrong itself: of a gust's first samples it makes a gyro's bias that every flight turns by.
 const LONGEST_UNTRIMMED_S: f32 = 10.0;
 
 /// A single sample of more than twice gravity is a jolt, and shows no vertical.
@@ -55,7 +56,8 @@ impl Levelling {
         self.untrimmed_s > LONGEST_UNTRIMMED_S && self.elapsed_s() < super::COARSE_LEVEL_S
     }
 
-    /// Passes over a sample while something better levels: a later fit counts from here as if it had been in it.
+    /// Passes over a sample while something better levels: a later fit counts from here as if it had been in
+    /// it.
     pub(super) fn pass(&mut self, step_s: f32, config: &Config) {
         self.memory.count(step_s, config.level_window_s);
     }
@@ -72,7 +74,8 @@ impl Levelling {
         let vertical = down.get();
         let bias = self.gyro_bias_radps();
         let turn = dot(rate, vertical) - dot(bias, vertical);
-        // Of a gap there is one sample, which shows no more than any other: what it shakes by would be half of the mean.
+        // Of a gap there is one sample, which shows no more than any other: what it shakes by would be half
+        // of the mean.
         let smoothed_s = step_s.min(super::LONGEST_INTERVAL_S);
         let smoothing = smoothed_s / (TRIM_TIME_CONSTANT_S + smoothed_s);
         let shown = if self.elapsed_s() < LEAST_LINE_S { dot(rate, vertical) } else { turn };

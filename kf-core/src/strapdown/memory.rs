@@ -1,6 +1,7 @@
-//! Recursive least squares of a polynomial in time: each sample counts alike until a window is full, and older
-//! ones fade from then on (P. Zarchan and H. Musoff, "Fundamentals of Kalman Filtering", 3rd edition, AIAA 2009,
-//! sections 3.3 and 3.4; N. Morrison, "Introduction to Sequential Smoothing and Prediction", McGraw-Hill 1969).
+//! Recursive least squares of a polynomial in time: each sample counts alike until a window is full, and
+//! older ones fade from then on (P. Zarchan and H. Musoff, "Fundamentals of Kalman Filtering", 3rd edition,
+//! AIAA 2009, sections 3.3 and 3.4; N. Morrison, "Introduction to Sequential Smoothing and Prediction",
+//! McGraw-Hill 1969).
 
 /// How many samples the next gains stand for.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -36,8 +37,8 @@ impl Memory {
         1.0 / self.n()
     }
 
-    /// Of a straight line: value, slope (1/s). Per step of the window's mean: two samples that are close to each other say
-    /// nothing of a slope.
+    /// Of a straight line: value, slope (1/s). Per step of the window's mean: two samples that are close to
+    /// each other say nothing of a slope.
     pub(super) fn line_gains(self, step_s: f32) -> [f32; 2] {
         let n = self.n();
         let step_s = if self.samples > 1 { self.elapsed_s / (n - 1.0) } else { step_s };
@@ -61,7 +62,8 @@ impl Memory {
 mod tests {
     use super::*;
 
-    /// Runs the recursion over samples of a parabola; the state is (value, slope, curvature) at the last sample.
+    /// Runs the recursion over samples of a parabola; the state is (value, slope, curvature) at the last
+    /// sample.
     fn fit(samples: &[f64], step_s: f64) -> [f64; 3] {
         let mut memory = Memory::default();
         let mut state = [0f64; 3];

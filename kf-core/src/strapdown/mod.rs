@@ -1,35 +1,39 @@
 //! The strapdown vertical channel: climb rate and altitude from an accelerometer and a gyro.
 //!
-//! Frames: body forward-right-down, specific force in m/s^2, rates in rad/s; altitude and climb rate positive up. Flat
-//! earth, standard gravity: what that leaves out (gravity's gradient, Eotvos) are effects of the catalogue, and a
-//! constant error of gravity is taken for a bias of the accelerometer.
+//! Frames: body forward-right-down, specific force in m/s^2, rates in rad/s; altitude and climb rate positive
+//! up. Flat earth, standard gravity: what that leaves out (gravity's gradient, Eotvos) are effects of the
+//! catalogue, and a constant error of gravity is taken for a bias of the accelerometer.
 //!
 //! # Captive flight
 //! [`VerticalChannel::inertial`] levels the channel and finds the gyro's bias: against the velocities of
-//! [`VerticalChannel::velocity`] where there are any (`velocity_match`), else on specific force alone (`levelling`), which takes
-//! the phugoid and gusts for tilts. [`VerticalChannel::reference`] ties altitude and climb rate to the reference and finds the accelerometer's bias
-//! along the vertical (`tie`: a Kalman filter, so that gaps and bursts of fixes weigh what they are worth). The levelling is a least-squares
-//! fit over a window (`memory`). The vertical channel itself has no use for a heading.
+//! [`VerticalChannel::velocity`] where there are any (`velocity_match`), else on specific force alone
+//! (`levelling`), which takes the phugoid and gusts for tilts. [`VerticalChannel::reference`] ties altitude
+//! and climb rate to the reference and finds the accelerometer's bias along the vertical (`tie`: a Kalman
+//! filter, so that gaps and bursts of fixes weigh what they are worth). The levelling is a least-squares fit
+//! over a window (`memory`). The vertical channel itself has no use for a heading.
 //!
-//! The altitude is published while the tie's climb rate is known to 1 m/s: not for ever through an outage of the receiver.
+//! The altitude is published while the tie's climb rate is known to 1 m/s: not for ever through an outage of
+//! the receiver.
 //!
-//! [`VerticalChannel::hold`] stops the alignment while a launch is suspected, [`VerticalChannel::resume_captive`] goes on with it.
+//! [`VerticalChannel::hold`] stops the alignment while a launch is suspected,
+//! [`VerticalChannel::resume_captive`] goes on with it.
 //!
 //! # Free flight
-//! After [`VerticalChannel::launch`] nothing but the inertial samples moves the channel. Its errors then grow as theory
-//! has it (Titterton and Weston, section 12.3): a wrong climb rate with t, a wrong accelerometer bias with t^2/2, a
-//! tilt with the double integral of horizontal acceleration, a gyro bias with that of t times it.
+//! After [`VerticalChannel::launch`] nothing but the inertial samples moves the channel. Its errors then grow
+//! as theory has it (Titterton and Weston, section 12.3): a wrong climb rate with t, a wrong accelerometer
+//! bias with t^2/2, a tilt with the double integral of horizontal acceleration, a gyro bias with that of t
+//! times it.
 //!
-//! A gap between inertial samples of up to [`Config::longest_gap_s`] is bridged on a straight line, counted, put into the
-//! uncertainty, and mended if it has cost too much (`bridge`). After a longer gap there is no altitude any more. A restart of the
-//! flight computer is a gap, too ([`VerticalChannel::resumed`]).
+//! A gap between inertial samples of up to [`Config::longest_gap_s`] is bridged on a straight line, counted,
+//! put into the uncertainty, and mended if it has cost too much (`bridge`). After a longer gap there is no
+//! altitude any more. A restart of the flight computer is a gap, too ([`VerticalChannel::resumed`]).
 //!
 //! # Method
-//! Attitude: the vertical row of the direction cosine matrix, turned by the rotation vector of each interval with
-//! the coning of two rates that change linearly (J. E. Bortz, "A new mathematical formulation for strapdown inertial
-//! navigation", IEEE Transactions AES-7, 1971; P. G. Savage, "Strapdown Inertial Navigation Integration Algorithm
-//! Design, Part 1", J. Guidance 21, 1998). Velocity and altitude: vertical acceleration taken as linear over each
-//! interval. Sums are compensated.
+//! Attitude: the vertical row of the direction cosine matrix, turned by the rotation vector of each interval
+//! with the coning of two rates that change linearly (J. E. Bortz, "A new mathematical formulation for
+//! strapdown inertial navigation", IEEE Transactions AES-7, 1971; P. G. Savage, "Strapdown Inertial
+//! Navigation Integration Algorithm Design, Part 1", J. Guidance 21, 1998). Velocity and altitude: vertical
+//! acceleration taken as linear over each interval. Sums are compensated.
 
 mod bridge;
 mod kept;
@@ -62,20 +66,23 @@ const MAXIMUM_FORCE_MPS2: f32 = 1_000.0;
 const MAXIMUM_RATE_RADPS: f32 = 100.0;
 const MAXIMUM_ALTITUDE_M: f32 = 100_000.0;
 const MAXIMUM_SPEED_MPS: f32 = 1_000.0;
-/// Levelling on specific force before velocities are matched, seconds: twice as long each time that they have contradicted the level soon,
-/// up to the levelling's window. A receiver whose velocities are worse than assumed would else keep the channel from ever being aligned.
+/// Levelling on specific force before velocities are matched, seconds: twice as long each time that they have
+/// contradicted the level soon, up to the levelling's window. A receiver whose velocities are worse than
+/// assumed would else keep the channel from ever being aligned.
 const COARSE_LEVEL_S: f32 = 5.0;
 const CONTRADICTIONS: u8 = 5;
-/// Variance of the acceleration that is lacking once the level was disturbed, (m/s^2)^2: of a tilt of 0.1 rad.
+/// Variance of the acceleration that is lacking once the level was disturbed, (m/s^2)^2: of a tilt of 0.1
+/// rad.
 const DISTURBED_M2PS4: f32 = 2.5e-3;
-/// Fixes that are outliers for so long (seconds), and are so many, have the last word: a receiver's jump that is a fault ends
-/// sooner, and two outliers may lie on both sides of an outage.
+/// Fixes that are outliers for so long (seconds), and are so many, have the last word: a receiver's jump that
+/// is a fault ends sooner, and two outliers may lie on both sides of an outage.
 const OUTLIERS: u8 = 5;
 const LONGEST_OUTLIER_S: f32 = 10.0;
-/// Variance of the climb rate above which the altitude is not aligned, (m/s)^2: 1.6 m/s, which a gap of 1.1 s costs. After 20 s of fixes
-/// it is 0.2 m/s; an outage of the receiver brings it there in two minutes.
+/// Variance of the climb rate above which the altitude is not aligned, (m/s)^2: 1.6 m/s, which a gap of 1.1 s
+/// costs. After 20 s of fixes it is 0.2 m/s; an outage of the receiver brings it there in two minutes.
 const ALIGNED_M2PS2: f32 = 2.5;
-/// Longest time between two samples that is no gap, seconds: less than 50 samples a second do not follow an aircraft.
+/// Longest time between two samples that is no gap, seconds: less than 50 samples a second do not follow an
+/// aircraft.
 const LONGEST_INTERVAL_S: f32 = 0.03;
 /// Without [`Guard::InertialBridge`], seconds.
 const UNGUARDED_GAP_S: f32 = 0.1;
@@ -95,17 +102,17 @@ pub struct Config {
     pub minimum_s: f32,
     /// Longest time between two inertial samples that is bridged on a straight line, seconds.
     pub longest_gap_s: f32,
-    /// Turn rate, smoothed over 1 s, above which flight is not trimmed, rad/s. It must be well above the gyro's bias
-    /// and the gusts', or the mean is one-sided. A slower turn is taken for straight: at V m/s its bank, and so the
-    /// tilt, is V/g times its rate.
+    /// Turn rate, smoothed over 1 s, above which flight is not trimmed, rad/s. It must be well above the
+    /// gyro's bias and the gusts', or the mean is one-sided. A slower turn is taken for straight: at V m/s
+    /// its bank, and so the tilt, is V/g times its rate.
     pub turn_limit_radps: f32,
     /// Square of the load factor less 1, smoothed likewise, beyond which flight is not trimmed.
     pub load_limit: f32,
 }
 
 impl Config {
-    /// For a MEMS unit: a gyro's bias of 0.5 deg/s is 0.009 rad/s. A transient of a second, the reset after it (0.105 s) and what the
-    /// newest snapshot may be behind at a restart (0.1 s) are bridged.
+    /// For a MEMS unit: a gyro's bias of 0.5 deg/s is 0.009 rad/s. A transient of a second, the reset after
+    /// it (0.105 s) and what the newest snapshot may be behind at a restart (0.1 s) are bridged.
     pub const MEMS: Self = Self {
         level_window_s: 120.0,
         anchor_window_s: 60.0,
@@ -121,19 +128,21 @@ impl Config {
 pub enum StrapdownError {
     /// A sample is NaN or infinite.
     NotFinite,
-    /// A sample is beyond what any unit of this class reads (100 g, 100 rad/s), or than any aircraft flies (100 km).
+    /// A sample is beyond what any unit of this class reads (100 g, 100 rad/s), or than any aircraft flies
+    /// (100 km).
     Implausible,
     /// Time has not increased.
     OutOfOrder,
-    /// A change since the last sample that no aircraft makes, for at most a second; or a turn of more than a radian between the two.
+    /// A change since the last sample that no aircraft makes, for at most a second; or a turn of more than a
+    /// radian between the two.
     Spike,
     /// More than the longest gap lies between two samples: captive, the alignment starts anew; in free
     /// flight the channel has lost its altitude for good.
     Gap,
     /// In free flight there is no reference, unless a gap is being mended.
     Launched,
-    /// The altitude is off what the channel has by more than its uncertainty explains. After ten seconds of such fixes
-    /// alone, or as long as the tie has lasted if that is less, it begins anew.
+    /// The altitude is off what the channel has by more than its uncertainty explains. After ten seconds of
+    /// such fixes alone, or as long as the tie has lasted if that is less, it begins anew.
     Outlier,
     /// There is no inertial sample yet that shows where down is.
     NoVertical,
@@ -208,14 +217,17 @@ pub struct VerticalChannel {
     is_resumed: bool,
     /// Samples refused in a row because they leapt.
     spikes: u8,
-    /// The first of them leapt under the pylon: what was no movement of a carrier does not become one of the vehicle at the release.
+    /// The first of them leapt under the pylon: what was no movement of a carrier does not become one of the
+    /// vehicle at the release.
     is_captive_leap: bool,
-    /// For how long the samples have been the same on all axes, seconds. A unit has noise: one that repeats itself says no more than a gap
-    /// does, and costs as much once it reads something else. For longer than the longest gap it is an ideal one that rests.
+    /// For how long the samples have been the same on all axes, seconds. A unit has noise: one that repeats
+    /// itself says no more than a gap does, and costs as much once it reads something else. For longer than
+    /// the longest gap it is an ideal one that rests.
     repeated_s: f32,
     /// Velocities have contradicted the match while they were the same.
     is_repetition_contradicted: bool,
-    /// In captive flight the last fix that was taken is all that the altitude rests on, and the next may contradict it.
+    /// In captive flight the last fix that was taken is all that the altitude rests on, and the next may
+    /// contradict it.
     is_unconfirmed: bool,
     /// When the first outlier came since the last fix that was taken, and how many have.
     outlying: Option<(u64, u8)>,
@@ -282,7 +294,8 @@ impl VerticalChannel {
         outcome
     }
 
-    /// Takes a horizontal velocity of the reference in captive flight, north and east, m/s. One a second is used.
+    /// Takes a horizontal velocity of the reference in captive flight, north and east, m/s. One a second is
+    /// used.
     ///
     /// # Errors
     /// [`StrapdownError::Launched`], [`StrapdownError::NotFinite`], [`StrapdownError::Implausible`],
@@ -340,7 +353,8 @@ impl VerticalChannel {
         }
     }
 
-    /// It was no launch: the alignment goes on, or starts anew if the channel was lost meanwhile. Nothing after [`Self::launch`].
+    /// It was no launch: the alignment goes on, or starts anew if the channel was lost meanwhile. Nothing
+    /// after [`Self::launch`].
     pub fn resume_captive(&mut self) {
         match self.phase {
             Phase::Free { .. } if !self.is_launched && !self.is_resumed => self.phase = Phase::Captive,
@@ -351,8 +365,8 @@ impl VerticalChannel {
         }
     }
 
-    /// Puts what a straight line over a gap between two samples costs into what is known: of so many seconds by the clock, and perhaps as
-    /// many more.
+    /// Puts what a straight line over a gap between two samples costs into what is known: of so many seconds
+    /// by the clock, and perhaps as many more.
     fn bridge(&mut self, gap_s: f32, unknown_s: f32) {
         self.counts.bridged = self.counts.bridged.saturating_add(1);
         let cost = BridgeCost::of(gap_s + unknown_s);
@@ -377,9 +391,10 @@ impl VerticalChannel {
         self.is_repetition_contradicted || self.matching.as_ref().is_some_and(VelocityMatch::is_doubted)
     }
 
-    /// Velocities have contradicted the level. One that had agreed with them was moved by something brief: samples that were wrong, or the
-    /// receiver's. It is off by some hundredths of a radian, which is what a match begins from, so the next fix begins another one. Of
-    /// velocities that contradict it at once, the match has made a gyro's bias, and nobody knows the level.
+    /// Velocities have contradicted the level. One that had agreed with them was moved by something brief:
+    /// samples that were wrong, or the receiver's. It is off by some hundredths of a radian, which is what a
+    /// match begins from, so the next fix begins another one. Of velocities that contradict it at once, the
+    /// match has made a gyro's bias, and nobody knows the level.
     #[cold]
     fn contradict(&mut self, has_lasted: bool) {
         if has_lasted {
@@ -433,7 +448,8 @@ impl VerticalChannel {
         }
         let is_captive = self.phase == Phase::Captive;
         let repeats = force == last.force && gyro_radps == last.rate;
-        // The vehicle has moved meanwhile, so the unit has stood still: neither level nor altitude are what they seem.
+        // The vehicle has moved meanwhile, so the unit has stood still: neither level nor altitude are what
+        // they seem.
         if is_captive && !repeats && self.repeated_s > longest_gap_s && self.is_repetition_contradicted() {
             return Err(StrapdownError::Gap);
         }

@@ -12,8 +12,9 @@ use super::{
 use crate::guard::Guard;
 use crate::time::seconds_between;
 
-/// A fix that moves the altitude by more than five of the sigmas that it leaves has to be confirmed by the next one: after an outage the gate lets an
-/// outlier of tens of metres through, and what a gate lets through is not normal.
+/// A fix that moves the altitude by more than five of the sigmas that it leaves has to be confirmed by the
+/// next one: after an outage the gate lets an outlier of tens of metres through, and what a gate lets through
+/// is not normal.
 const CONFIRMED_SIGMAS_SQUARED: f32 = 25.0;
 
 impl VerticalChannel {
@@ -21,7 +22,8 @@ impl VerticalChannel {
     ///
     /// # Errors
     /// [`StrapdownError::Launched`], [`StrapdownError::NotFinite`], [`StrapdownError::Implausible`],
-    /// [`StrapdownError::NoVertical`], [`StrapdownError::OutOfOrder`]; nothing has changed then. [`StrapdownError::Outlier`].
+    /// [`StrapdownError::NoVertical`], [`StrapdownError::OutOfOrder`]; nothing has changed then.
+    /// [`StrapdownError::Outlier`].
     pub fn reference(&mut self, time_us: u64, altitude_m: f32) -> Result<(), StrapdownError> {
         let is_captive = self.phase == Phase::Captive;
         if !is_captive && !self.is_mending() {
@@ -54,8 +56,9 @@ impl VerticalChannel {
             Some(memory.parabola_gains(step_s).map(|gain| gain * residual_m))
         };
         let Some([moved_m, climb_rate, lacking]) = moved else {
-            // In free flight a reference that contradicts the channel never has the last word. Nor is it one to wait for: an error that no
-            // gap can have cost was there before it, or is the reference's, and is to be seen.
+            // In free flight a reference that contradicts the channel never has the last word. Nor is it one
+            // to wait for: an error that no gap can have cost was there before it, or is the reference's, and
+            // is to be seen.
             if !is_captive {
                 self.drifted_m2 = self.tie.altitude_m2();
                 return Err(StrapdownError::Outlier);
@@ -63,7 +66,8 @@ impl VerticalChannel {
             let (since_us, count) = self.outlying.unwrap_or((time_us, 0));
             let count = (count + 1).min(2 * OUTLIERS);
             self.outlying = Some((since_us, count));
-            // The fixes of a tie are outweighed once others have contradicted them for longer than they came themselves.
+            // The fixes of a tie are outweighed once others have contradicted them for longer than they came
+            // themselves.
             let outweighs_s = LONGEST_OUTLIER_S.min(self.anchor.elapsed_s());
             let has_lasted = seconds_between(since_us, time_us) > outweighs_s;
             if count >= OUTLIERS && has_lasted {
@@ -96,12 +100,13 @@ impl VerticalChannel {
         Ok(())
     }
 
-    /// Takes the climb rate of the fix that [`Self::reference`] was just given, m/s, while a gap of free flight is mended: it says at once what
-    /// altitudes say after seconds. In captive flight it is not asked, as the altitudes are enough, and it would be one more to believe.
+    /// Takes the climb rate of the fix that [`Self::reference`] was just given, m/s, while a gap of free
+    /// flight is mended: it says at once what altitudes say after seconds. In captive flight it is not asked,
+    /// as the altitudes are enough, and it would be one more to believe.
     ///
     /// # Errors
-    /// [`StrapdownError::Launched`], [`StrapdownError::NotFinite`], [`StrapdownError::OutOfOrder`]; nothing has changed then.
-    /// [`StrapdownError::Outlier`].
+    /// [`StrapdownError::Launched`], [`StrapdownError::NotFinite`], [`StrapdownError::OutOfOrder`]; nothing
+    /// has changed then. [`StrapdownError::Outlier`].
     pub fn climb_rate_fix(&mut self, time_us: u64, climb_rate_mps: f32) -> Result<(), StrapdownError> {
         if !self.is_mending() {
             return Err(StrapdownError::Launched);
@@ -123,7 +128,8 @@ impl VerticalChannel {
         Ok(())
     }
 
-    /// Where climb rate and altitude are known to these variances, and nothing carries the climb rate off again.
+    /// Where climb rate and altitude are known to these variances, and nothing carries the climb rate off
+    /// again.
     fn end_mending(&mut self, climb_m2ps2: f32, altitude_m2: f32) {
         if self.tie.climb_m2ps2() <= climb_m2ps2
             && self.tie.altitude_m2() <= altitude_m2
@@ -148,7 +154,8 @@ impl VerticalChannel {
         self.is_mending && matches!(self.phase, Phase::Free { .. })
     }
 
-    /// Ties altitude to its first fix. What was found of the accelerometer's bias is where the search for it begins.
+    /// Ties altitude to its first fix. What was found of the accelerometer's bias is where the search for it
+    /// begins.
     fn begin_tie(&mut self, time_us: u64, altitude_m: f32) {
         self.anchor.count(0.0, self.config.anchor_window_s);
         self.anchor_time_us = time_us;
@@ -164,15 +171,17 @@ impl VerticalChannel {
         self.tie_time_us = time_us;
     }
 
-    /// Climb rate and its variance, m/s and (m/s)^2, as soon as the reference has said anything of it, aligned or not.
+    /// Climb rate and its variance, m/s and (m/s)^2, as soon as the reference has said anything of it,
+    /// aligned or not.
     #[must_use]
     pub fn tied_climb_rate(&self) -> Option<(f32, f32)> {
         (self.phase != Phase::Lost && !self.anchor.is_empty())
             .then(|| (self.climb_rate.value(), self.tie.climb_m2ps2()))
     }
 
-    /// Ties altitude and climb rate anew in captive flight to a fix that contradicts them, metres and m/s: they are not what their variances
-    /// say. What was found of the accelerometer is kept if it was found before that, and else searched for anew.
+    /// Ties altitude and climb rate anew in captive flight to a fix that contradicts them, metres and m/s:
+    /// they are not what their variances say. What was found of the accelerometer is kept if it was found
+    /// before that, and else searched for anew.
     ///
     /// # Errors
     /// [`StrapdownError::Implausible`]; nothing has changed then.

@@ -162,8 +162,8 @@ fn level_and_gyro_bias_are_found() {
     assert_eq!(rig.channel.counts().untrimmed, 0);
 }
 
-/// Straight flight with horizontal accelerations of a phugoid and of gusts, attitude that wanders, a wind that makes the
-/// track another direction than the heading, and gyros that are off.
+/// Straight flight with horizontal accelerations of a phugoid and of gusts, attitude that wanders, a wind
+/// that makes the track another direction than the heading, and gyros that are off.
 struct Carried {
     rig: Rig,
     heading: f64,
@@ -284,8 +284,9 @@ fn with_velocities_an_acceleration_is_no_tilt() {
         println!(
             "{heading}: {tilt:.1e} rad {bias:.1e} rad/s {squares:.3?}; without velocities {tilt_without:.1e} rad"
         );
-        // Without, the ends of the window weigh four times: accelerations of 0.5 m/s^2 and periods of 25 s leave more
-        // than a milliradian. Exact velocities leave what the priors still weigh, well below a sigma.
+        // Without, the ends of the window weigh four times: accelerations of 0.5 m/s^2 and periods of 25 s
+        // leave more than a milliradian. Exact velocities leave what the priors still weigh, well below a
+        // sigma.
         assert!(tilt_without > 1e-3 && tilt < 0.1 * tilt_without);
         assert!(squares.into_iter().all(|square| square < 0.1), "{heading}: {squares:?}");
     }
@@ -304,9 +305,9 @@ fn the_matchs_variances_are_true() {
     }
     let [tilt, bias] = sum.map(|sum| sum / count);
     println!("squared errors over their variances: {tilt:.2} {bias:.2}");
-    // Of two unit normals the larger square has mean 1.64 (variance 3.1), of three 2.1 (3.9): over 40 flights no more than
-    // 2.5 and 3.0. Less, because these flights have neither gyro noise nor vibration, for which the variances leave room;
-    // how much less says how cautious the match is.
+    // Of two unit normals the larger square has mean 1.64 (variance 3.1), of three 2.1 (3.9): over 40 flights
+    // no more than 2.5 and 3.0. Less, because these flights have neither gyro noise nor vibration, for which
+    // the variances leave room; how much less says how cautious the match is.
     assert!((0.1..2.5).contains(&tilt) && (0.1..3.0).contains(&bias), "{tilt} {bias}");
 }
 
@@ -332,8 +333,8 @@ fn velocities_may_stay_away() {
     assert!(tilt < 2e-4 && bias < 5e-5, "{tilt} {bias}");
 }
 
-/// One fix that is far off, and a receiver that has gone mad.
-/// A receiver whose velocities are far worse than assumed does not deny the channel for good, and is matched again once it is mended.
+/// One fix that is far off, and a receiver that has gone mad. A receiver whose velocities are far worse than
+/// assumed does not deny the channel for good, and is matched again once it is mended.
 #[test]
 fn velocities_that_contradict_the_level_are_asked_less_and_less_often() {
     let mut carried = Carried::new(0.7, [0.002, -0.001, 0.001]);
@@ -453,7 +454,8 @@ fn coning_is_followed() {
     for _ in 0..60 * SECOND {
         // A hundred steps a tick, second order each.
         for part in 0..100 {
-            // Linear between the ticks, as the channel takes it: what a chip's filter does is not the subject.
+            // Linear between the ticks, as the channel takes it: what a chip's filter does is not the
+            // subject.
             let t = rig.time_s() - first;
             let share = (f64::from(part) + 0.5) / 100.0;
             let (from, to) = (rate(t), rate(t + STEP_S));
@@ -469,8 +471,9 @@ fn coning_is_followed() {
         rig.step(&sample([0.0, 0.0, -G], [0, 1, 2].map(|axis| rate(t)[axis] + bias[axis])));
     }
     assert!(rig.time_s() - start > 60.0);
-    // Without the coning term the drift is amplitude^2 frequency dt^2 / 12 = 1e-5 rad/s about the axis that the rate
-    // goes round, the body's x: 6e-4 rad in a minute. With it, the next order: below a tenth of that.
+    // Without the coning term the drift is amplitude^2 frequency dt^2 / 12 = 1e-5 rad/s about the axis that
+    // the rate goes round, the body's x: 6e-4 rad in a minute. With it, the next order: below a tenth of
+    // that.
     let apart: f64 = rig
         .channel
         .down_body()
@@ -501,7 +504,8 @@ fn a_turn_does_not_level_the_channel() {
     }
     let counts = rig.channel.counts();
     assert!(counts.untrimmed > 1_500, "{counts:?}");
-    // Only the roll into it, before it is noticed, pulls at the level: 120 ticks of 4/n of a mean error of 0.3 rad.
+    // Only the roll into it, before it is noticed, pulls at the level: 120 ticks of 4/n of a mean error of
+    // 0.3 rad.
     let down = rig.channel.down_body().unwrap();
     for (found, wanted) in down.into_iter().zip(down_of(bank, 0.0)) {
         assert!((f64::from(found) - wanted).abs() < 0.012, "{down:?}");
@@ -511,7 +515,8 @@ fn a_turn_does_not_level_the_channel() {
     }
 }
 
-/// A gust at the very first samples: what the fit makes of two of them for a gyro's bias must not keep all others out.
+/// A gust at the very first samples: what the fit makes of two of them for a gyro's bias must not keep all
+/// others out.
 #[test]
 fn a_gust_at_the_start_does_not_end_the_levelling() {
     let mut rig = Rig::new();
@@ -525,8 +530,8 @@ fn a_gust_at_the_start_does_not_end_the_levelling() {
     assert!(rig.channel.is_aligned(), "{:?}", rig.channel);
 }
 
-/// An engine shakes the unit from its first sample on, the gyro has its noise, and at one second in five a gap of 0.4 s begins: the levelling
-/// takes its time and no more, whichever samples it begins with.
+/// An engine shakes the unit from its first sample on, the gyro has its noise, and at one second in five a
+/// gap of 0.4 s begins: the levelling takes its time and no more, whichever samples it begins with.
 #[test]
 fn an_engine_that_shakes_the_unit_does_not_delay_the_levelling() {
     for phase in 0..20 {
@@ -552,7 +557,8 @@ fn an_engine_that_shakes_the_unit_does_not_delay_the_levelling() {
     }
 }
 
-/// What moves the level for half a second costs a match that has agreed with velocities for long neither the level's time nor the altitude.
+/// What moves the level for half a second costs a match that has agreed with velocities for long neither the
+/// level's time nor the altitude.
 #[test]
 fn a_brief_disturbance_of_the_level_is_matched_away() {
     let mut carried = Carried::new(0.7, [0.002, -0.001, 0.001]).tied(60);

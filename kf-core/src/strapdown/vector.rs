@@ -12,8 +12,8 @@ pub(super) fn cross(a: Vector, b: Vector) -> Vector {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// `a - b`. (Written out, as [`scaled`] and [`sum`] are: of a closure that takes an axis the compiler cannot see that the
-/// axis is one.)
+/// `a - b`. (Written out, as [`scaled`] and [`sum`] are: of a closure that takes an axis the compiler cannot
+/// see that the axis is one.)
 pub(super) const fn difference([a, b, c]: Vector, [x, y, z]: Vector) -> Vector {
     [a - x, b - y, c - z]
 }
@@ -26,11 +26,12 @@ pub(super) const fn scaled([a, b, c]: Vector, by: f32) -> Vector {
     [a * by, b * by, c * by]
 }
 
-/// The local vertical in body axes: the third row of the direction cosine matrix from body to north-east-down.
+/// The local vertical in body axes: the third row of the direction cosine matrix from body to
+/// north-east-down.
 ///
 /// This row is closed under rotation (`c' = c x omega`, D. H. Titterton and J. L. Weston, "Strapdown Inertial
-/// Navigation Technology", 2nd edition, IEE 2004, section 3.6.3), and it is all that the vertical channel needs of
-/// the attitude: the heading never enters.
+/// Navigation Technology", 2nd edition, IEE 2004, section 3.6.3), and it is all that the vertical channel
+/// needs of the attitude: the heading never enters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Down([Sum; 3]);
 
@@ -41,7 +42,8 @@ impl Down {
         if !(0.25..2.25).contains(&dot(down, down)) {
             return None;
         }
-        // Newton's iteration for the unit vector: without a square root, quadratic, from anywhere in that range.
+        // Newton's iteration for the unit vector: without a square root, quadratic, from anywhere in that
+        // range.
         for _ in 0..6 {
             let scale = 1.5 - 0.5 * dot(down, down);
             down = down.map(|part| part * scale);
@@ -67,8 +69,8 @@ impl Down {
 
     /// Turns the vector by a rotation (rad, body axes), and holds its length at 1.
     ///
-    /// The rotation is exact to the seventh power of the angle: the two functions of the squared angle are its
-    /// series (Titterton and Weston, section 11.2.1), so there is no square root and no division.
+    /// The rotation is exact to the seventh power of the angle: the two functions of the squared angle are
+    /// its series (Titterton and Weston, section 11.2.1), so there is no square root and no division.
     pub(super) fn rotate(&mut self, angle: Vector) {
         let squared = dot(angle, angle);
         let sine = 1.0 - squared * (1.0 / 6.0 - squared * (1.0 / 120.0 - squared / 5_040.0));

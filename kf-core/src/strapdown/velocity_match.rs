@@ -1,21 +1,23 @@
-//! Level alignment by velocity matching: the horizontal velocity that the inertial samples integrate to is held against
-//! that of the reference, so that an acceleration of the aircraft is no tilt.
+//! Level alignment by velocity matching: the horizontal velocity that the inertial samples integrate to is
+//! held against that of the reference, so that an acceleration of the aircraft is no tilt.
 //!
-//! Levelling on specific force alone takes every horizontal acceleration for a tilt, 0.1 rad a g; here only what the
-//! reference's velocity does not explain is one. Error model in north-east-down axes, linear (Titterton and
-//! Weston, sections 12.3 and 10.4; P. D. Groves, "Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems",
-//! 2nd edition, Artech House 2013, section 14.2):
+//! Levelling on specific force alone takes every horizontal acceleration for a tilt, 0.1 rad a g; here only
+//! what the reference's velocity does not explain is one. Error model in north-east-down axes, linear
+//! (Titterton and Weston, sections 12.3 and 10.4; P. D. Groves, "Principles of GNSS, Inertial, and
+//! Multisensor Integrated Navigation Systems", 2nd edition, Artech House 2013, section 14.2):
 //!
 //! `phi' = -C b`, `dv' = f x phi`; measured is `dv`, the integrated velocity less the fix's.
 //!
-//! `phi` is the small rotation of the computed axes against the true ones (tilts, heading), `b` what is left of the gyro's
-//! bias in body axes, `C` body to navigation axes, `f` specific force. Heading and the bias about the vertical show
-//! but weakly in the accelerations of straight flight, so the track is measured too: heading and crab angle, which is a state, as
-//! wind and trim do not change fast. Every fix is fed back once it is measured, so the states are zero between fixes. A
-//! horizontal bias of the accelerometer cannot be told from a tilt in straight flight, and is taken for one; so is the Coriolis
-//! acceleration (4 mm/s^2 at 28 m/s), which is not in the model.
+//! `phi` is the small rotation of the computed axes against the true ones (tilts, heading), `b` what is left
+//! of the gyro's bias in body axes, `C` body to navigation axes, `f` specific force. Heading and the bias
+//! about the vertical show but weakly in the accelerations of straight flight, so the track is measured too:
+//! heading and crab angle, which is a state, as wind and trim do not change fast. Every fix is fed back once
+//! it is measured, so the states are zero between fixes. A horizontal bias of the accelerometer cannot be
+//! told from a tilt in straight flight, and is taken for one; so is the Coriolis acceleration (4 mm/s^2 at 28
+//! m/s), which is not in the model.
 //!
-//! One fix a second is used. The update is spread over the nineteen samples after it: no tick bears all of it.
+//! One fix a second is used. The update is spread over the nineteen samples after it: no tick bears all of
+//! it.
 
 use super::sum::Sum;
 use super::vector::{Down, Vector, cross, difference, dot, scaled, sum};
@@ -24,8 +26,9 @@ use crate::root::reciprocal_root;
 use crate::time::seconds_between;
 use crate::ud::{NoiseVariance, Row, UdFilter};
 
-/// Errors of velocity north and east (m/s), tilt north and east, heading (rad), gyro bias x, y, z (rad/s), crab angle (rad).
-/// In this order each is moved by later ones only, so the transition is unit upper triangular.
+/// Errors of velocity north and east (m/s), tilt north and east, heading (rad), gyro bias x, y, z (rad/s),
+/// crab angle (rad). In this order each is moved by later ones only, so the transition is unit upper
+/// triangular.
 const STATES: usize = 9;
 const VELOCITY: usize = 0;
 const TILT: usize = 2;
@@ -33,8 +36,8 @@ const HEADING: usize = 4;
 const BIAS: usize = 5;
 const CRAB: usize = 8;
 
-/// Variances at the start: a tilt by an acceleration of 1 m/s^2, a crab angle of 0.3 rad, the bias of a MEMS gyro
-/// (0.02 rad/s), and the fix's velocity.
+/// Variances at the start: a tilt by an acceleration of 1 m/s^2, a crab angle of 0.3 rad, the bias of a MEMS
+/// gyro (0.02 rad/s), and the fix's velocity.
 const START: [f32; 4] = [0.01, 0.09, 4e-4, 0.02];
 /// Variance of a fix's velocity, (m/s)^2: 0.1 m/s, which has in it a latency of 0.2 s at 0.5 m/s^2.
 const FIX_M2PS2: f32 = 0.01;
@@ -45,23 +48,27 @@ const BIAS_DENSITY: f32 = 2.6e-12;
 /// Velocity: vibration of 0.5 m/s^2 sampled 200 times a second, (m/s)^2/s.
 const VELOCITY_DENSITY: f32 = 1.2e-3;
 
-/// Crab: what wind and trim move in 100 s is 0.03 rad, rad^2/s; and in a turn up to a wind of a fifth of the airspeed.
+/// Crab: what wind and trim move in 100 s is 0.03 rad, rad^2/s; and in a turn up to a wind of a fifth of the
+/// airspeed.
 const CRAB_DENSITY: f32 = 1e-5;
 const CRAB_BY_TURN: f32 = 0.04;
-/// A gust across the track moves it by itself over the speed. Variance of 2 m/s, (m/s)^2: 0.8 m/s that last for
-/// several fixes.
+/// A gust across the track moves it by itself over the speed. Variance of 2 m/s, (m/s)^2: 0.8 m/s that last
+/// for several fixes.
 const GUST_M2PS2: f32 = 4.0;
 
-/// Least and longest time between two fixes that are used, seconds. Over the longest the error model is still linear.
+/// Least and longest time between two fixes that are used, seconds. Over the longest the error model is still
+/// linear.
 const SHORTEST_S: f32 = 0.9;
 const LONGEST_S: f32 = 20.0;
 /// Below this speed a track is no heading, m/s.
 const LEAST_SPEED_MPS: f32 = 5.0;
-/// A velocity further off than so many sigmas, squared, is refused; after so many in a row it is the filter that is wrong.
+/// A velocity further off than so many sigmas, squared, is refused; after so many in a row it is the filter
+/// that is wrong.
 const GATE: f32 = 25.0;
 const REFUSALS: u8 = 5;
-/// Fixes, one a second, after which a match was a good one: from [`START`] its tilts are known to 0.005 rad by then, and the gyro's bias, by which it
-/// would leave them within the next fixes, to 0.001 rad/s. What contradicts it later is a disturbance, and not the level that it began with.
+/// Fixes, one a second, after which a match was a good one: from [`START`] its tilts are known to 0.005 rad
+/// by then, and the gyro's bias, by which it would leave them within the next fixes, to 0.001 rad/s. What
+/// contradicts it later is a disturbance, and not the level that it began with.
 const LASTING: u8 = 10;
 
 /// What is to be done at the next inertial sample.
@@ -143,7 +150,8 @@ fn unit([north, east]: [f32; 2], least: f32) -> Option<[f32; 2]> {
     Some([north * scale, east * scale])
 }
 
-/// The track of a velocity, and north in body axes, the nose pointing along the track; `None` where there is no saying.
+/// The track of a velocity, and north in body axes, the nose pointing along the track; `None` where there is
+/// no saying.
 fn directions(velocity_mps: [f32; 2], down: &Down) -> Option<([f32; 2], Vector)> {
     let track = unit(velocity_mps, LEAST_SPEED_MPS)?;
     let down = down.get();
@@ -174,7 +182,8 @@ pub(super) struct VelocityMatch {
     refusals: u8,
     /// Fixes that it has agreed with.
     agreed: u8,
-    /// Variances of velocity ((m/s)^2) and angle (rad^2) that gaps between samples have cost since the last fix.
+    /// Variances of velocity ((m/s)^2) and angle (rad^2) that gaps between samples have cost since the last
+    /// fix.
     bridged: [f32; 2],
     stage: Stage,
 }
@@ -199,8 +208,9 @@ impl VelocityMatch {
         stage: Stage::Idle,
     };
 
-    /// Begins anew in `matching` from a fix's north and east velocity, m/s; `None` where the track says no heading, or the nose
-    /// points up or down. In place, and most of it from a constant: it is large, and begins in a tick that has a fix to bear.
+    /// Begins anew in `matching` from a fix's north and east velocity, m/s; `None` where the track says no
+    /// heading, or the nose points up or down. In place, and most of it from a constant: it is large, and
+    /// begins in a tick that has a fix to bear.
     pub(super) fn begin(
         matching: &mut Option<Self>,
         time_us: u64,
@@ -238,8 +248,8 @@ impl VelocityMatch {
         self.is_contradicted() || seconds_between(self.fix_us, time_us) > LONGEST_S
     }
 
-    /// Takes a sample: `angle` is how the axes turned since the last one (rad, body), which `down` has already.
-    /// Moves `down` and `gyro_bias` when an update is due.
+    /// Takes a sample: `angle` is how the axes turned since the last one (rad, body), which `down` has
+    /// already. Moves `down` and `gyro_bias` when an update is due.
     pub(super) fn take(
         &mut self,
         down: &mut Down,
@@ -322,8 +332,8 @@ impl VelocityMatch {
         self.filter.variance(state)
     }
 
-    /// Drops what is not yet taken of a fix: from now on only samples count. What is taken and not fed back stays in the
-    /// filter's state, for the next time.
+    /// Drops what is not yet taken of a fix: from now on only samples count. What is taken and not fed back
+    /// stays in the filter's state, for the next time.
     pub(super) fn hold(&mut self) {
         self.stage = Stage::Idle;
     }
@@ -371,8 +381,9 @@ impl VelocityMatch {
         apart
     }
 
-    /// Moves one state by later ones; biases and crab angle stay as they are. The axes are those of this sample: those of the interval's end
-    /// are no better, and the few samples between the first state and the last are nothing to it.
+    /// Moves one state by later ones; biases and crab angle stay as they are. The axes are those of this
+    /// sample: those of the interval's end are no better, and the few samples between the first state and the
+    /// last are nothing to it.
     fn propagate(
         &mut self,
         state: usize,

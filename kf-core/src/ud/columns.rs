@@ -1,8 +1,9 @@
 //! The updates of a filter without a head, each in one function for every row of H, column by column.
 //!
-//! The same numbers, to the bit, as [`UdFilter::take`], which is written to be put in line where its row is a constant. Here the row is
-//! not, and the column's number is: every inner loop has a known length and is unrolled, and what a column needs of those
-//! before it stays in registers. That takes half of the instructions for eight states, and there is one copy of it.
+//! The same numbers, to the bit, as [`UdFilter::take`], which is written to be put in line where its row is a
+//! constant. Here the row is not, and the column's number is: every inner loop has a known length and is
+//! unrolled, and what a column needs of those before it stays in registers. That takes half of the
+//! instructions for eight states, and there is one copy of it.
 
 // The first column has none before it.
 #![allow(clippy::absurd_extreme_comparisons, clippy::reversed_empty_ranges)]
@@ -17,7 +18,8 @@ use crate::sensor::SENSORS;
 const MAX_COLUMNS: usize = SENSORS + MAX_ESTIMATED_EFFECTS + 1;
 const _: () = assert!(MAX_COLUMNS == 12, "every column is named below");
 
-/// Less than half a unit in the last place of the largest number (2^103): less makes no finite variance infinite.
+/// Less than half a unit in the last place of the largest number (2^103): less makes no finite variance
+/// infinite.
 const LARGEST_NOISE: f32 = 5e30;
 
 /// Does the work for each column that there is, with its number as a constant.
@@ -109,7 +111,8 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
                 before = alpha[J];
             }
             if J + 1 == TAIL {
-                // The last column's part of the gain goes into the steps at once: no column after it needs it.
+                // The last column's part of the gain goes into the steps at once: no column after it needs
+                // it.
                 let lambda = -f[J] * inverse;
                 let last_step = v[J] * weighted;
                 for k in 0..J {

@@ -3,7 +3,8 @@
 use super::UdFilter;
 
 impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
-    /// A row of U right of the head, without the 1 that a tail state has on the diagonal, and where its entries begin.
+    /// A row of U right of the head, without the 1 that a tail state has on the diagonal, and where its
+    /// entries begin.
     fn row(&self, state: usize) -> (&[f32], usize) {
         match state.checked_sub(HEAD) {
             None => (self.cross.get(state).map_or(&[], |row| row), 0),
@@ -35,8 +36,8 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         on_diagonal + both
     }
 
-    /// Every entry of the upper triangle of P, to the bit as [`Self::covariance`] gives it, as row, column and entry: all of them
-    /// for little more than the last few would take one by one.
+    /// Every entry of the upper triangle of P, to the bit as [`Self::covariance`] gives it, as row, column
+    /// and entry: all of them for little more than the last few would take one by one.
     #[inline(always)]
     pub(crate) fn for_each_covariance(&self, mut take: impl FnMut(usize, usize, f32)) {
         for (i, upper) in self.cross.iter().enumerate() {

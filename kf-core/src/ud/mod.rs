@@ -66,8 +66,8 @@ impl NoiseVariance {
 pub struct Gate {
     /// Largest normalised innovation squared.
     pub limit: f32,
-    /// What the innovation's variance has in it beyond one measurement's own error: correlated noise is weighted as a
-    /// larger white one, but an innovation is judged by the error of one measurement.
+    /// What the innovation's variance has in it beyond one measurement's own error: correlated noise is
+    /// weighted as a larger white one, but an innovation is judged by the error of one measurement.
     pub excess: f32,
     /// A measurement within the gate is judged, too, but moves nothing.
     pub only_judges: bool,
@@ -146,8 +146,8 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         })
     }
 
-    /// [`Self::new`] with all states at zero, for constants: the variances are written down where it is called, finite and not
-    /// negative.
+    /// [`Self::new`] with all states at zero, for constants: the variances are written down where it is
+    /// called, finite and not negative.
     pub(crate) const fn at_zero(head_variance: [f32; HEAD], tail_variance: [f32; TAIL]) -> Self {
         Self {
             head_state: [0.0; HEAD],
@@ -179,8 +179,9 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         self.take::<true>(row, measurement, noise, None)
     }
 
-    /// [`Self::update`] of a measurement that is refused beyond the gate ([`FilterError::Gated`]); where it is not `CHECKED`, numbers that are not finite go through, and the
-    /// caller finds them afterwards, in [`Self::is_finite_after`], and throws the filter away.
+    /// [`Self::update`] of a measurement that is refused beyond the gate ([`FilterError::Gated`]); where it
+    /// is not `CHECKED`, numbers that are not finite go through, and the caller finds them afterwards, in
+    /// [`Self::is_finite_after`], and throws the filter away.
     #[inline(always)]
     pub(crate) fn take<const CHECKED: bool>(
         &mut self,

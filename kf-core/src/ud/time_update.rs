@@ -128,15 +128,15 @@ impl<const N: usize> UdFilter<0, N> {
         Ok(())
     }
 
-    /// The same for a unit upper triangular A and no noise: every state moves by later ones only. Then A U is the new
-    /// U and D stays, which costs a sixth of the general propagation, and less for every zero.
+    /// The same for a unit upper triangular A and no noise: every state moves by later ones only. Then A U is
+    /// the new U and D stays, which costs a sixth of the general propagation, and less for every zero.
     ///
-    /// `transition` is the first `ROWS` rows of A, of which only what is right of the diagonal is read; below them A is the
-    /// identity.
+    /// `transition` is the first `ROWS` rows of A, of which only what is right of the diagonal is read; below
+    /// them A is the identity.
     ///
     /// # Errors
-    /// [`FilterError::Shape`] for more rows than states. [`FilterError::NotFinite`]; the filter is then of no use any more, as
-    /// nothing is copied for its sake.
+    /// [`FilterError::Shape`] for more rows than states. [`FilterError::NotFinite`]; the filter is then of no
+    /// use any more, as nothing is copied for its sake.
     pub fn propagate_upper<const ROWS: usize>(
         &mut self,
         transition: &[[f32; N]; ROWS],
@@ -151,8 +151,8 @@ impl<const N: usize> UdFilter<0, N> {
         Ok(())
     }
 
-    /// One row of [`Self::propagate_upper`]; all of A is its rows one after the other, from the first on, with whatever time between
-    /// them.
+    /// One row of [`Self::propagate_upper`]; all of A is its rows one after the other, from the first on,
+    /// with whatever time between them.
     ///
     /// # Errors
     /// As there.

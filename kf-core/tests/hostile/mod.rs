@@ -63,7 +63,8 @@ impl Random {
     }
 }
 
-/// The default model's noise, and four effects as states, integrated ones and one on the reference among them.
+/// The default model's noise, and four effects as states, integrated ones and one on the reference among
+/// them.
 pub fn config() -> MissionConfig<4> {
     let sensor = |sigma_m, correlation_time_s, wander_m_per_sqrt_s| SensorConfig {
         sigma_m,
@@ -228,7 +229,8 @@ pub fn check(output: &TickOutput, latch: Option<&LatchRecord>) {
     }
 }
 
-/// What decides and integrates before the mission does, on the same bits: launch, and the altitude of the inertial unit.
+/// What decides and integrates before the mission does, on the same bits: launch, and the altitude of the
+/// inertial unit.
 struct Before {
     launch: LaunchDetector,
     inertial: InertialAltitude,
@@ -297,8 +299,8 @@ pub struct Came {
     pub integrated: u64,
 }
 
-/// Flies missions on hostile input, for so many ticks in all. In every other one launch and the altitude of the UAV's inertial unit are made of the
-/// same bits.
+/// Flies missions on hostile input, for so many ticks in all. In every other one launch and the altitude of
+/// the UAV's inertial unit are made of the same bits.
 pub fn fly(seed: u64, ticks: u64) -> Came {
     let config = config();
     let mut random = Random(seed);

@@ -122,7 +122,8 @@ impl Columns {
         self.0.is_empty()
     }
 
-    /// A column whose unit the model says. False where it is there already in another unit, or there is no room.
+    /// A column whose unit the model says. False where it is there already in another unit, or there is no
+    /// room.
     pub fn declare(&mut self, name: &str, dimension: Dimension) -> bool {
         match self.0.iter().find(|column| column.name == name) {
             Some(there) => there.dimension == dimension && there.is_declared,
@@ -134,7 +135,8 @@ impl Columns {
         }
     }
 
-    /// The number and dimension of a column, which is new where it is not there yet; `None` where there is no room.
+    /// The number and dimension of a column, which is new where it is not there yet; `None` where there is no
+    /// room.
     pub(super) fn number(&mut self, name: &str) -> Option<(u8, Dimension)> {
         let at = match self.0.iter().position(|column| column.name == name) {
             Some(at) => at,

@@ -153,7 +153,8 @@ impl Formula {
         Err(FormulaError::new(&self.text, whole, message))
     }
 
-    /// A number that stands for what the formula says, whatever its layout, with the units that its columns have, and for `beside`.
+    /// A number that stands for what the formula says, whatever its layout, with the units that its columns
+    /// have, and for `beside`.
     #[must_use]
     pub fn fingerprint(&self, columns: &Columns, beside: &[&str]) -> u64 {
         let mut digest = CRC.digest();

@@ -18,7 +18,8 @@ use super::ast::{Expression, Kind, Operator};
 use super::dimension::{Dimension, of_unit};
 use super::functions::Function;
 
-/// Longest text, bytes: far more than a program holds, and little enough that nesting is no danger to the stack.
+/// Longest text, bytes: far more than a program holds, and little enough that nesting is no danger to the
+/// stack.
 const LONGEST: usize = 1_000;
 
 type Input<'a> = LocatingSlice<&'a str>;

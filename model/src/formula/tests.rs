@@ -233,7 +233,8 @@ fn formulas() -> impl Strategy<Value = String> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// Whatever is written and whatever is measured: no panic, and never a number that is none in result or memory.
+    /// Whatever is written and whatever is measured: no panic, and never a number that is none in result or
+    /// memory.
     #[test]
     fn no_formula_gives_what_is_no_number(
         text in formulas(),

@@ -3,7 +3,8 @@
 /// Channels that a chip has at most: the inertial unit's six.
 pub const CHANNELS: usize = 6;
 
-/// What is wrong with a chip's results at present. A channel is a place in the order in which the model has its quantities.
+/// What is wrong with a chip's results at present. A channel is a place in the order in which the model has
+/// its quantities.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Disturbance {
     /// Every result is the last one before this began, and is said to be new.

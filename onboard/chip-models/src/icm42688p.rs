@@ -1,6 +1,6 @@
-//! ICM-42688-P inertial unit (TDK InvenSense DS-000347, revision 1.6; section numbers are its): user bank 0, the
-//! sample path and the interrupt status. Other banks read as zero, and the FIFO is not modelled. Of the filter before the
-//! samples there is what it leaves of a [`Vibration`]: the motion is taken to be slow.
+//! ICM-42688-P inertial unit (TDK InvenSense DS-000347, revision 1.6; section numbers are its): user bank 0,
+//! the sample path and the interrupt status. Other banks read as zero, and the FIFO is not modelled. Of the
+//! filter before the samples there is what it leaves of a [`Vibration`]: the motion is taken to be slow.
 
 use crate::bus::SpiChip;
 use crate::disturbance::Disturbance;
@@ -121,8 +121,8 @@ impl<Surroundings: Source<Motion>> Icm42688pModel<Surroundings> {
         self.samples_from_us = None;
     }
 
-    /// Counts of this motion with the ranges that are set, to the nearest; the ends of the range hold what is beyond.
-    /// Temperature, specific force, rate: the order of the registers.
+    /// Counts of this motion with the ranges that are set, to the nearest; the ends of the range hold what is
+    /// beyond. Temperature, specific force, rate: the order of the registers.
     pub fn raw(&self, motion: Motion) -> [i16; 7] {
         let halved = |config: u8| f32::from(1u16 << (self.register(config) >> 5).min(7));
         let per_mps2 = 32_768.0 / (16.0 * GRAVITY_MPS2) * halved(ACCEL_CONFIG0);
@@ -148,7 +148,8 @@ impl<Surroundings: Source<Motion>> Icm42688pModel<Surroundings> {
         }
     }
 
-    /// The low pass before the samples (14.39 to 14.41): UI_FILT_BW as a part of the ODR, at least 400 Hz of it.
+    /// The low pass before the samples (14.39 to 14.41): UI_FILT_BW as a part of the ODR, at least 400 Hz of
+    /// it.
     fn filter(&self, is_gyro: bool) -> LowPass {
         let bandwidths = self.register(GYRO_ACCEL_CONFIG0);
         let (field, order) = if is_gyro {

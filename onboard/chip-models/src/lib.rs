@@ -1,10 +1,11 @@
 //! Register-level models of the sensor chips of the flight computer: what a driver sees of a chip, byte by
 //! byte, and what can go wrong with it.
 //!
-//! A model is fed with physical quantities by time ([`source::Source`]) and sits behind the same trait as
-//! the real chip: `embedded_hal::spi::SpiDevice` ([`bus::ChipOnBus`]), or a UART of `embedded_io` ([`ublox::ReceiverModel`]). It shares no arithmetic with the drivers:
-//! what they compute from the datasheet's formulas, the models invert from those formulas anew. Only
-//! integers and `f32`, no clock and no heap: the same bytes on the host and on the target.
+//! A model is fed with physical quantities by time ([`source::Source`]) and sits behind the same trait as the
+//! real chip: `embedded_hal::spi::SpiDevice` ([`bus::ChipOnBus`]), or a UART of `embedded_io`
+//! ([`ublox::ReceiverModel`]). It shares no arithmetic with the drivers: what they compute from the
+//! datasheet's formulas, the models invert from those formulas anew. Only integers and `f32`, no clock and no
+//! heap: the same bytes on the host and on the target.
 //!
 //! [`flown`] is the whole board: the drivers on these models, fed from a flight.
 //!

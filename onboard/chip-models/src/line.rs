@@ -16,7 +16,8 @@ pub struct LineFaults {
     pub lose_bytes: u32,
     /// A byte to damage: after so many more, these bits.
     pub flip_bits: Option<(u32, u8)>,
-    /// Nothing that is sent passes, and noise arrives, as many bytes as the line carries: its random numbers' state.
+    /// Nothing that is sent passes, and noise arrives, as many bytes as the line carries: its random numbers'
+    /// state.
     pub noise: Option<u32>,
 }
 
@@ -49,7 +50,8 @@ impl Line {
         }
     }
 
-    /// Gives the device a byte to send. One whose buffer is full drops what it cannot send, and that is counted.
+    /// Gives the device a byte to send. One whose buffer is full drops what it cannot send, and that is
+    /// counted.
     pub fn send(&mut self, byte: u8) {
         if self.outgoing.push_back(byte).is_err() {
             self.unsent_bytes = self.unsent_bytes.saturating_add(1);
@@ -158,7 +160,8 @@ impl Line {
     }
 }
 
-/// The next of a sequence of random numbers: Numerical Recipes' "quick" generator, whose high bits do for noise.
+/// The next of a sequence of random numbers: Numerical Recipes' "quick" generator, whose high bits do for
+/// noise.
 pub(crate) const fn noise_after(state: u32) -> u32 {
     state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223)
 }

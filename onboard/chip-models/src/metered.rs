@@ -1,4 +1,5 @@
-//! A port whose other end is a model, for what measures a driver: the model's work must not count as the driver's.
+//! A port whose other end is a model, for what measures a driver: the model's work must not count as the
+//! driver's.
 
 use embedded_hal::spi::{ErrorType as SpiErrorType, Operation, SpiDevice};
 use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
@@ -53,7 +54,8 @@ impl<Port: SpiDevice, Observer: WorkObserver> SpiDevice for Metered<Port, Observ
     }
 }
 
-/// A serial port under observation: apart from [`Metered`], because both traits of errors have the same name for theirs.
+/// A serial port under observation: apart from [`Metered`], because both traits of errors have the same name
+/// for theirs.
 #[derive(Clone, Debug)]
 pub struct MeteredUart<Port, Observer>(pub Metered<Port, Observer>);
 

@@ -1,5 +1,6 @@
-//! The mother ship at the other end of the umbilical: its inertial altitude as MAVLink 2 ALTITUDE (#141), with the heartbeat (#0)
-//! that every MAVLink system sends once a second (<https://mavlink.io/en/guide/serialization.html>,
+//! The mother ship at the other end of the umbilical: its inertial altitude as MAVLink 2 ALTITUDE (#141),
+//! with the heartbeat (#0) that every MAVLink system sends once a second
+//! (<https://mavlink.io/en/guide/serialization.html>,
 //! <https://mavlink.io/en/messages/common.html>).
 
 use core::convert::Infallible;
@@ -79,7 +80,8 @@ impl MotherShipModel {
         }
     }
 
-    /// Whether the line's other end is there. From separation on nobody sends, and what was about to be sent is gone.
+    /// Whether the line's other end is there. From separation on nobody sends, and what was about to be sent
+    /// is gone.
     pub fn set_attached(&mut self, is_attached: bool) {
         self.is_attached = is_attached;
         if !is_attached {
@@ -105,7 +107,8 @@ impl MotherShipModel {
         self.line.carry_until(now_us);
     }
 
-    /// It has computed an inertial altitude, metres above mean sea level, and sends it. What it has no value for is NaN.
+    /// It has computed an inertial altitude, metres above mean sea level, and sends it. What it has no value
+    /// for is NaN.
     pub fn navigate(&mut self, altitude_m: f32) {
         let altitude_m = match self.fault {
             MotherShipFault::Silent => return,

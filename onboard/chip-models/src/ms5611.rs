@@ -6,7 +6,8 @@ use crate::source::{Air, Source};
 
 /// Time to reload the calibration after a reset, microseconds ("Reset sequence").
 const RELOAD_US: u64 = 2_800;
-/// Longest conversions at oversampling 256, 512, 1024, 2048 and 4096 ("Performance specifications"), microseconds.
+/// Longest conversions at oversampling 256, 512, 1024, 2048 and 4096 ("Performance specifications"),
+/// microseconds.
 const CONVERSION_US: [u64; 5] = [600, 1_170, 2_280, 4_540, 9_040];
 
 /// C1 to C6 of the datasheet's example.
@@ -31,7 +32,8 @@ pub struct Ms5611Model<Surroundings> {
     pub stalled: bool,
     /// Conversions that never end, counted down: the next ones.
     pub lose_conversions: u32,
-    /// Bits of a byte of the calibration memory that read wrong: the byte from C0's first one on, and the bits.
+    /// Bits of a byte of the calibration memory that read wrong: the byte from C0's first one on, and the
+    /// bits.
     pub prom_flip: Option<(u8, u8)>,
     /// What is wrong with its results: pressure (Pa, or bits of D1), temperature (degrees, or bits of D2).
     pub disturbance: Disturbance,
@@ -89,7 +91,8 @@ impl<Surroundings: Source<Air>> Ms5611Model<Surroundings> {
     }
 
     fn convert(&mut self, now_us: u64, oversampling: u8, temperature: bool) {
-        // "Conversion sequence sent during the already started conversion process will yield incorrect result".
+        // "Conversion sequence sent during the already started conversion process will yield incorrect
+        // result".
         if let Conversion::Running { done_us, spoiled, .. } = &mut self.conversion
             && now_us < *done_us
         {
@@ -165,8 +168,8 @@ impl<Surroundings: Source<Air>> Ms5611Model<Surroundings> {
     }
 }
 
-/// The dT whose temperature after the second order, dT C6 / 2^23 - dT^2 / 2^31, is nearest (below 20 degrees it
-/// rises with dT).
+/// The dT whose temperature after the second order, dT C6 / 2^23 - dT^2 / 2^31, is nearest (below 20 degrees
+/// it rises with dT).
 fn second_order_dt(above_q31: i64, c6: i64) -> i64 {
     let temperature = |dt: i64| dt * (c6 << 8) - dt * dt;
     let (mut low, mut high) = (-1 << 24, 0);

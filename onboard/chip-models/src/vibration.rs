@@ -1,4 +1,5 @@
-//! A vibration of the airframe, as a sampled inertial unit has it: behind the chip's filter, and at the chip's samples alone.
+//! A vibration of the airframe, as a sampled inertial unit has it: behind the chip's filter, and at the
+//! chip's samples alone.
 
 use kf_core::trigonometry::sine_and_cosine;
 
@@ -33,7 +34,8 @@ impl LowPass {
 }
 
 impl Vibration {
-    /// What the filter has of it at a time, microseconds. The filter's delay only shifts its phase, and is left out.
+    /// What the filter has of it at a time, microseconds. The filter's delay only shifts its phase, and is
+    /// left out.
     #[must_use]
     pub fn at(self, time_us: u64, filter: LowPass) -> f32 {
         // Thousandths of a millionth of a turn: whole ones go, so that an hour later the phase is as exact.

@@ -141,7 +141,8 @@ fn a_reset_in_flight_is_found_at_once_and_configured_anew() {
     assert_eq!(bench.driver.health().initialisations, 2);
 }
 
-/// A reset in flight costs what a start costs: the driver does not wait before it resets the chip in its turn.
+/// A reset in flight costs what a start costs: the driver does not wait before it resets the chip in its
+/// turn.
 #[test]
 fn after_a_reset_in_flight_samples_come_as_soon_as_after_a_start() {
     let polls_to_a_sample = |bench: &mut Bench<Chip>| (1..).find(|_| bench.poll().unwrap().is_some());
@@ -184,7 +185,8 @@ fn a_flipped_status_costs_nothing() {
     assert_eq!((bench.driver.health().asked_again, bench.driver.health().initialisations), (1, 1));
 }
 
-/// A bit that flips in the chip: no sample that was made with it is taken, one is lost, and it is written again.
+/// A bit that flips in the chip: no sample that was made with it is taken, one is lost, and it is written
+/// again.
 #[test]
 fn a_register_that_changes_costs_one_sample() {
     for register in 0x4C..=0x53u8 {
@@ -225,7 +227,8 @@ fn another_bank_is_left() {
     assert!(bench.poll().unwrap().is_some());
 }
 
-/// Whatever is wrong with the wires for less than 0.2 s: the chip is not reset for it, and its next answer is a sample.
+/// Whatever is wrong with the wires for less than 0.2 s: the chip is not reset for it, and its next answer is
+/// a sample.
 #[test]
 fn a_short_fault_of_the_wires_costs_what_it_lasts() {
     for fault in [WireFault::StuckLow, WireFault::StuckHigh, WireFault::BusError] {
@@ -240,7 +243,8 @@ fn a_short_fault_of_the_wires_costs_what_it_lasts() {
     }
 }
 
-/// Noise looks like anything: every bit of the configuration, and a reset. No longer than half a second after it the samples are right.
+/// Noise looks like anything: every bit of the configuration, and a reset. No longer than half a second after
+/// it the samples are right.
 #[test]
 fn noise_on_the_wires_is_left_behind() {
     for seed in 0..200 {
@@ -253,9 +257,9 @@ fn noise_on_the_wires_is_left_behind() {
     }
 }
 
-/// Registers from 0x4F on as a driver may set them, and what is left of a vibration of 10 m/s^2 on the vertical axis that
-/// a 200 Hz tick has folded to a tenth of a hertz: its amplitude at the ticks, and where it takes an altitude in 25 s, integrated twice
-/// from rest.
+/// Registers from 0x4F on as a driver may set them, and what is left of a vibration of 10 m/s^2 on the
+/// vertical axis that a 200 Hz tick has folded to a tenth of a hertz: its amplitude at the ticks, and where
+/// it takes an altitude in 25 s, integrated twice from rest.
 fn folded(registers: [u8; 5], frequency_mhz: u32) -> (f32, f32) {
     let mut chip = Icm42688pModel::new(Held(LEVEL));
     chip.vibration = Some(Vibration { channel: 2, frequency_mhz, amplitude: 10.0 });
@@ -289,10 +293,12 @@ fn vibration_near_the_ticks_rate_is_kept_from_folding_to_zero() {
     for frequency_mhz in [200_100, 199_900, 400_100] {
         let (was, was_m) = folded(before, frequency_mhz);
         let (is, is_m) = folded(set, frequency_mhz);
-        // Of 10 m/s^2: 2.4 of them at 200 Hz before, 0.02 now (a Butterworth of third order: 8^-3); 5 mm/s^2 is a count.
+        // Of 10 m/s^2: 2.4 of them at 200 Hz before, 0.02 now (a Butterworth of third order: 8^-3); 5 mm/s^2
+        // is a count.
         assert!(is < 0.02 + 0.005, "{frequency_mhz}: {is}");
         assert!(was > 0.6, "{frequency_mhz}: {was}");
-        // Integrated twice from rest, 0.1 Hz of amplitude a drifts off with a / (2 pi 0.1) m/s: 25 s make 40 a metres of it.
+        // Integrated twice from rest, 0.1 Hz of amplitude a drifts off with a / (2 pi 0.1) m/s: 25 s make 40
+        // a metres of it.
         assert!(is_m < 1.3 && was_m > 20.0, "{frequency_mhz}: {was_m} m before, {is_m} m now");
         println!("{frequency_mhz} mHz: {was} m/s^2 and {was_m} m before, {is} m/s^2 and {is_m} m now");
     }

@@ -46,8 +46,8 @@ impl Bench<Chip> {
     }
 }
 
-/// The chip's quantum of pressure: half a count of D1, SENS / 2^36; half a count of D2, which moves OFF and SENS;
-/// and the rounding of the pressure to f32, once on the way in and once out.
+/// The chip's quantum of pressure: half a count of D1, SENS / 2^36; half a count of D2, which moves OFF and
+/// SENS; and the rounding of the pressure to f32, once on the way in and once out.
 fn tolerance_pa(calibration: [u16; 6], air: Air) -> f32 {
     let [c1, _, c3, c4, _, c6] = calibration.map(f32::from);
     let dt = (air.temperature_c - 20.0) * 838_860_800.0 / c6;
@@ -58,7 +58,8 @@ fn tolerance_pa(calibration: [u16; 6], air: Air) -> f32 {
     0.5 * d1_count + 0.5 * d2_count + 2.0 / 128.0
 }
 
-/// Calibrations as the factory makes them: within 20 % of the example, so that the whole range fits the converter.
+/// Calibrations as the factory makes them: within 20 % of the example, so that the whole range fits the
+/// converter.
 fn calibration() -> impl Strategy<Value = [u16; 6]> {
     prop::array::uniform6(0.9f32..1.1).prop_map(|factors| {
         let mut calibration = EXAMPLE_CALIBRATION;
@@ -157,7 +158,8 @@ fn a_flipped_bit_in_the_calibration_is_found() {
     }
 }
 
-/// A garbled line lets one calibration in 16 pass the CRC of 4 bits: none of those is taken, at the start or after it.
+/// A garbled line lets one calibration in 16 pass the CRC of 4 bits: none of those is taken, at the start or
+/// after it.
 #[test]
 fn noise_while_the_calibration_is_read_never_becomes_a_calibration() {
     for seed in 0..300 {

@@ -1,4 +1,5 @@
-//! Every transient of every chip of the board: it costs its sensor no more than it lasts and half a second, and what comes then is right.
+//! Every transient of every chip of the board: it costs its sensor no more than it lasts and half a second,
+//! and what comes then is right.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use chip_models::flown::{Chip, ChipFault, Fault, ModelledSuite, Quantity};

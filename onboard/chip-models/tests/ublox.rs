@@ -181,7 +181,8 @@ fn a_lost_byte_costs_its_fix_and_no_more() {
 fn a_frame_cut_short_is_counted_and_the_next_one_is_whole() {
     let mut bench = Bench::running(9);
     while bench.poll().unwrap().is_none() {}
-    // The head of a frame that announces 92 bytes, and nothing after it: the next frame is taken for its content.
+    // The head of a frame that announces 92 bytes, and nothing after it: the next frame is taken for its
+    // content.
     bench.model().inject(&[0xB5, 0x62, 0x01, 0x07, 92, 0]);
     bench.assert_recovers(0);
     assert_eq!(bench.driver.link_counts().bad_frames, 1);
@@ -273,7 +274,8 @@ fn a_setting_that_flips_after_the_first_solution_is_mended_as_soon() {
     }
 }
 
-/// What a receiver says by default fills a line of 38,400 baud at six solutions a second. With it a fix at 10 Hz is late.
+/// What a receiver says by default fills a line of 38,400 baud at six solutions a second. With it a fix at 10
+/// Hz is late.
 #[test]
 fn nothing_but_solutions_comes_on_a_slow_line() {
     for generation in [8, 9] {

@@ -1,9 +1,9 @@
-//! A ring of bytes that something else writes, as a DMA stream behind a UART does: which of its bytes have arrived, and
-//! whether any may have been lost.
+//! A ring of bytes that something else writes, as a DMA stream behind a UART does: which of its bytes have
+//! arrived, and whether any may have been lost.
 //!
-//! The stream only says how far it has come, not how often around. So a reader that looks again later than the line
-//! takes for half a ring has to take everything for lost; one that looks in time, and then takes up to half a ring at each poll,
-//! never takes a byte twice, or one that has been written over.
+//! The stream only says how far it has come, not how often around. So a reader that looks again later than
+//! the line takes for half a ring has to take everything for lost; one that looks in time, and then takes up
+//! to half a ring at each poll, never takes a byte twice, or one that has been written over.
 
 /// Why what has arrived is worth nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,8 +44,9 @@ impl<const BYTES: usize> RingReader<BYTES> {
         self.next == self.arrived
     }
 
-    /// Looks again. `remaining`: how many bytes the stream will write before it is back at the ring's beginning;
-    /// `has_broken`: the line's flag of broken bytes, which stays up until another byte has come after the look at it.
+    /// Looks again. `remaining`: how many bytes the stream will write before it is back at the ring's
+    /// beginning; `has_broken`: the line's flag of broken bytes, which stays up until another byte has come
+    /// after the look at it.
     ///
     /// # Errors
     /// [`RingError`]; everything that has arrived is then passed over.
@@ -87,7 +88,8 @@ mod tests {
 
     const BYTES: usize = 16;
 
-    /// A stream that writes a byte at each count of the clock, if the line is busy then; a byte is its number.
+    /// A stream that writes a byte at each count of the clock, if the line is busy then; a byte is its
+    /// number.
     struct Line {
         ring: [u32; BYTES],
         written: u32,

@@ -52,8 +52,8 @@ pub trait AltitudeLink {
     /// See [`SensorError`].
     fn poll(&mut self, now_us: u64) -> Result<Option<f32>, SensorError>;
 
-    /// Instead of [`Self::poll`], where this tick has dearer work: takes what has arrived and looks at it at the next poll. `Ok(false)` where
-    /// there is nothing to put off, and it must be polled.
+    /// Instead of [`Self::poll`], where this tick has dearer work: takes what has arrived and looks at it at
+    /// the next poll. `Ok(false)` where there is nothing to put off, and it must be polled.
     ///
     /// # Errors
     /// See [`SensorError`].
@@ -61,8 +61,8 @@ pub trait AltitudeLink {
         Ok(false)
     }
 
-    /// Whether the UAV hangs under the mother ship, as far as that is decided. The link to a unit that stays behind is gone
-    /// when it does not: silence is then no fault.
+    /// Whether the UAV hangs under the mother ship, as far as that is decided. The link to a unit that stays
+    /// behind is gone when it does not: silence is then no fault.
     fn set_attached(&mut self, _attached: bool) {}
 }
 

@@ -36,8 +36,8 @@ pub trait Sensors {
     /// Whether the umbilical's wire was open at the last poll; `None`: it could not be read.
     fn wire(&self) -> Option<bool>;
 
-    /// What was decided on the last poll: whether the vehicle has left. The link to the mother ship is listened to until
-    /// then: an open wire alone may be a broken one, and only her messages tell.
+    /// What was decided on the last poll: whether the vehicle has left. The link to the mother ship is
+    /// listened to until then: an open wire alone may be a broken one, and only her messages tell.
     fn decided(&mut self, has_left: bool);
 
     /// Polls every sensor once.
@@ -144,11 +144,13 @@ where
     Vehicle: VehicleLink,
     Launch: LaunchDiscrete,
 {
-    /// A failed poll counts as a fault and as no sample; while the umbilical cannot be read it is what it last was.
+    /// A failed poll counts as a fault and as no sample; while the umbilical cannot be read it is what it
+    /// last was.
     ///
-    /// Ticks with a fix or a pressure are the most expensive, so the mother ship's messages wait for the next tick. Her altitude is then taken a
-    /// tick (5 ms) later, and the launch's decision learns of her silence that much later. They do not wait if the last tick was expensive
-    /// too: a source that delivers at every tick leaves no better tick to wait for.
+    /// Ticks with a fix or a pressure are the most expensive, so the mother ship's messages wait for the next
+    /// tick. Her altitude is then taken a tick (5 ms) later, and the launch's decision learns of her silence
+    /// that much later. They do not wait if the last tick was expensive too: a source that delivers at every
+    /// tick leaves no better tick to wait for.
     fn poll_each(&mut self, now_us: u64, polled: &mut impl FnMut(Device)) -> TickInput {
         self.wire = self.faults.note(self.launch.poll(now_us).map(Some));
         self.launched = self.wire.unwrap_or(self.launched);
@@ -284,8 +286,8 @@ mod tests {
         }
     }
 
-    /// A wire that opens may be a broken one: the mother ship is listened to until it is decided that the vehicle has left, and again
-    /// when that is taken back.
+    /// A wire that opens may be a broken one: the mother ship is listened to until it is decided that the
+    /// vehicle has left, and again when that is taken back.
     #[test]
     fn an_open_wire_alone_does_not_silence_the_mother_ship() {
         let mut suite = Suite::new(

@@ -29,7 +29,8 @@ pub struct FlightComputer<Suite, Mission> {
 }
 
 impl<Suite: Sensors, Mission: Estimation> FlightComputer<Suite, Mission> {
-    /// A flight computer before its first tick, with sensors that know when the vehicle has left: a recording's.
+    /// A flight computer before its first tick, with sensors that know when the vehicle has left: a
+    /// recording's.
     pub const fn new(sensors: Suite, mission: Mission) -> Self {
         Self { sensors, mission, onboard: None }
     }
@@ -44,7 +45,8 @@ impl<Suite: Sensors, Mission: Estimation> FlightComputer<Suite, Mission> {
         self.tick_measured(now_us, &mut |_| ())
     }
 
-    /// As [`Self::tick`]; `done` is called at the end of each part, for a meter. A part may come more than once.
+    /// As [`Self::tick`]; `done` is called at the end of each part, for a meter. A part may come more than
+    /// once.
     pub fn tick_measured(&mut self, now_us: u64, done: &mut impl FnMut(Part)) -> Step {
         let mut input = self.sensors.poll_each(now_us, &mut |device| done(device.into()));
         if let Some(onboard) = &mut self.onboard {

@@ -5,8 +5,8 @@ use kf_core::mission::Mission;
 use kf_core::output::TickOutput;
 use kf_core::snapshot::{MissionMark, MissionSnapshot, SnapshotError};
 
-/// What takes a tick's input and says what it means: a [`Mission`] whose shape is known when it is compiled, or one
-/// behind a pointer.
+/// What takes a tick's input and says what it means: a [`Mission`] whose shape is known when it is compiled,
+/// or one behind a pointer.
 pub trait Estimation {
     /// See [`Mission::tick`].
     fn tick(&mut self, input: &TickInput) -> TickOutput;

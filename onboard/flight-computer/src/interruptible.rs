@@ -11,11 +11,11 @@ use crate::onboard::Onboard;
 use crate::restart::{ResetFacts, assess_restart, resume_mission};
 use crate::retention::{SnapshotKeeper, keep_mark};
 
-/// One run of a flight computer, from a reset to the next, with everything that an image does between the two to what a reset
-/// leaves alone: the start, each tick's mark, and the snapshots of the task below the tick.
+/// One run of a flight computer, from a reset to the next, with everything that an image does between the two
+/// to what a reset leaves alone: the start, each tick's mark, and the snapshots of the task below the tick.
 ///
-/// To interrupt it, drop it. To interrupt it while it writes, call [`survival::RetainedImage::cut_after`] before
-/// [`Self::tick`] or [`Self::start`]; what came after the cut is in the dropped run only.
+/// To interrupt it, drop it. To interrupt it while it writes, call [`survival::RetainedImage::cut_after`]
+/// before [`Self::tick`] or [`Self::start`]; what came after the cut is in the dropped run only.
 ///
 /// ```ignore
 /// let mut memory = RetainedImage::default();
@@ -42,8 +42,8 @@ pub struct Interruptible<Suite, Mission> {
 }
 
 impl<Suite: Sensors, Mission: Retainable> Interruptible<Suite, Mission> {
-    /// Starts with what is kept in `memory`; the clock goes on at the report's `resumed_us`, or at 0. `onboard` is `None` for a
-    /// recording's sensors.
+    /// Starts with what is kept in `memory`; the clock goes on at the report's `resumed_us`, or at 0.
+    /// `onboard` is `None` for a recording's sensors.
     ///
     /// # Errors
     /// The report, if there is no mission any more ([`Start::Standby`]: only with a guard taken out).
@@ -90,8 +90,8 @@ impl<Suite: Sensors, Mission: Retainable> Interruptible<Suite, Mission> {
         step
     }
 
-    /// A tick, with a reset before the task below it has run. The board's free-running timer counts microseconds of the
-    /// mission.
+    /// A tick, with a reset before the task below it has run. The board's free-running timer counts
+    /// microseconds of the mission.
     pub fn tick_only(&mut self, memory: &mut impl WordMemory, now_us: u64) -> Step {
         let step = self.computer.tick(now_us);
         let wire = self.computer.onboard.as_ref().map(|onboard| onboard.launch().wire());

@@ -1,5 +1,5 @@
-//! What the flight computer makes of its sensors before the mission sees them: whether the vehicle has left, and the
-//! altitude of its own inertial unit.
+//! What the flight computer makes of its sensors before the mission sees them: whether the vehicle has left,
+//! and the altitude of its own inertial unit.
 
 use kf_core::estimator::ConfigError;
 use kf_core::input::{LaunchDoubt, TickInput};
@@ -34,15 +34,17 @@ impl Onboard {
         })
     }
 
-    /// After a restart in free flight: the vehicle has left, whatever the wire and the force say. The inertial altitude goes on from what
-    /// was kept of it; without that it says nothing any more, which leaves `imu_slave` without readings.
+    /// After a restart in free flight: the vehicle has left, whatever the wire and the force say. The
+    /// inertial altitude goes on from what was kept of it; without that it says nothing any more, which
+    /// leaves `imu_slave` without readings.
     #[must_use]
     pub fn in_free_flight(self, kept: Option<&KeptInertial>, unknown_s: f32) -> Self {
         let inertial = kept.and_then(|kept| InertialAltitude::resumed(self.strapdown, kept, unknown_s));
         Self { inertial, has_left: true, ..self }
     }
 
-    /// After a restart while a launch is suspected: the calibration is held, and the inertial altitude with it.
+    /// After a restart while a launch is suspected: the calibration is held, and the inertial altitude with
+    /// it.
     #[must_use]
     pub fn suspecting(self, kept: Option<&KeptInertial>, unknown_s: f32) -> Self {
         let kept = kept.and_then(|kept| InertialAltitude::resumed(self.strapdown, kept, unknown_s));
@@ -86,8 +88,8 @@ impl Onboard {
         self.inertial.as_ref()
     }
 
-    /// Takes a tick as the sensors had it, with the state of the umbilical's wire (open: true; `None`: it could not be
-    /// read), and puts into it what the mission needs.
+    /// Takes a tick as the sensors had it, with the state of the umbilical's wire (open: true; `None`: it
+    /// could not be read), and puts into it what the mission needs.
     pub fn complete(&mut self, input: &mut TickInput, wire_is_open: Option<bool>) {
         if input.imu_master_altitude_m.is_some() {
             self.last_message_us = Some(input.time_us);
@@ -166,7 +168,8 @@ mod tests {
         assert_eq!(onboard.launch().counts().broken_wires, 1);
     }
 
-    /// Nothing calibrated, nothing known of the force: the same open wire is a cable torn at power-on, or a release during a reset.
+    /// Nothing calibrated, nothing known of the force: the same open wire is a cable torn at power-on, or a
+    /// release during a reset.
     #[test]
     fn a_wire_that_is_open_at_the_start_is_a_launch_only_after_an_interruption() {
         for (mut onboard, is_launch) in [(onboard(), false), (onboard().after_interruption(), true)] {

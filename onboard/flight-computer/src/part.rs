@@ -27,7 +27,8 @@ pub enum Part {
     Telemetry = 7,
     /// Keeping the mark that a restart goes on from.
     Mark = 8,
-    /// Making and queueing the telemetry's messages: by a task below the tick, so not a part of what a tick takes.
+    /// Making and queueing the telemetry's messages: by a task below the tick, so not a part of what a tick
+    /// takes.
     Messages = 9,
 }
 

@@ -79,7 +79,8 @@ pub fn assess_restart(
     if !found.is_interrupted() {
         keep_history(memory, History::default());
         clear_slots(memory);
-        // After an interruption the mark stays, until the first tick writes another: a reset before that tick finds the same.
+        // After an interruption the mark stays, until the first tick writes another: a reset before that tick
+        // finds the same.
         clear_marks(memory);
         let has_copies = order.refused.iter().any(|refusal| *refusal != Some(Refusal::Empty));
         let is_worth_it = found.mark.is_some() || found.crash.is_some() || has_copies;
@@ -102,8 +103,9 @@ pub fn assess_restart(
     Assessment { report: Some(report), order: SlotOrder::EMPTY }
 }
 
-/// Lets the mission go on from the newest copy that is a snapshot of it, if that is what the report says, and corrects the report
-/// where there is none. Returns what was kept of the inertial altitude, for [`Onboard::after`].
+/// Lets the mission go on from the newest copy that is a snapshot of it, if that is what the report says, and
+/// corrects the report where there is none. Returns what was kept of the inertial altitude, for
+/// [`Onboard::after`].
 #[inline(never)]
 pub fn resume_mission(
     mission: &mut impl Retainable,
@@ -147,8 +149,8 @@ pub fn resume_mission(
     None
 }
 
-/// Longest time that the supply is taken to have been away, seconds: a transient lasts a second. For how long it was, nothing on
-/// board knows.
+/// Longest time that the supply is taken to have been away, seconds: a transient lasts a second. For how long
+/// it was, nothing on board knows.
 const LONGEST_DIP_S: f32 = 1.0;
 
 impl Onboard {
@@ -171,8 +173,8 @@ impl Onboard {
     }
 }
 
-/// Whether the program itself has failed. A reset without a record is its own too, unless a debugger's: a board resets that can
-/// not start.
+/// Whether the program itself has failed. A reset without a record is its own too, unless a debugger's: a
+/// board resets that can not start.
 const fn is_crash(cause: Cause) -> bool {
     !matches!(cause, Cause::Supply | Cause::ResetPin)
 }
@@ -182,7 +184,8 @@ const fn needs_snapshot(start: Start) -> bool {
     matches!(start, Start::Resumed | Start::Suspected)
 }
 
-/// When the last run ended, as far as that is known, by the mission's clock. How long the supply was away, nobody knows.
+/// When the last run ended, as far as that is known, by the mission's clock. How long the supply was away,
+/// nobody knows.
 fn ended_us(found: &Found, before: &History, facts: &ResetFacts) -> u64 {
     // Without a tick since the last restart the timer's counts are of two runs.
     let Some(mark) = found.mark.filter(|mark| mark.time_us >= before.resumed_us) else {

@@ -11,11 +11,12 @@ use crate::computer::Step;
 use crate::estimation::Retainable;
 use crate::onboard::Onboard;
 
-/// A snapshot is kept this often, microseconds of the mission, and whenever its mark has changed: a launch is suspected or
-/// decided, or a flag has been raised.
+/// A snapshot is kept this often, microseconds of the mission, and whenever its mark has changed: a launch is
+/// suspected or decided, or a flag has been raised.
 const EVERY_US: u64 = 100_000;
 
-/// Keeps the mark of a tick, at its end; `count` is the board's free-running timer, `wire` what the launch detector takes it for.
+/// Keeps the mark of a tick, at its end; `count` is the board's free-running timer, `wire` what the launch
+/// detector takes it for.
 #[inline]
 pub fn keep_mark(
     writer: &mut MarkWriter,
@@ -64,7 +65,8 @@ pub const fn mission_mark(mark: &TickMark) -> MissionMark {
     }
 }
 
-/// What one snapshot holds: the mission, the inertial altitude that it flies with, and the mark of the same tick.
+/// What one snapshot holds: the mission, the inertial altitude that it flies with, and the mark of the same
+/// tick.
 #[derive(Clone, Debug)]
 pub struct Snapshot {
     mark: MissionMark,
@@ -73,8 +75,9 @@ pub struct Snapshot {
 }
 
 impl Snapshot {
-    /// Writes the inertial altitude, then the mission, and returns how many bytes they take. Where both do not fit (a mission of eight
-    /// effects with windows of a minute takes all there is), the mission is kept alone.
+    /// Writes the inertial altitude, then the mission, and returns how many bytes they take. Where both do
+    /// not fit (a mission of eight effects with windows of a minute takes all there is), the mission is kept
+    /// alone.
     #[inline(never)]
     fn to_bytes(&self, buffer: &mut [u8; PAYLOAD_BYTES]) -> Result<usize, SnapshotError> {
         let written = self.write(self.inertial.as_ref(), buffer);
@@ -115,7 +118,8 @@ impl SnapshotKeeper {
         Self { order, model, last: None, lost: 0 }
     }
 
-    /// Makes the snapshot in `place`, if it is time for one. Under the pylon there is none to keep. It is large: where it is made it stays.
+    /// Makes the snapshot in `place`, if it is time for one. Under the pylon there is none to keep. It is
+    /// large: where it is made it stays.
     #[inline(never)]
     pub fn make_due<'a>(
         &self,

@@ -51,8 +51,8 @@ pub enum PayloadError {
 }
 
 impl Frame<'_> {
-    /// The version of the format that a header of any version says; `None` for another frame, or a header that is none.
-    /// Magic and version are its first fields in every version.
+    /// The version of the format that a header of any version says; `None` for another frame, or a header
+    /// that is none. Magic and version are its first fields in every version.
     #[must_use]
     pub fn format_version(&self) -> Option<u16> {
         let (magic, version): ([u8; 4], u16) = postcard::take_from_bytes(self.payload).ok()?.0;

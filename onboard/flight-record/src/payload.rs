@@ -75,8 +75,8 @@ fn written<P: Payload>(payload: &P, room: &mut [u8]) -> Result<usize, EncodeErro
     postcard::to_slice(payload, room).map(|bytes| bytes.len()).map_err(|_| EncodeError)
 }
 
-/// A payload whose writing is compiled here, once, and not wherever a frame is encoded: the firmware has this crate compiled
-/// for size.
+/// A payload whose writing is compiled here, once, and not wherever a frame is encoded: the firmware has this
+/// crate compiled for size.
 macro_rules! payload {
     ($($(#[$doc:meta])* $payload:ty: $kind:ident;)*) => {
         $($(#[$doc])* impl Payload for $payload {
@@ -156,8 +156,9 @@ impl Header {
 /// What one tick saw, what it said, and what it cost.
 #[derive(Clone, Debug, PartialEq, Serialize, serde::Deserialize)]
 pub struct TickRecord {
-    /// When its code began, wrapping: where a record is flown, by the clock of [`Summary::cost_unit`], with the instructions of the
-    /// chips' models; on the board that flies, the low half of the mission's microseconds, by a timer.
+    /// When its code began, wrapping: where a record is flown, by the clock of [`Summary::cost_unit`], with
+    /// the instructions of the chips' models; on the board that flies, the low half of the mission's
+    /// microseconds, by a timer.
     pub begun: u32,
     /// What the tick took, in the summary's [`Summary::cost_unit`].
     pub cost: u32,

@@ -4,8 +4,8 @@
 pub const CRASHES_AT_ONCE: u32 = 3;
 /// A run of this length ends a row of crashes, microseconds: four crashes within ten seconds are one.
 pub const STEADY_US: u64 = 3_333_333;
-/// The first pause, microseconds: longer than the watchdog's 0.25 s and than the transients, of up to a second, that a crash may come
-/// from; each next one is twice as long.
+/// The first pause, microseconds: longer than the watchdog's 0.25 s and than the transients, of up to a
+/// second, that a crash may come from; each next one is twice as long.
 pub const FIRST_PAUSE_US: u64 = 1_000_000;
 /// The longest: a flight computer that crashes at once is tried again more than three times a minute.
 pub const LONGEST_PAUSE_US: u64 = 16_000_000;
@@ -25,8 +25,8 @@ pub struct History {
 }
 
 impl History {
-    /// Counts one more, of a run that ended at `ended_us` of the mission's clock; the next begins at `resumed_us`. Only what
-    /// `is_crash` counts towards a pause.
+    /// Counts one more, of a run that ended at `ended_us` of the mission's clock; the next begins at
+    /// `resumed_us`. Only what `is_crash` counts towards a pause.
     #[must_use]
     pub const fn with_restart(self, is_crash: bool, ended_us: u64, resumed_us: u64) -> Self {
         let ran_us = ended_us.saturating_sub(self.resumed_us);
@@ -38,7 +38,8 @@ impl History {
         Self { restarts: self.restarts.saturating_add(1), crashes, resumed_us }
     }
 
-    /// How long to stand by before the mission goes on, microseconds, after a crash that is the last of [`Self::crashes`].
+    /// How long to stand by before the mission goes on, microseconds, after a crash that is the last of
+    /// [`Self::crashes`].
     #[must_use]
     pub const fn pause_us(&self) -> u64 {
         match self.crashes.checked_sub(CRASHES_AT_ONCE + 1) {

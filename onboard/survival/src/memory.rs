@@ -1,8 +1,9 @@
 //! Memory that a reset leaves alone, and the layout of what is kept in it.
 //!
-//! It is read and written in whole aligned words only. The backup SRAM of an STM32F405 lies in the peripherals' part of the
-//! address space, which is Device memory (ARMv7-M ARM, section B3.1): an access there that is not aligned faults, and a copy
-//! routine is free to make some. Bytes are put together in ordinary memory.
+//! It is read and written in whole aligned words only. The backup SRAM of an STM32F405 lies in the
+//! peripherals' part of the address space, which is Device memory (ARMv7-M ARM, section B3.1): an access
+//! there that is not aligned faults, and a copy routine is free to make some. Bytes are put together in
+//! ordinary memory.
 
 use crate::check::of_words;
 use crate::crash::{self, CrashRecord};
@@ -26,8 +27,8 @@ pub const BOARD: usize = HISTORIES[1] + history::SEALED_WORDS;
 pub const RETAINED_WORDS: usize = BOARD + BOARD_WORDS;
 const _: () = assert!(RETAINED_WORDS <= 1_024);
 
-/// Memory of [`RETAINED_WORDS`] words that a reset leaves alone. It may begin with any content: what of it can be believed,
-/// its checks say.
+/// Memory of [`RETAINED_WORDS`] words that a reset leaves alone. It may begin with any content: what of it
+/// can be believed, its checks say.
 pub trait WordMemory {
     /// The word at that place; 0 beyond the end.
     fn read(&self, word: usize) -> u32;
@@ -79,7 +80,8 @@ pub fn keep_history(memory: &mut impl WordMemory, history: History) {
     HISTORIES.into_iter().for_each(|start| write_sealed(memory, start, history.to_words()));
 }
 
-/// Retained memory on the host: as a power-on leaves it, until something writes to it. Its supply can be cut at any word of a write.
+/// Retained memory on the host: as a power-on leaves it, until something writes to it. Its supply can be cut
+/// at any word of a write.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RetainedImage {
     words: [u32; RETAINED_WORDS],

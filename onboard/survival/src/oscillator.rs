@@ -1,7 +1,8 @@
 //! Which oscillator the core runs on: the crystal, or the internal one where the crystal does not start.
 
-/// Looks at the crystal before it is given up. A look takes at least five cycles of the 16 MHz that a reset leaves (load, test, count,
-/// branch): 20 ms, ten times what a crystal typically needs (2 ms, DS8626 rev 10, table 39).
+/// Looks at the crystal before it is given up. A look takes at least five cycles of the 16 MHz that a reset
+/// leaves (load, test, count, branch): 20 ms, ten times what a crystal typically needs (2 ms, DS8626 rev 10,
+/// table 39).
 const CRYSTAL_LOOKS: u32 = 64_000;
 /// Looks at the PLL: at least 1 ms, three times its longest lock (0.3 ms, DS8626, table 42).
 const LOCK_LOOKS: u32 = 3_200;
@@ -11,7 +12,8 @@ const LOCK_LOOKS: u32 = 3_200;
 pub enum Oscillator {
     /// The crystal.
     Crystal,
-    /// The internal oscillator: the same frequency to 1 % at 25 degrees C, to 4 % from -10 to 85 (DS8626, table 41).
+    /// The internal oscillator: the same frequency to 1 % at 25 degrees C, to 4 % from -10 to 85 (DS8626,
+    /// table 41).
     Internal,
 }
 
@@ -33,8 +35,8 @@ pub trait ClockTree {
     fn pll_is_locked(&self) -> bool;
 }
 
-/// Starts crystal and PLL, waiting for neither longer than it may take; the internal oscillator, which a reset leaves running, where
-/// the crystal fails.
+/// Starts crystal and PLL, waiting for neither longer than it may take; the internal oscillator, which a
+/// reset leaves running, where the crystal fails.
 ///
 /// # Errors
 /// [`NoClock`].

@@ -127,8 +127,8 @@ impl SlotOrder {
         Self { newest_first, refused: [first.err(), second.err()], sequence: sequence.unwrap_or(0) }
     }
 
-    /// Keeps a payload in the place of the older copy or of one that cannot be believed; the other stays as it is until this
-    /// one is whole.
+    /// Keeps a payload in the place of the older copy or of one that cannot be believed; the other stays as
+    /// it is until this one is whole.
     ///
     /// # Errors
     /// [`SlotError`] if it is longer than [`PAYLOAD_BYTES`]; nothing is written.
@@ -162,8 +162,8 @@ impl SlotOrder {
         Ok(())
     }
 
-    /// After copy `place` was found to be the one to go on from, whatever the checks had said of the other: the next goes to the
-    /// other place.
+    /// After copy `place` was found to be the one to go on from, whatever the checks had said of the other:
+    /// the next goes to the other place.
     pub const fn use_copy(&mut self, place: usize) {
         let place = if place == 0 { 0 } else { 1 };
         self.newest_first = [place, 1 - place];

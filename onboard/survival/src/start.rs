@@ -19,7 +19,8 @@ pub enum Start {
     /// It has crashed too often within too short a time, and there is no mission any more: only with
     /// `Guard::StandbyEnds` taken out.
     Standby,
-    /// It was reset while a launch was suspected: the calibration is held, and the launch still to be decided.
+    /// It was reset while a launch was suspected: the calibration is held, and the launch still to be
+    /// decided.
     Suspected,
 }
 
@@ -77,9 +78,10 @@ impl Found {
         }
     }
 
-    /// Whether a mission was interrupted, and not ended. What the flight computer has done to itself always is an
-    /// interruption. Anything else may as well be the switch, the reset button or a debugger, with what was kept
-    /// left from another flight: then it is one unless the wire is closed, which no vehicle in free flight has.
+    /// Whether a mission was interrupted, and not ended. What the flight computer has done to itself always
+    /// is an interruption. Anything else may as well be the switch, the reset button or a debugger, with what
+    /// was kept left from another flight: then it is one unless the wire is closed, which no vehicle in free
+    /// flight has.
     #[must_use]
     pub fn is_interrupted(&self) -> bool {
         let by_itself = match self.source {

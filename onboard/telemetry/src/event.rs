@@ -13,7 +13,8 @@ use survival::{Cause, Refusal};
 use crate::message::status_text;
 use crate::text::Text;
 
-/// Events that wait at most: a restart that lost the calibration, a latch with every check failed, every flag and eight effects.
+/// Events that wait at most: a restart that lost the calibration, a latch with every check failed, every flag
+/// and eight effects.
 const EVENTS: usize = 32;
 
 /// What happened.
@@ -68,7 +69,8 @@ pub enum Event {
     },
     /// The restarted mission went on, with what was latched.
     Resumed {
-        /// From the copy that it goes on from to where its clock goes on: nothing is known of that time, milliseconds.
+        /// From the copy that it goes on from to where its clock goes on: nothing is known of that time,
+        /// milliseconds.
         gap_ms: u32,
     },
     /// It was in free flight, and no copy of the calibration could be believed.

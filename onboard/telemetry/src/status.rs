@@ -5,7 +5,8 @@ use kf_core::launch::WireCondition;
 /// State, and counts since the start; all saturate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ComputerStatus {
-    /// What the umbilical's wire is taken for; `None` where the sensors' record says itself when the launch was.
+    /// What the umbilical's wire is taken for; `None` where the sensors' record says itself when the launch
+    /// was.
     pub wire: Option<WireCondition>,
     /// Failed polls of sensors.
     pub sensor_faults: u32,

@@ -1,5 +1,5 @@
-//! Several flights, one by one: what each lacks by itself, what each vehicle's coefficients are, and which flight does not
-//! belong with the others.
+//! Several flights, one by one: what each lacks by itself, what each vehicle's coefficients are, and which
+//! flight does not belong with the others.
 
 use std::collections::BTreeMap;
 
@@ -138,8 +138,8 @@ pub fn vehicle(header: &Header) -> String {
         .join(", ")
 }
 
-/// Diagnoses every flight by itself. `together` is the diagnosis of all; `progress` is called once a flight. A flight that the
-/// diagnosis panics on costs none of the others.
+/// Diagnoses every flight by itself. `together` is the diagnosis of all; `progress` is called once a flight.
+/// A flight that the diagnosis panics on costs none of the others.
 #[must_use]
 pub fn batch(
     flights: &[NamedReplay<'_>],

@@ -41,7 +41,8 @@ impl FailedDiagnosis {
 }
 
 impl<'de> Deserialize<'de> for DiagnoseResult {
-    /// By way of a `Value`: serde's `flatten` loses numbers where a dependency has `serde_json` keep their digits.
+    /// By way of a `Value`: serde's `flatten` loses numbers where a dependency has `serde_json` keep their
+    /// digits.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let value = Value::deserialize(deserializer)?;
         let together = value.get("verdict").map(|_| Diagnosis::deserialize(&value)).transpose();

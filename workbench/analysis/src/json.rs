@@ -3,8 +3,8 @@
 use serde::Deserialize as _;
 use serde::de::{DeserializeOwned, Deserializer, Error as _};
 
-/// Reads a flattened part. Serde's own `flatten` loses numbers where a dependency has `serde_json` keep their digits
-/// (serde_json's issue 505); by way of a `Value` they survive.
+/// Reads a flattened part. Serde's own `flatten` loses numbers where a dependency has `serde_json` keep their
+/// digits (serde_json's issue 505); by way of a `Value` they survive.
 ///
 /// # Errors
 /// What is missing from the part, or of the wrong type.

@@ -227,7 +227,8 @@ fn a_study_ends_in_the_wanted_effects_problem() {
     let problem = problem.unwrap();
     // Ten readings a second are a full block.
     assert_eq!(problem.flights[0].full_block[2], 10.0);
-    // What a diagnosis has done already is not done again: all of it for an effect that it has tried in the catalogue's shape alone.
+    // What a diagnosis has done already is not done again: all of it for an effect that it has tried in the
+    // catalogue's shape alone.
     let (_, further) = diagnose_further(&named, &[], &mut progress, &Inline).unwrap();
     let mut steps = 0;
     let mut counted = || {

@@ -1,8 +1,10 @@
-//! What is said of some whole flights stays as it is, number for number: golden results, as of replayed flights.
+//! What is said of some whole flights stays as it is, number for number: golden results, as of replayed
+//! flights.
 //!
-//! The other tests say what is right. These say what has changed: a number of any result that moves by more than its fourth digit is seen, read
-//! by whoever changed it, and accepted (`cargo insta review`, or `INSTA_UPDATE=always cargo test -p analysis --test golden`) or not. The flights
-//! are made here, of sines and a generator of random numbers, so that the results are the same on every machine.
+//! The other tests say what is right. These say what has changed: a number of any result that moves by more
+//! than its fourth digit is seen, read by whoever changed it, and accepted (`cargo insta review`, or
+//! `INSTA_UPDATE=always cargo test -p analysis --test golden`) or not. The flights are made here, of sines
+//! and a generator of random numbers, so that the results are the same on every machine.
 #![allow(clippy::unwrap_used)]
 
 use std::fmt::Write as _;
@@ -75,7 +77,8 @@ impl Moment {
     }
 }
 
-/// What is wrong with the sensors of a flight, metres: the barometer's error, the inertial altitude's, and how late the receiver is, seconds.
+/// What is wrong with the sensors of a flight, metres: the barometer's error, the inertial altitude's, and
+/// how late the receiver is, seconds.
 struct Errors<'a> {
     baro_m: &'a dyn Fn(Moment) -> f64,
     inertial_m: &'a dyn Fn(Moment) -> f64,
@@ -138,7 +141,8 @@ fn flight(seed: u64, errors: &Errors<'_>) -> Flight {
     flight_data::parse(csv.as_bytes()).unwrap().0
 }
 
-/// A quarter of an hour at 1 Hz without a launch or a climb rate, on the ground for its first two minutes: a glider's log.
+/// A quarter of an hour at 1 Hz without a launch or a climb rate, on the ground for its first two minutes: a
+/// glider's log.
 fn glider(seed: u64, late_s: f64, scale: f64) -> Flight {
     let mut random = random(seed);
     let mut csv = "# pylon-flight: 1\ntime_s,gps_alt_m,gps_vn_mps,gps_ve_mps,baro_alt_m\n".to_owned();

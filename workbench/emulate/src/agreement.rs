@@ -1,18 +1,20 @@
 //! How far a calibration on chips is from the one of ideal sensors, and how far it may be.
 //!
-//! A latched bias is, but for its prior, a weighted mean of readings less the reference. Chips change that mean in three
-//! ways, and the bound is their sum:
+//! A latched bias is, but for its prior, a weighted mean of readings less the reference. Chips change that
+//! mean in three ways, and the bound is their sum:
 //!
-//! - quantum: the MS5611's resolution ([`BARO_QUANTUM_PA`]) and `f32`'s in the standard atmosphere; the umbilical carries `f32`.
-//! - delay: what climbs meanwhile. A conversion is read two ticks after it began, on a value that the flight gave up to one
-//!   of its own intervals before; a frame on a serial line arrives at the next tick; a row waits for its tick. The climb
-//!   rate is that of the whole range of altitude over the calibration. And what is late by some readings has others at both
-//!   ends of the calibration.
-//! - resampling: a barometer chip samples when it is ready, the flight when it did, so at worst the two means share no white
-//!   noise. White is what differs from one reading to the next (von Neumann's estimate: half the mean square of successive
-//!   differences). What it is worth depends on how the model weighs readings (the first of a correlated sensor counts for
-//!   many, a bias that wanders forgets the old), and reaches the other sensors by way of the common altitude, so it is
-//!   measured: the same rows are calibrated on again, [`TRIALS`] times, with as much fresh noise added to the barometer.
+//! - quantum: the MS5611's resolution ([`BARO_QUANTUM_PA`]) and `f32`'s in the standard atmosphere; the
+//!   umbilical carries `f32`.
+//! - delay: what climbs meanwhile. A conversion is read two ticks after it began, on a value that the flight
+//!   gave up to one of its own intervals before; a frame on a serial line arrives at the next tick; a row
+//!   waits for its tick. The climb rate is that of the whole range of altitude over the calibration. And what
+//!   is late by some readings has others at both ends of the calibration.
+//! - resampling: a barometer chip samples when it is ready, the flight when it did, so at worst the two means
+//!   share no white noise. White is what differs from one reading to the next (von Neumann's estimate: half
+//!   the mean square of successive differences). What it is worth depends on how the model weighs readings
+//!   (the first of a correlated sensor counts for many, a bias that wanders forgets the old), and reaches the
+//!   other sensors by way of the common altitude, so it is measured: the same rows are calibrated on again,
+//!   [`TRIALS`] times, with as much fresh noise added to the barometer.
 
 use kf_core::atmosphere::static_pressure_pa;
 use kf_core::input::{BaroReading, TickInput};
@@ -28,9 +30,9 @@ use super::error::FlyError;
 use super::grid::TICK_US;
 use replay::{mission, reading_m};
 
-/// Largest error of the MS5611's result by its resolution, pascals: half a count of D1 (0.010), half a count of D2 by way of OFF
-/// and SENS (0.014), and the rounding of the pressure to `f32` on the way in and out (2/128), for the coefficients of
-/// the datasheet's example.
+/// Largest error of the MS5611's result by its resolution, pascals: half a count of D1 (0.010), half a count
+/// of D2 by way of OFF and SENS (0.014), and the rounding of the pressure to `f32` on the way in and out
+/// (2/128), for the coefficients of the datasheet's example.
 pub const BARO_QUANTUM_PA: f64 = 0.04;
 /// Rounding of an altitude in `kf_core::atmosphere`, metres: `f32` keeps 44,331 m to 4 mm, there and back.
 const ATMOSPHERE_ROUNDING_M: f64 = 0.01;
@@ -38,8 +40,8 @@ const ATMOSPHERE_ROUNDING_M: f64 = 0.01;
 const SCALE_HEIGHT_M: f64 = 8_435.0;
 /// Calibrations with fresh noise.
 const TRIALS: u64 = 16;
-/// Standard deviations of the resampling, the deviation being estimated from [`TRIALS`]: Student's t of 16 degrees of freedom is
-/// beyond it in 1 of 10,000 flights.
+/// Standard deviations of the resampling, the deviation being estimated from [`TRIALS`]: Student's t of 16
+/// degrees of freedom is beyond it in 1 of 10,000 flights.
 const SIGMAS: f64 = 5.0;
 
 /// One sensor.
@@ -130,7 +132,8 @@ fn fly(rows: impl Iterator<Item = TickInput>, model: &Model) -> Result<Option<Id
     Ok(None)
 }
 
-/// Mean square of what fresh white noise on the barometer does to each bias, for two calibrations that share none of it.
+/// Mean square of what fresh white noise on the barometer does to each bias, for two calibrations that share
+/// none of it.
 fn resampled_m2(
     rows: &(impl Iterator<Item = TickInput> + Clone),
     model: &Model,

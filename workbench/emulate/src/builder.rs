@@ -80,8 +80,8 @@ impl Program {
         if has_formulas { format!("{board},formulas") } else { board.to_owned() }
     }
 
-    /// Settings of cargo's on top of the profile. The benchmark compares filters, each as fast as the compiler makes it; the
-    /// flight's image has to fit.
+    /// Settings of cargo's on top of the profile. The benchmark compares filters, each as fast as the
+    /// compiler makes it; the flight's image has to fit.
     const fn settings(self) -> &'static [&'static str] {
         match self {
             Self::Bench => &[
@@ -107,7 +107,8 @@ pub enum PlantedError {
     Starve,
     /// Blows that the emulated board reads from a file ([`flight_record::Strike`]).
     Strike,
-    /// A telemetry line that takes a tenth of the bytes: frames are dropped, and the flight must lose nothing.
+    /// A telemetry line that takes a tenth of the bytes: frames are dropped, and the flight must lose
+    /// nothing.
     SlowLine,
     /// A telemetry line that is never idle: where no frame waits, one that says nothing is sent.
     FullLine,
@@ -130,8 +131,8 @@ impl PlantedError {
     }
 }
 
-/// Builds an image and returns where it is; one that was built from the same sources is used again. Images are kept apart by
-/// program, board, model and planted error, so that several can be built and run at a time.
+/// Builds an image and returns where it is; one that was built from the same sources is used again. Images
+/// are kept apart by program, board, model and planted error, so that several can be built and run at a time.
 ///
 /// # Errors
 /// [`FlyError::NoSource`], [`FlyError::NoCargo`], [`FlyError::NoTarget`], [`FlyError::Build`] with the

@@ -60,7 +60,8 @@ pub(super) fn same_step(host: &Step, target: &Step) -> bool {
     same_bits(&host.input, &target.input) && same_bits(&host.output, &target.output)
 }
 
-/// A check over all the bits of a tick, NaNs included: two ticks with other bits have another but for one pair in 2^64.
+/// A check over all the bits of a tick, NaNs included: two ticks with other bits have another but for one
+/// pair in 2^64.
 pub(super) fn check_of(step: &Step) -> u64 {
     let mut hasher = DefaultHasher::new();
     let mut buffer = [0; MAX_FRAME];

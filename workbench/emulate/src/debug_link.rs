@@ -1,12 +1,15 @@
 //! A board on its debug link: OpenOCD writes the image, and serves the image's calls of the host.
 //!
-//! What is relied on here is what OpenOCD's manual and its source (0.12) say; it has not been seen on a board yet:
-//! - A call of the host is the instruction `bkpt 0xab`. It halts the core; OpenOCD does what is asked, and lets the core go on.
-//! - Files are those of the directory that OpenOCD runs in. What the image writes to its standard output is OpenOCD's, what OpenOCD
-//!   itself says goes to its standard error.
-//! - The call that ends a flight (`SYS_EXIT_EXTENDED`, since OpenOCD 0.11) ends OpenOCD with the image's exit status.
-//! - Left to itself OpenOCD looks for a call ten times a second. `wait_halt` looks all the time, and ends only when the core
-//!   stops for something else.
+//! What is relied on here is what OpenOCD's manual and its source (0.12) say; it has not been seen on a board
+//! yet:
+//! - A call of the host is the instruction `bkpt 0xab`. It halts the core; OpenOCD does what is asked, and
+//!   lets the core go on.
+//! - Files are those of the directory that OpenOCD runs in. What the image writes to its standard output is
+//!   OpenOCD's, what OpenOCD itself says goes to its standard error.
+//! - The call that ends a flight (`SYS_EXIT_EXTENDED`, since OpenOCD 0.11) ends OpenOCD with the image's exit
+//!   status.
+//! - Left to itself OpenOCD looks for a call ten times a second. `wait_halt` looks all the time, and ends
+//!   only when the core stops for something else.
 
 use std::fs::{self, File};
 use std::io::{self, Read, Seek, SeekFrom};
@@ -46,7 +49,8 @@ const LOOK: Duration = Duration::from_millis(50);
 pub struct DebugLink {
     /// OpenOCD's program: its name, or where it is.
     pub openocd: PathBuf,
-    /// OpenOCD's configuration files of the probe, such as `interface/stlink.cfg`, in this order: its own, or the user's.
+    /// OpenOCD's configuration files of the probe, such as `interface/stlink.cfg`, in this order: its own, or
+    /// the user's.
     pub probe: Vec<PathBuf>,
     /// The longest silence: neither OpenOCD says anything, nor are there new results.
     pub silence: Duration,
@@ -100,12 +104,13 @@ impl DebugLink {
         }
     }
 
-    /// Writes an image to the board and lets it fly the record of so many ticks that is in `directory`, until it ends the
-    /// flight itself.
+    /// Writes an image to the board and lets it fly the record of so many ticks that is in `directory`, until
+    /// it ends the flight itself.
     ///
     /// # Errors
     /// [`FlyError::NoDebugger`], [`FlyError::NoProbe`], [`FlyError::NoBoard`], [`FlyError::NotWritten`],
-    /// [`FlyError::DebugLink`], [`FlyError::Silent`], [`FlyError::Image`], [`FlyError::NoRetained`], [`FlyError::Io`].
+    /// [`FlyError::DebugLink`], [`FlyError::Silent`], [`FlyError::Image`], [`FlyError::NoRetained`],
+    /// [`FlyError::Io`].
     pub(super) fn fly(&self, image: &Path, directory: &Path, ticks: u32) -> Result<Emulation, FlyError> {
         let retained = Image::read(image)?
             .retained_start
@@ -189,7 +194,8 @@ fn arguments(probe: &[PathBuf], retained: u64) -> Vec<PathBuf> {
         "reset halt",
         // A flight that was cut off would else go on.
         &format!("mww {retained:#x} 0 {words}"),
-        // A fault is the image's to handle. Where a probe's firmware does the debugging, the command is not there.
+        // A fault is the image's to handle. Where a probe's firmware does the debugging, the command is not
+        // there.
         "catch {cortex_m vector_catch none}",
         "arm semihosting enable",
         "resume",

@@ -82,8 +82,8 @@ fn fault_names() -> impl Iterator<Item = &'static str> {
     words.filter(|name| !name.starts_with('('))
 }
 
-/// The name that `text` may be a slip of, as the end of a message: within a third of its letters, one at least. What follows
-/// an equals sign is no part of a name.
+/// The name that `text` may be a slip of, as the end of a message: within a third of its letters, one at
+/// least. What follows an equals sign is no part of a name.
 fn nearest<'a>(text: &str, names: impl Iterator<Item = &'a str>) -> String {
     let stem = |name: &str| name.split('=').next().unwrap_or_default().to_ascii_lowercase();
     let wanted = stem(text);

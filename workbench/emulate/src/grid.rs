@@ -1,7 +1,8 @@
 //! A flight's rows on the flight computer's own grid of ticks.
 //!
-//! Chips do not wait for a logger: the flight computer polls them 200 times a second, whatever the flight's rows are. So what
-//! a row has is there at the first tick that is not before the row, and there are ticks between rows. What shares a tick is counted.
+//! Chips do not wait for a logger: the flight computer polls them 200 times a second, whatever the flight's
+//! rows are. So what a row has is there at the first tick that is not before the row, and there are ticks
+//! between rows. What shares a tick is counted.
 
 use std::iter::Peekable;
 
@@ -100,8 +101,8 @@ impl<Rows: Iterator<Item = TickInput>> Iterator for OnGrid<Rows> {
     }
 }
 
-/// Adds a row to a tick; says how many samples it replaced. The patterns name every field, so that a new one cannot be
-/// forgotten here.
+/// Adds a row to a tick; says how many samples it replaced. The patterns name every field, so that a new one
+/// cannot be forgotten here.
 fn merge(tick: &mut TickInput, row: TickInput) -> u64 {
     let TickInput {
         time_us: _,

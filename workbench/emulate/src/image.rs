@@ -20,9 +20,11 @@ pub struct Image {
     pub flash_bytes: u64,
     /// RAM that its static variables take, bytes; the stack is not among them.
     pub static_ram_bytes: u64,
-    /// Where the RAM begins that a reset leaves alone on the boards that fly a record (`memory.x`), if the image has one.
+    /// Where the RAM begins that a reset leaves alone on the boards that fly a record (`memory.x`), if the
+    /// image has one.
     pub retained_start: Option<u64>,
-    /// Whether a constant names a file of cargo's registry, and so the home directory of whoever has built the image.
+    /// Whether a constant names a file of cargo's registry, and so the home directory of whoever has built
+    /// the image.
     pub names_registry: bool,
     /// Names of all symbols, demangled.
     pub symbols: Vec<String>,

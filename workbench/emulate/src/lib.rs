@@ -1,4 +1,5 @@
-//! A flight through the firmware, in the emulated flight computer or on a board, compared with the host to the bit.
+//! A flight through the firmware, in the emulated flight computer or on a board, compared with the host to
+//! the bit.
 
 mod agreement;
 mod builder;
@@ -70,8 +71,8 @@ pub enum FlownOn {
     /// QEMU.
     #[default]
     Emulator,
-    /// An STM32F405, through its debug link. Its own sensors, lines and crystal have no part in it: chips are models, as in
-    /// QEMU.
+    /// An STM32F405, through its debug link. Its own sensors, lines and crystal have no part in it: chips are
+    /// models, as in QEMU.
     Board(DebugLink),
 }
 
@@ -80,8 +81,8 @@ pub enum FlownOn {
 pub struct FlyOptions {
     /// What is flown on.
     pub on: FlownOn,
-    /// How the flight's samples come to the estimator; by default as they are. On chips the rows are put on the flight
-    /// computer's grid of ticks.
+    /// How the flight's samples come to the estimator; by default as they are. On chips the rows are put on
+    /// the flight computer's grid of ticks.
     pub sensors: SensorSource,
     /// Faults of the chips.
     pub faults: Vec<PlannedFault>,
@@ -110,7 +111,8 @@ pub struct Downlinked {
 pub struct FlyReport {
     /// Ticks flown and compared.
     pub ticks: u32,
-    /// What the costs here are counted in: instructions in QEMU; on a board cycles, whatever a cost is called.
+    /// What the costs here are counted in: instructions in QEMU; on a board cycles, whatever a cost is
+    /// called.
     pub cost_unit: CostUnit,
     /// Instructions of one tick, drivers and mission, mean.
     pub instructions_mean: f64,
@@ -159,7 +161,8 @@ pub struct ChipsReport {
     pub truth: TruthCounts,
     /// Fixes that came before the receiver was configured, or too many at a time.
     pub untold_fixes: u32,
-    /// How far the latched calibration is from the one of ideal sensors; `None` without a launch, or with faults planned.
+    /// How far the latched calibration is from the one of ideal sensors; `None` without a launch, or with
+    /// faults planned.
     pub agreement: Option<Agreement>,
     /// What the planned faults did, beside the same flight without them; `None` without any.
     pub consequence: Option<Consequence>,
@@ -235,8 +238,8 @@ pub fn consequence(
     consequence::of(inputs, model, &events)
 }
 
-/// Flies a flight through the host's flight computer alone, and shows every tick: what [`fly_inputs`] compares the target with.
-/// Returns how many polls of sensors failed.
+/// Flies a flight through the host's flight computer alone, and shows every tick: what [`fly_inputs`]
+/// compares the target with. Returns how many polls of sensors failed.
 ///
 /// # Errors
 /// As [`fly_inputs`], but for all that has to do with the firmware.

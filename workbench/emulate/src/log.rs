@@ -1,4 +1,5 @@
-//! What the firmware logged: defmt frames on QEMU's or OpenOCD's standard output, whose texts are in the image.
+//! What the firmware logged: defmt frames on QEMU's or OpenOCD's standard output, whose texts are in the
+//! image.
 
 use defmt_decoder::{DecodeError, Table};
 

@@ -1,5 +1,5 @@
-//! Whether an image that is there was built from the sources as they are: then nothing need be linked, which takes some
-//! twenty seconds whenever another model was built in between.
+//! Whether an image that is there was built from the sources as they are: then nothing need be linked, which
+//! takes some twenty seconds whenever another model was built in between.
 
 use std::fs::{self, File};
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
@@ -7,7 +7,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-/// What the firmware is built from, in the checkout: its crates and what cargo is told about them. Other crates have no say.
+/// What the firmware is built from, in the checkout: its crates and what cargo is told about them. Other
+/// crates have no say.
 const SOURCES: &[&str] = &[
     ".cargo",
     "Cargo.lock",
@@ -21,7 +22,8 @@ const SOURCES: &[&str] = &[
     "rust-toolchain.toml",
 ];
 
-/// A hash over those files (names and bytes) and over `settings`: the compiler, the options, the model's source.
+/// A hash over those files (names and bytes) and over `settings`: the compiler, the options, the model's
+/// source.
 ///
 /// # Errors
 /// A file cannot be read.

@@ -5,8 +5,8 @@ use std::io;
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
-/// So many of the newest files are kept, an image, its key and its model's source each: a run of all tests makes 125, and finds them when it is
-/// run again.
+/// So many of the newest files are kept, an image, its key and its model's source each: a run of all tests
+/// makes 125, and finds them when it is run again.
 const KEPT: usize = 240;
 /// A file younger than this is kept however many there are: its image may be about to fly.
 const YOUNG: Duration = Duration::from_secs(3_600);

@@ -1,8 +1,9 @@
 //! A program whose threads take turns, on one processor.
 //!
-//! QEMU's two threads hand over to each other some fifty times a tick, and to wake one that sleeps on another processor takes longer than what it
-//! then does. On one processor a flight takes little more than half the time, and leaves the others to whoever else needs them. It changes
-//! no bit: where this cannot be had, the program runs wherever the system likes.
+//! QEMU's two threads hand over to each other some fifty times a tick, and to wake one that sleeps on another
+//! processor takes longer than what it then does. On one processor a flight takes little more than half the
+//! time, and leaves the others to whoever else needs them. It changes no bit: where this cannot be had, the
+//! program runs wherever the system likes.
 
 use std::fs::File;
 use std::io;
@@ -13,8 +14,9 @@ use std::process::{Child, Command};
 #[derive(Debug)]
 pub struct Processor(#[expect(dead_code, reason = "a lock is there to be held")] File);
 
-/// Starts a program on one of the processors that this thread may use: on one that is free of programs that were started so with the same `folder`, in
-/// this process or another, or else on the one that this thread is on.
+/// Starts a program on one of the processors that this thread may use: on one that is free of programs that
+/// were started so with the same `folder`, in this process or another, or else on the one that this thread is
+/// on.
 ///
 /// # Errors
 /// The program cannot be started.
@@ -49,7 +51,8 @@ pub fn spawn(command: &mut Command, _folder: &Path) -> io::Result<(Child, Option
     Ok((command.spawn()?, None))
 }
 
-/// The first of these processors that nobody has claimed, and the claim; none where a claim cannot be kept in the folder.
+/// The first of these processors that nobody has claimed, and the claim; none where a claim cannot be kept in
+/// the folder.
 #[cfg(target_os = "linux")]
 fn claim(folder: &Path, processors: impl Iterator<Item = usize>) -> Option<(usize, Processor)> {
     for number in processors {
@@ -79,7 +82,8 @@ mod tests {
         assert!(claim(&folder.path().join("missing"), [3].into_iter()).is_none());
     }
 
-    /// With a folder to keep claims in, and without: the children may use one processor, and this thread all that it could before.
+    /// With a folder to keep claims in, and without: the children may use one processor, and this thread all
+    /// that it could before.
     #[test]
     fn a_child_is_kept_on_one_processor_and_this_thread_on_none() {
         let folder = tempfile::tempdir().unwrap();

@@ -1,5 +1,5 @@
-//! Leaves out of an image where cargo keeps the dependencies' sources. A panic's message names its file, and every such name would put the
-//! builder's home directory into the flash.
+//! Leaves out of an image where cargo keeps the dependencies' sources. A panic's message names its file, and
+//! every such name would put the builder's home directory into the flash.
 //!
 //! `xtask`, which depends on none of our crates, includes this file by its path.
 

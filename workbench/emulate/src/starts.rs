@@ -12,8 +12,8 @@ impl Starts {
         self.begun.push(begun);
     }
 
-    /// From one interrupt of the timer to the next, instructions: the median of what lay between two ticks. The emulated
-    /// timer's period is not the 5 ms that it is set to, to the instruction.
+    /// From one interrupt of the timer to the next, instructions: the median of what lay between two ticks.
+    /// The emulated timer's period is not the 5 ms that it is set to, to the instruction.
     #[must_use]
     pub fn period(&self) -> u32 {
         let mut intervals = self.intervals();
@@ -24,8 +24,8 @@ impl Starts {
         }
     }
 
-    /// How much later on the grid one tick began than another at most, instructions. Interrupts of the timer without a tick
-    /// may lie between.
+    /// How much later on the grid one tick began than another at most, instructions. Interrupts of the timer
+    /// without a tick may lie between.
     #[must_use]
     pub fn jitter(&self) -> u64 {
         let period = i64::from(self.period().max(1));

@@ -1,7 +1,8 @@
 //! Who does work that can be divided: the caller alone, or threads that the program brings.
 //!
-//! The workbench's crates divide their work into jobs and start no thread themselves, so that they run where there is
-//! none, in a browser for one. What they give is the same whoever does the jobs: results come in the order of the jobs.
+//! The workbench's crates divide their work into jobs and start no thread themselves, so that they run where
+//! there is none, in a browser for one. What they give is the same whoever does the jobs: results come in the
+//! order of the jobs.
 
 pub mod contained;
 
@@ -12,8 +13,8 @@ pub trait Executor: Sync {
     /// How many jobs can be done at a time, at least 1: into so many parts work is worth dividing.
     fn width(&self) -> usize;
 
-    /// Calls `job` with every number below `jobs`, once each and in any order; returns when all have ended. A panic of
-    /// one goes on in the caller.
+    /// Calls `job` with every number below `jobs`, once each and in any order; returns when all have ended. A
+    /// panic of one goes on in the caller.
     fn for_each(&self, jobs: usize, job: &(dyn Fn(usize) + Sync));
 }
 

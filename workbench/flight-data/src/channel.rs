@@ -26,8 +26,8 @@ macro_rules! channels {
 channels! {
     /// The umbilical discrete: 1 once the UAV has left the mother ship.
     Launch = "launch",
-    /// What stands behind `launch`, as a flight computer decided it: 0 nothing, 1 not launched and suspected to be, 2
-    /// launched by the wire's word alone (optional; held from one cell to the next, as `launch`).
+    /// What stands behind `launch`, as a flight computer decided it: 0 nothing, 1 not launched and suspected
+    /// to be, 2 launched by the wire's word alone (optional; held from one cell to the next, as `launch`).
     LaunchDoubt = "launch_doubt",
     /// `gps_alt_m`, m.
     GpsAltM = "gps_alt_m",

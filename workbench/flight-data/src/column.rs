@@ -44,8 +44,8 @@ impl Column {
         if Self::is_double_named(name) { Self::empty_double(rows) } else { Self::empty(rows) }
     }
 
-    /// Whether a column of that name has double precision: those of positions, whose names end with `latitude_deg` or
-    /// `longitude_deg`.
+    /// Whether a column of that name has double precision: those of positions, whose names end with
+    /// `latitude_deg` or `longitude_deg`.
     #[must_use]
     pub fn is_double_named(name: &str) -> bool {
         name.ends_with("latitude_deg") || name.ends_with("longitude_deg")

@@ -22,7 +22,8 @@ pub fn parse(text: &[u8]) -> Result<(Flight, Vec<Note>), CsvProblem> {
     parse_with(text, &Inline)
 }
 
-/// As [`parse`], a long text in as many parts as the executor can do at a time. The flight is the same whoever reads it.
+/// As [`parse`], a long text in as many parts as the executor can do at a time. The flight is the same
+/// whoever reads it.
 ///
 /// # Errors
 /// As [`parse`].

@@ -31,7 +31,8 @@ pub fn to_writer<W: Write>(out: W, flight: &Flight) -> io::Result<()> {
     let mut csv = csv::WriterBuilder::new().from_writer(Vec::new());
     csv.write_record(std::iter::once(names::TIME).chain(names))?;
     let mut text = csv.into_inner().map_err(csv::IntoInnerError::into_error)?;
-    // A number needs no quotes, and every row has its time: most of the writing is spared the look for what to escape.
+    // A number needs no quotes, and every row has its time: most of the writing is spared the look for what
+    // to escape.
     let mut buffer = zmij::Buffer::new();
     let mut marks = Marks::new(&columns);
     for (row, time_s) in flight.time_s.iter().enumerate() {
@@ -60,8 +61,8 @@ pub fn to_writer<W: Write>(out: W, flight: &Flight) -> io::Result<()> {
     out.flush()
 }
 
-/// Which columns have a sample in which row, found out for some rows of one column after the other: a column lies in memory
-/// as a whole, and a row is a cell here and there.
+/// Which columns have a sample in which row, found out for some rows of one column after the other: a column
+/// lies in memory as a whole, and a row is a cell here and there.
 struct Marks<'a> {
     columns: &'a [&'a Column],
     /// Of each row of the block, bits for 64 columns, then those for the next 64, ...
@@ -99,8 +100,8 @@ impl<'a> Marks<'a> {
     }
 }
 
-/// Appends a number without the `.0` of whole ones and, where it is large enough for an exponent, its plus sign; `nan` in lower case as the
-/// format has it.
+/// Appends a number without the `.0` of whole ones and, where it is large enough for an exponent, its plus
+/// sign; `nan` in lower case as the format has it.
 fn put(text: &mut Vec<u8>, number: &str, is_large: bool) {
     if number == "NaN" {
         text.extend_from_slice(b"nan");
@@ -222,7 +223,8 @@ mod tests {
         );
     }
 
-    /// A remark with a colon (found by fuzzing: a key of no letters) is none that reads as a key when it is written.
+    /// A remark with a colon (found by fuzzing: a key of no letters) is none that reads as a key when it is
+    /// written.
     #[test]
     fn a_remark_with_a_colon_stays_one() {
         let mut flight = flight();

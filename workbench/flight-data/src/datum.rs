@@ -57,8 +57,8 @@ pub(super) fn column_of(key: &str) -> Option<&str> {
 }
 
 impl Header {
-    /// What a column's altitudes are measured from: what its own key says, `altitude_datum COLUMN`; else a barometric altitude is
-    /// one of pressure, and any other as [`Header::altitude_datum`] says.
+    /// What a column's altitudes are measured from: what its own key says, `altitude_datum COLUMN`; else a
+    /// barometric altitude is one of pressure, and any other as [`Header::altitude_datum`] says.
     #[must_use]
     pub fn datum_of(&self, column: &str) -> AltitudeDatum {
         let own = self.other.iter().find(|(key, _)| column_of(key) == Some(column));

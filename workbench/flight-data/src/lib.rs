@@ -23,9 +23,9 @@
 //! An empty cell means "no new sample at this time". `nan` and `inf` are samples: the estimator counts
 //! and rejects them. A time that repeats or runs backward is kept: the estimator counts and ignores it.
 //!
-//! Values are held as f32, the estimator's own precision, positions (`latitude_deg`, `longitude_deg` and names that
-//! end so) as f64, and written with the fewest digits that give the same number back: what [`to_writer`] wrote,
-//! [`parse`] and [`to_writer`] give back byte for byte.
+//! Values are held as f32, the estimator's own precision, positions (`latitude_deg`, `longitude_deg` and
+//! names that end so) as f64, and written with the fewest digits that give the same number back: what
+//! [`to_writer`] wrote, [`parse`] and [`to_writer`] give back byte for byte.
 
 mod channel;
 mod column;
@@ -100,7 +100,8 @@ impl Flight {
     /// to calibrate.
     ///
     /// # Errors
-    /// [`CsvProblem::Missing`] without `gps_alt_m`, [`CsvProblem::NoSecondAltitude`] without another altitude.
+    /// [`CsvProblem::Missing`] without `gps_alt_m`, [`CsvProblem::NoSecondAltitude`] without another
+    /// altitude.
     pub fn require_altitudes(&self) -> Result<(), CsvProblem> {
         names::require_altitudes(|channel| self.channel(channel).is_some())
     }

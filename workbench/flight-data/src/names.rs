@@ -174,7 +174,8 @@ fn known_names() -> impl Iterator<Item = &'static str> {
     std::iter::once(TIME).chain(Channel::ALL.iter().map(|channel| channel.name()))
 }
 
-/// The known column that a name stands for in other letters or another unit, so that a flight's file could not have it.
+/// The known column that a name stands for in other letters or another unit, so that a flight's file could
+/// not have it.
 pub fn unit_slip(name: &str) -> Option<&'static str> {
     let lower = name.to_ascii_lowercase();
     let is_known = known_names().any(|known| known == name);

@@ -4,8 +4,8 @@ use kf_core::atmosphere::pressure_altitude_m;
 
 use flight_data::{Channel, Flight, Note};
 
-/// A copy differs from the receiver by rounding alone ([`rounding_m`]), and by this much of arithmetic, metres. A barometer differs by its
-/// noise, its lag and the air besides, however good the receiver is.
+/// A copy differs from the receiver by rounding alone ([`rounding_m`]), and by this much of arithmetic,
+/// metres. A barometer differs by its noise, its lag and the air besides, however good the receiver is.
 const ARITHMETIC_M: f64 = 0.01;
 /// Steps that are larger than this are no column's resolution, metres.
 const COARSEST_M: f64 = 1.0;
@@ -60,8 +60,8 @@ pub fn check(flight: &Flight) -> Option<Fault> {
         .then_some(Fault::Copied { apart_m: 0.5 * (apart.0 + apart.1) })
 }
 
-/// How far apart differences of one and the same altitude, plus a constant, can be where both are rounded to whole steps: with equal steps
-/// they are two neighbouring multiples of one.
+/// How far apart differences of one and the same altitude, plus a constant, can be where both are rounded to
+/// whole steps: with equal steps they are two neighbouring multiples of one.
 fn rounding_m(one_m: f64, other_m: f64) -> f64 {
     if (one_m - other_m).abs() < 1e-3 { one_m } else { one_m + other_m }
 }
@@ -120,8 +120,8 @@ mod tests {
         let wild = flight(|row, altitude_m| if row % 60 == 0 { 9_000.0 } else { altitude_m });
         assert_eq!(check(&wild), Some(Fault::Copied { apart_m: 0.0 }));
         assert_eq!(check(&flight(|_, _| 512.0)), Some(Fault::Stuck));
-        // What was rounded apart from the receiver is a copy all the same; a metre of noise is none, nor is a decimetre of it where
-        // nothing is rounded.
+        // What was rounded apart from the receiver is a copy all the same; a metre of noise is none, nor is a
+        // decimetre of it where nothing is rounded.
         let noise_m = |row: usize| 1.2 * (row as f32 * 1.7).sin();
         assert_eq!(check(&flight(|row, altitude_m| (altitude_m + 0.35 + noise_m(row)).round())), None);
         let fine = |noise_m: f32| {

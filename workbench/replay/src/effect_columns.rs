@@ -40,8 +40,9 @@ pub(super) fn column<'a>(flight: &'a Flight, name: &str) -> Option<&'a Column> {
     known.or_else(|| flight.extra.iter().find(|(own, _)| own == name).map(|extra| &extra.1))
 }
 
-/// What is to be said of the columns that a model's formulas read and the estimator does not know: a line each for those that the flight
-/// has not, with the nearest that it has, and for those whose unit nothing says.
+/// What is to be said of the columns that a model's formulas read and the estimator does not know: a line
+/// each for those that the flight has not, with the nearest that it has, and for those whose unit nothing
+/// says.
 #[must_use]
 pub fn column_notes(flight: &Flight, model: &Model) -> Vec<String> {
     let mut notes = Vec::new();

@@ -17,7 +17,8 @@ pub enum ReplayError {
     /// The flight lacks what every comparison needs.
     #[error(transparent)]
     Flight(#[from] CsvProblem),
-    /// What is in the barometer's column was not measured by a barometer that works, and there is no other altitude.
+    /// What is in the barometer's column was not measured by a barometer that works, and there is no other
+    /// altitude.
     #[error("{}; there is no other altitude to compare with the receiver's", .0.sentence())]
     NoBarometer(Fault),
     /// An altitude is measured from something else than the reference's.

@@ -65,7 +65,8 @@ impl Extent {
         Self { log_s, used_s: log_s, airborne: Vec::new(), chosen: None, is_given: false }
     }
 
-    /// The flight whose take-off and landing the user gives; else the longest of a log, or the one that the user's window is in.
+    /// The flight whose take-off and landing the user gives; else the longest of a log, or the one that the
+    /// user's window is in.
     ///
     /// # Errors
     /// A take-off and a landing that are none, or [`WindowError::AfterLanding`].
@@ -208,7 +209,8 @@ fn put(found: &mut Outings, given: GivenAirborne, log_s: (f64, f64)) -> (usize, 
 mod tests {
     use super::*;
 
-    /// A log of 1,000 s with so many of three flights; of one of them all is used from 50 s before its take-off on.
+    /// A log of 1,000 s with so many of three flights; of one of them all is used from 50 s before its
+    /// take-off on.
     fn log(flights: usize, chosen: usize) -> Extent {
         let airborne: Vec<_> = [(100.0, 200.0), (300.0, 600.0), (700.0, 800.0)]
             .into_iter()
@@ -295,7 +297,8 @@ mod tests {
         assert_eq!(times, [(100.0, 200.0), (200.0, 700.0), (700.0, 800.0)]);
     }
 
-    /// A moment on the ground belongs to the flight after it, one in the air to that flight; a log may end in the air.
+    /// A moment on the ground belongs to the flight after it, one in the air to that flight; a log may end in
+    /// the air.
     #[test]
     fn a_moment_belongs_to_the_next_landing() {
         let mut found = Outings { airborne: log(2, 0).airborne, ..Outings::default() };

@@ -28,9 +28,10 @@ pub struct InputCounters {
 /// The ticks of a flight, one a row, in row order.
 ///
 /// Time is microseconds of the flight's own time axis, rounded. A fix is a row's `gps_` cells and needs
-/// `gps_alt_m`; of two barometer cells the pressure is taken; attitude and inertial samples are
-/// complete or not there, but for a flight without any gyro (body rates of zero) or any heading (zero). The launch discrete and its
-/// doubt hold their last values; with a window the discrete is 0 up to the window's end and 1 from there on, without doubt.
+/// `gps_alt_m`; of two barometer cells the pressure is taken; attitude and inertial samples are complete or
+/// not there, but for a flight without any gyro (body rates of zero) or any heading (zero). The launch
+/// discrete and its doubt hold their last values; with a window the discrete is 0 up to the window's end and
+/// 1 from there on, without doubt.
 #[derive(Clone, Debug)]
 pub struct TickInputs<'a> {
     columns: Columns<'a>,
@@ -142,7 +143,8 @@ fn microseconds(time_s: f64) -> u64 {
 }
 
 impl<'a> TickInputs<'a> {
-    /// `tamed` are columns that take the flight's own ones' place; `has_barometer`: whether what is in the barometer's columns is to be believed.
+    /// `tamed` are columns that take the flight's own ones' place; `has_barometer`: whether what is in the
+    /// barometer's columns is to be believed.
     pub(super) fn new(
         flight: &'a Flight,
         tamed: &[(Channel, Arc<Column>)],
@@ -208,8 +210,8 @@ impl<'a> TickInputs<'a> {
         }
     }
 
-    /// From now on `imu_slave` is what the strapdown channel makes of the inertial samples, if the flight has enough of
-    /// these and no altitude of that sensor.
+    /// From now on `imu_slave` is what the strapdown channel makes of the inertial samples, if the flight has
+    /// enough of these and no altitude of that sensor.
     pub(super) fn with_inertial_altitude(mut self) -> Self {
         if self.columns.makes_inertial_altitude() {
             self.inertial_altitude = Some(InertialAltitude::new(Config::MEMS));

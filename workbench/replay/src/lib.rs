@@ -1,9 +1,10 @@
 //! A flight through the estimator: the same ticks, in the same order, as the flight computer gets.
 //!
-//! Where the captive flight ends is decided here: by the flight's `launch` column, or, for flights that
-//! have none, by a window given by the user or found in the flight ([`quiet`]). With a window, rows before
-//! it are skipped, launch is said at its end, and nothing is ignored as settling. Of a flight without a `launch` column what
-//! follows its landing is left out as well, and of several flights in one log all but one ([`Extent`]).
+//! Where the captive flight ends is decided here: by the flight's `launch` column, or, for flights that have
+//! none, by a window given by the user or found in the flight ([`quiet`]). With a window, rows before it are
+//! skipped, launch is said at its end, and nothing is ignored as settling. Of a flight without a `launch`
+//! column what follows its landing is left out as well, and of several flights in one log all but one
+//! ([`Extent`]).
 
 pub mod airborne;
 pub mod barometer;
@@ -121,7 +122,8 @@ pub struct InputSummary {
     pub rows_after: usize,
     /// What could not be made into a tick's input.
     pub counters: InputCounters,
-    /// What was counted where the strapdown channel made the UAV's inertial altitude; `None` where it did not.
+    /// What was counted where the strapdown channel made the UAV's inertial altitude; `None` where it did
+    /// not.
     pub inertial_altitude: Option<(NavigationCounts, strapdown::Counts)>,
 }
 
@@ -161,13 +163,14 @@ impl ReplaySummary {
 }
 
 impl<'a> Replay<'a> {
-    /// Decides where the flight calibrates: on a window that is given, else up to launch by the `launch` column, else on the ground
-    /// before the take-off, the first quiet stretch of the flight or, where there is none, the calmest.
+    /// Decides where the flight calibrates: on a window that is given, else up to launch by the `launch`
+    /// column, else on the ground before the take-off, the first quiet stretch of the flight or, where there
+    /// is none, the calmest.
     ///
     /// # Errors
-    /// A flight without reference or second altitude, or with a barometer in its place that is stuck or a copy of the receiver, altitudes
-    /// of several datums, a window outside the flight or after its landing, a take-off and a landing that are none, or no launch column
-    /// and nothing to calibrate on.
+    /// A flight without reference or second altitude, or with a barometer in its place that is stuck or a
+    /// copy of the receiver, altitudes of several datums, a window outside the flight or after its landing, a
+    /// take-off and a landing that are none, or no launch column and nothing to calibrate on.
     pub fn new(flight: &'a Flight, model: &Model, given: impl Into<GivenTimes>) -> Result<Self, ReplayError> {
         let given = given.into();
         let has_barometer = has_barometer(flight)?;
@@ -213,7 +216,8 @@ impl<'a> Replay<'a> {
     /// diagnosis, can work on it.
     ///
     /// # Errors
-    /// A flight without reference or second altitude, a header's latitude that is none, or a take-off and a landing that are none.
+    /// A flight without reference or second altitude, a header's latitude that is none, or a take-off and a
+    /// landing that are none.
     pub fn uncalibrated(
         flight: &'a Flight,
         model: &Model,
@@ -248,9 +252,10 @@ impl<'a> Replay<'a> {
         }
     }
 
-    /// As [`Self::calibrated_or_not`], for a diagnosis, which estimates the biases beside everything else: all of a flight is
-    /// worked on, from before its take-off to its landing, but for what lies before a window that was given or the last
-    /// minutes on the ground. What no aircraft does is left out ([`Self::wild`]).
+    /// As [`Self::calibrated_or_not`], for a diagnosis, which estimates the biases beside everything else:
+    /// all of a flight is worked on, from before its take-off to its landing, but for what lies before a
+    /// window that was given or the last minutes on the ground. What no aircraft does is left out
+    /// ([`Self::wild`]).
     ///
     /// # Errors
     /// As [`Self::calibrated_or_not`].
@@ -272,8 +277,8 @@ impl<'a> Replay<'a> {
         Ok(replay)
     }
 
-    /// What a diagnosis leaves out of single columns: cells that no aircraft makes. None where the flight is replayed as the flight computer
-    /// would have it.
+    /// What a diagnosis leaves out of single columns: cells that no aircraft makes. None where the flight is
+    /// replayed as the flight computer would have it.
     #[must_use]
     pub fn wild(&self) -> &[WildCells] {
         &self.wild
@@ -310,7 +315,8 @@ impl<'a> Replay<'a> {
         self.extent.unused(self.source.window().map_or(f64::NEG_INFINITY, |window| window.start_s))
     }
 
-    /// Times of the rows that are analysed, and of those skipped before the calibration window: all but what follows the landing.
+    /// Times of the rows that are analysed, and of those skipped before the calibration window: all but what
+    /// follows the landing.
     #[must_use]
     pub fn times_s(&self) -> &'a [f64] {
         self.flight.time_s.get(..self.end_row()).unwrap_or_default()
@@ -331,15 +337,15 @@ impl<'a> Replay<'a> {
         &self.source
     }
 
-    /// The ticks as the mission gets them: [`Self::inputs`], and where the flight has accelerometer and gyro at 50 Hz or more
-    /// but no `imu_slave_alt_m`, the altitude that the flight computer makes of them.
+    /// The ticks as the mission gets them: [`Self::inputs`], and where the flight has accelerometer and gyro
+    /// at 50 Hz or more but no `imu_slave_alt_m`, the altitude that the flight computer makes of them.
     #[must_use]
     pub fn mission_inputs(&self) -> TickInputs<'a> {
         self.inputs().with_inertial_altitude()
     }
 
-    /// Whether the UAV's inertial altitude is one that the flight computer makes: what [`Self::mission_inputs`] has and
-    /// [`Self::inputs`] has not.
+    /// Whether the UAV's inertial altitude is one that the flight computer makes: what
+    /// [`Self::mission_inputs`] has and [`Self::inputs`] has not.
     #[must_use]
     pub fn makes_inertial_altitude(&self) -> bool {
         self.mission_inputs().inertial_altitude().is_some()
@@ -463,7 +469,8 @@ fn has_barometer(flight: &Flight) -> Result<bool, ReplayError> {
     }
 }
 
-/// Whether all altitudes that are compared are measured from the same. A pressure altitude is compared with any.
+/// Whether all altitudes that are compared are measured from the same. A pressure altitude is compared with
+/// any.
 fn require_one_datum(flight: &Flight) -> Result<(), ReplayError> {
     let datum = |channel: Channel| flight.header.datum_of(channel.name());
     let reference = datum(Channel::GpsAltM);

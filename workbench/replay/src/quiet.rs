@@ -1,11 +1,12 @@
-//! Finding where a flight that does not say when it was launched can be calibrated: on the ground before its take-off, or in
-//! its first stretch of level flight at constant speed; never after its landing, which the caller's bounds see to.
+//! Finding where a flight that does not say when it was launched can be calibrated: on the ground before its
+//! take-off, or in its first stretch of level flight at constant speed; never after its landing, which the
+//! caller's bounds see to.
 //!
 //! The flight is cut into blocks of a sixth of the shortest calibration (longer where fixes are rare). A
-//! stretch is quiet while the blocks' median altitudes stay within half of the model's `quality.trimmed_altitude_m`, their median
-//! speeds (airspeed, else speed over ground) within twice its `quality.trimmed_airspeed_mps`, and their
-//! median climb rates within 0.5 m/s of zero; medians, so that single wild fixes do not matter. Every
-//! block needs fixes and samples of an altitude sensor.
+//! stretch is quiet while the blocks' median altitudes stay within half of the model's
+//! `quality.trimmed_altitude_m`, their median speeds (airspeed, else speed over ground) within twice its
+//! `quality.trimmed_airspeed_mps`, and their median climb rates within 0.5 m/s of zero; medians, so that
+//! single wild fixes do not matter. Every block needs fixes and samples of an altitude sensor.
 
 use std::fmt;
 
@@ -110,7 +111,8 @@ pub fn find(
     };
 
     let mut calmest: Option<Calmest> = None;
-    // Something should be left to be watched: a stretch in the second half counts only where there is none in the first.
+    // Something should be left to be watched: a stretch in the second half counts only where there is none in
+    // the first.
     let is_late = |window: CalibrationWindow| window.end_s > 0.5 * (origin_s + last_s);
     let is_calmer = |calmest: Calmest, window: CalibrationWindow, range_m: f32| {
         (is_late(window), range_m) < (is_late(calmest.window), calmest.altitude_range_m)
@@ -155,8 +157,9 @@ pub fn find(
     })
 }
 
-/// The last quiet stretch between two times, seconds, of which the second is the take-off or the drop: a receiver's altitude
-/// has settled by then, and the air has not changed yet. `None` where the vehicle was quiet for less than is needed.
+/// The last quiet stretch between two times, seconds, of which the second is the take-off or the drop: a
+/// receiver's altitude has settled by then, and the air has not changed yet. `None` where the vehicle was
+/// quiet for less than is needed.
 #[must_use]
 pub fn find_before(
     flight: &Flight,
@@ -261,8 +264,8 @@ fn median(values: &mut [f32]) -> Option<f32> {
     Some(*values.select_nth_unstable_by(middle, f32::total_cmp).1)
 }
 
-/// The blocks between two times that can be judged, in time order. Rows that run backward in time are left out, as the
-/// estimator does.
+/// The blocks between two times that can be judged, in time order. Rows that run backward in time are left
+/// out, as the estimator does.
 fn blocks(flight: &Flight, (origin_s, last_s): (f64, f64), length_s: f64) -> Vec<Block> {
     use Channel::{
         AccelZMps2, BaroAltM, BaroPa, GpsAltM, GpsVdMps, GpsVeMps, GpsVnMps, ImuMasterAltM, ImuSlaveAltM,

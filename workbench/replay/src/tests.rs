@@ -300,8 +300,8 @@ fn refuses_flights_and_models_that_can_not_be_run() {
     assert!(message(&flight, &Model::default()).starts_with("no altitude besides gps_alt_m"));
 }
 
-/// Rest at 2000 m (to a millimetre a second, or the receiver is stuck), 40 s captive and 20 s free, so many inertial samples a second and five fixes; `own` is the cell of
-/// `imu_slave_alt_m`.
+/// Rest at 2000 m (to a millimetre a second, or the receiver is stuck), 40 s captive and 20 s free, so many
+/// inertial samples a second and five fixes; `own` is the cell of `imu_slave_alt_m`.
 fn inertial_flight(rate_hz: u32, own: &str) -> Flight {
     let mut text = String::from(
         "time_s,launch,gps_alt_m,gps_vn_mps,gps_ve_mps,gps_vd_mps,gps_time_s,baro_alt_m,imu_slave_alt_m,accel_x_mps2,accel_y_mps2,\
@@ -328,7 +328,8 @@ fn an_altitude_that_is_not_there_is_made_of_inertial_samples() {
         .mission_inputs()
         .filter_map(|input| input.imu_slave_altitude_m.map(|altitude_m| (input.time_us, altitude_m)))
         .collect();
-    // From 20 s of alignment on, every third sample (50 ms are two and a half), or the next where that is a fix's own.
+    // From 20 s of alignment on, every third sample (50 ms are two and a half), or the next where that is a
+    // fix's own.
     assert!((20_000_000..20_300_000).contains(&made[0].0), "{:?}", made[0]);
     let next_us =
         |time_us: u64| time_us + if (time_us + 60_000).is_multiple_of(200_000) { 80_000 } else { 60_000 };

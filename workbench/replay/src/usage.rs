@@ -77,7 +77,8 @@ impl Usage {
     }
 }
 
-/// Seconds of the flight's own clock as hours, minutes and seconds, with the seconds that `--calibrate` takes.
+/// Seconds of the flight's own clock as hours, minutes and seconds, with the seconds that `--calibrate`
+/// takes.
 #[must_use]
 pub fn clock(at_s: f64) -> String {
     let whole = at_s.round().max(0.0) as u64;

@@ -1,14 +1,16 @@
 //! Wild cells: values that no aircraft reaches from the ones before and leaves for the ones after.
 //!
-//! A flight computer meets them with its gates. A diagnosis estimates coefficients from every cell, so a hundred impossible airspeeds
-//! among ten thousand are an effect to it. What it leaves out is said ([`WildCells::sentence`]), and follows from physics alone:
+//! A flight computer meets them with its gates. A diagnosis estimates coefficients from every cell, so a
+//! hundred impossible airspeeds among ten thousand are an effect to it. What it leaves out is said
+//! ([`WildCells::sentence`]), and follows from physics alone:
 //!
-//! - A value is a *jump* from another if it is further away than the quantity's largest rate makes it in the time between, and than
-//!   [`NOISE_SIGMAS`] of the column's own noise. The rates are no aircraft's: 400 m/s up or down, 10 g, 12 rad/s (two turns a second), 10 K/s.
-//! - Cells between two jumps, at most a hundredth of the column's, are wild. More are a level that has shifted, which is the diagnosis's to
-//!   explain.
-//! - One or two altitudes beyond both of their neighbours by more than an acceleration of 10 g and the noise explain, and than these differ, are
-//!   wild.
+//! - A value is a *jump* from another if it is further away than the quantity's largest rate makes it in the
+//!   time between, and than [`NOISE_SIGMAS`] of the column's own noise. The rates are no aircraft's: 400 m/s
+//!   up or down, 10 g, 12 rad/s (two turns a second), 10 K/s.
+//! - Cells between two jumps, at most a hundredth of the column's, are wild. More are a level that has
+//!   shifted, which is the diagnosis's to explain.
+//! - One or two altitudes beyond both of their neighbours by more than an acceleration of 10 g and the noise
+//!   explain, and than these differ, are wild.
 //!
 //! What has no largest rate (specific force, rates of turn, throttle, satellites) is left as it is.
 
@@ -17,7 +19,8 @@ use std::sync::Arc;
 use flight_data::{Channel, Column, Flight};
 use statistics::RobustSpread;
 
-/// A column's noise explains so much: of Student's t with three degrees of freedom, 4 of 10,000 values are beyond.
+/// A column's noise explains so much: of Student's t with three degrees of freedom, 4 of 10,000 values are
+/// beyond.
 const NOISE_SIGMAS: f64 = 12.0;
 /// Most cells between two jumps that are wild, as a share of the column's, and always.
 const MOST_SHARE: f64 = 0.01;
@@ -67,7 +70,8 @@ impl Kind {
         }
     }
 
-    /// A cell in the unit of [`Self::rate`]; `None` for one that is no number, which the estimator refuses by itself.
+    /// A cell in the unit of [`Self::rate`]; `None` for one that is no number, which the estimator refuses by
+    /// itself.
     fn value(self, cell: f32) -> Option<f64> {
         let cell = f64::from(cell);
         let value = match self {
@@ -186,7 +190,8 @@ fn between_jumps(kind: Kind, samples: &mut Vec<Sample>, noise: f64) -> Vec<usize
         return Vec::new();
     }
     let most = ((MOST_SHARE * samples.len() as f64) as usize).max(MOST_ALWAYS);
-    // Whatever is the longest is right. From there both ways: a segment is right if it goes on from the last that was, or is long itself.
+    // Whatever is the longest is right. From there both ways: a segment is right if it goes on from the last
+    // that was, or is long itself.
     let longest =
         (0..segments.len()).rev().max_by_key(|k| segments.get(*k).map_or(0, |segment| segment.len()));
     let (earlier, later) = segments.split_at(longest.unwrap_or_default());
@@ -220,7 +225,8 @@ fn between_jumps(kind: Kind, samples: &mut Vec<Sample>, noise: f64) -> Vec<usize
     rows
 }
 
-/// Rows of single altitudes, and of two in a row, that are beyond both neighbours by more than an aircraft's acceleration makes.
+/// Rows of single altitudes, and of two in a row, that are beyond both neighbours by more than an aircraft's
+/// acceleration makes.
 fn beyond_neighbours(samples: &[Sample], noise: f64) -> Vec<usize> {
     let is_beyond = |before: &Sample, value: &Sample, after: &Sample| {
         let (up, down) = (value.value - before.value, value.value - after.value);
@@ -283,7 +289,8 @@ mod tests {
         (0..cells.len()).filter(|row| column.get(*row).is_none()).collect()
     }
 
-    /// An airspeed that pulls, gusts and has a heavy tail; a dive at 10 g and a receiver's steps: all are an aircraft's.
+    /// An airspeed that pulls, gusts and has a heavy tail; a dive at 10 g and a receiver's steps: all are an
+    /// aircraft's.
     #[test]
     fn what_an_aircraft_does_is_left_alone() {
         let mut seed = 3;
@@ -332,14 +339,16 @@ mod tests {
         assert_eq!(rows(Channel::TasMps, STEP_S, &shifted), usual);
     }
 
-    /// 150 m off for a second or two, which is no jump for something that might climb at 400 m/s; and pressures.
+    /// 150 m off for a second or two, which is no jump for something that might climb at 400 m/s; and
+    /// pressures.
     #[test]
     fn altitudes_that_leave_and_come_back_at_once_are_found() {
         let mut cells: Vec<f32> = (0..3_000_u16).map(|row| 1_000.0 + 3.0 * f32::from(row % 200)).collect();
         for row in [1_050, 2_010, 2_011] {
             cells[row] += 150.0;
         }
-        // 600 m back at every two-hundredth row are a saw's teeth: 400 m/s is exceeded there, and a level goes on each time.
+        // 600 m back at every two-hundredth row are a saw's teeth: 400 m/s is exceeded there, and a level
+        // goes on each time.
         assert_eq!(rows(Channel::GpsAltM, 1.0, &cells), [1_050, 2_010, 2_011]);
         let mut pressures: Vec<f32> = (0..3_000_u16).map(|row| 90_000.0 + f32::from(row % 7)).collect();
         pressures[1_500] = 60_000.0;

@@ -1,6 +1,8 @@
-//! Distribution functions that give the same bits on every platform: by `libm` and nothing that a platform chooses.
+//! Distribution functions that give the same bits on every platform: by `libm` and nothing that a platform
+//! chooses.
 
-/// Terms of a series or a fraction before it is given up; some ten standard deviations' worth at a million degrees of freedom.
+/// Terms of a series or a fraction before it is given up; some ten standard deviations' worth at a million
+/// degrees of freedom.
 const TERMS: u32 = 20_000;
 /// Halvings of an interval: more than an f64 has bits.
 const HALVINGS: u32 = 1100;
@@ -44,7 +46,8 @@ pub fn chi_squared_above(degrees: f64, x: f64) -> f64 {
     gamma_tails(0.5 * degrees, 0.5 * x)[1]
 }
 
-/// The value that a chi-squared one of so many degrees of freedom is below with a probability of `p` in (0, 1).
+/// The value that a chi-squared one of so many degrees of freedom is below with a probability of `p` in (0,
+/// 1).
 #[must_use]
 pub fn chi_squared_quantile(degrees: f64, p: f64) -> f64 {
     // The nearer tail keeps its digits.
@@ -77,10 +80,11 @@ fn bisected(mut low: f64, mut high: f64, is_low: impl Fn(f64) -> bool) -> f64 {
     f64::midpoint(low, high)
 }
 
-/// The regularised incomplete gamma functions P and Q: shares of the gamma distribution of shape `a` below and above `x > 0`.
+/// The regularised incomplete gamma functions P and Q: shares of the gamma distribution of shape `a` below
+/// and above `x > 0`.
 ///
-/// Source: Press et al., "Numerical Recipes", 3rd edition, section 6.2: the series below the mean, Lentz's continued fraction
-/// above it.
+/// Source: Press et al., "Numerical Recipes", 3rd edition, section 6.2: the series below the mean, Lentz's
+/// continued fraction above it.
 fn gamma_tails(a: f64, x: f64) -> [f64; 2] {
     let front = libm::exp(a * libm::log(x) - x - libm::lgamma(a));
     if x < a + 1.0 {
@@ -124,7 +128,8 @@ fn beta_below(a: f64, b: f64, x: f64) -> f64 {
     if x < (a + 1.0) / (a + b + 2.0) { share(a, b, x) } else { 1.0 - share(b, a, 1.0 - x) }
 }
 
-/// A continued fraction `first + n1 / (d1 + n2 / (d2 + ...))` of the terms (n, d) from 1 on, by Lentz's method.
+/// A continued fraction `first + n1 / (d1 + n2 / (d2 + ...))` of the terms (n, d) from 1 on, by Lentz's
+/// method.
 fn lentz(first: f64, term: impl Fn(u32) -> (f64, f64)) -> f64 {
     let away = |value: f64| if value.abs() < f64::MIN_POSITIVE { f64::MIN_POSITIVE } else { value };
     let mut value = away(first);
@@ -145,8 +150,8 @@ fn lentz(first: f64, term: impl Fn(u32) -> (f64, f64)) -> f64 {
 mod tests {
     use super::*;
 
-    // The values are mpmath's, to 40 digits: erfc(x / sqrt(2)) / 2, gammainc(d / 2, x / 2, inf, regularized=True),
-    // betainc(d / 2, 1 / 2, 0, d / (d + t^2), regularized=True) / 2.
+    // The values are mpmath's, to 40 digits: erfc(x / sqrt(2)) / 2, gammainc(d / 2, x / 2, inf,
+    // regularized=True), betainc(d / 2, 1 / 2, 0, d / (d + t^2), regularized=True) / 2.
 
     /// Whether two values are within so many roundings.
     fn close(own: f64, exact: f64, roundings: f64) -> bool {
@@ -178,7 +183,8 @@ mod tests {
             (0.025, -1.959_963_984_540_054_2),
             (0.3, -0.524_400_512_708_040_8),
         ] {
-            // What the tail is wrong by, over its slope there: about x for large ones, and p over the density for small ones.
+            // What the tail is wrong by, over its slope there: about x for large ones, and p over the density
+            // for small ones.
             let square: f64 = x * x;
             let roundings = (4.0 + square) / square.min(1.0) + 8.0;
             assert!(close(normal_quantile(p), x, roundings), "{p}: {}", normal_quantile(p));
@@ -188,7 +194,8 @@ mod tests {
         }
     }
 
-    /// Roundings of `exp(a ln x - x - ln gamma(a))`: each of the three is rounded before they cancel. Around it there are some tens of terms.
+    /// Roundings of `exp(a ln x - x - ln gamma(a))`: each of the three is rounded before they cancel. Around
+    /// it there are some tens of terms.
     fn gamma_roundings(a: f64, x: f64) -> f64 {
         4.0 * ((a * libm::log(x)).abs() + x + libm::lgamma(a).abs()) + 100.0
     }

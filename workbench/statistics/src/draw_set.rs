@@ -1,6 +1,7 @@
 //! Which random numbers are drawn.
 
-/// A set of random numbers. A residual has the same answer with the same set; with another set one that differs by the draws' error.
+/// A set of random numbers. A residual has the same answer with the same set; with another set one that
+/// differs by the draws' error.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct DrawSet(pub(super) u16);
 
@@ -27,7 +28,8 @@ mod tests {
         1.0 + 4.0 / f64::sqrt(2.0 * f64::from(SETS - 1))
     }
 
-    /// Barometers of logs in `shared/flights/real`, as `pylon compare --json` has their residuals, and made ones.
+    /// Barometers of logs in `shared/flights/real`, as `pylon compare --json` has their residuals, and made
+    /// ones.
     fn residuals() -> Vec<(&'static str, ResidualModel)> {
         let model =
             |sample_interval_s, white_variance_m2, parts: &[(f64, f64)], longest_lag_s| ResidualModel {
@@ -48,8 +50,8 @@ mod tests {
         ]
     }
 
-    /// Medians and ninetieth percentiles of a step's delay and a ramp's, and when a healthy sensor is doubtful, seconds; the threshold that
-    /// healthy launches ask for, metres.
+    /// Medians and ninetieth percentiles of a step's delay and a ramp's, and when a healthy sensor is
+    /// doubtful, seconds; the threshold that healthy launches ask for, metres.
     const FIGURES: [&str; 6] = ["step", "90 %", "ramp", "90 %", "doubt", "launch"];
 
     /// What a set of draws recommends, with `compare`'s own requirements.
@@ -67,7 +69,8 @@ mod tests {
         (choice, std::array::from_fn(|_| figures.next().unwrap()))
     }
 
-    /// The last digit of a variance, or a component that explains nothing, changes no one else's random numbers.
+    /// The last digit of a variance, or a component that explains nothing, changes no one else's random
+    /// numbers.
     #[test]
     fn what_is_no_change_of_a_residual_changes_no_recommendation() {
         for (name, model) in residuals() {
@@ -142,7 +145,8 @@ mod tests {
             windows_s.sort_by(f64::total_cmp);
             windows_s.dedup();
             println!("  {windows_s:.2?}");
-            // As `Resolution::FINE` says; a rate goes with exp(-z^2 / 2), so that a threshold is wrong by its error over z^2.
+            // As `Resolution::FINE` says; a rate goes with exp(-z^2 / 2), so that a threshold is wrong by its
+            // error over z^2.
             assert!(alarms < 5.0 * most_of_a_deviation(), "{name}: {alarms}");
             let sigmas = rule.threshold_m / model.variance_of_mean(window).sqrt();
             assert!(bound < 5.0 * most_of_a_deviation() / (sigmas * sigmas), "{name}: {bound}");

@@ -63,9 +63,10 @@ impl<'a> HealthyLaunches<'a> {
 /// For each window (in ascending order), and each of [`FIRST_DRAWS`] healthy launches, the threshold
 /// below which the sensor would be called untrustworthy before the window is full.
 ///
-/// Reading by reading from the first on, that takes one beyond the threshold and after it an average beyond it, in which
-/// what is not covered yet counts as no error (`kf_core::monitor`): the largest of min(largest reading before, sum so
-/// far over the whole window). Only the first [`FIRST_SAMPLES`] readings are drawn: averages of more are in the steady rate.
+/// Reading by reading from the first on, that takes one beyond the threshold and after it an average beyond
+/// it, in which what is not covered yet counts as no error (`kf_core::monitor`): the largest of min(largest
+/// reading before, sum so far over the whole window). Only the first [`FIRST_SAMPLES`] readings are drawn:
+/// averages of more are in the steady rate.
 fn first_window_barriers(model: &ResidualModel, windows: &[u64], draws: DrawSet) -> Vec<Vec<f64>> {
     let mut barriers: Vec<Vec<f64>> = vec![Vec::new(); windows.len()];
     let longest = windows.last().copied().unwrap_or(0).min(FIRST_SAMPLES);

@@ -1,4 +1,5 @@
-//! One number from several estimates that have sigmas of their own, and which of them do not belong with the others.
+//! One number from several estimates that have sigmas of their own, and which of them do not belong with the
+//! others.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
@@ -8,7 +9,8 @@ use super::standard_normal::standard_normal;
 
 /// Chance of naming any outlier among estimates that all belong together.
 const FALSE_ALARM: f64 = 0.05;
-/// Fewer estimates cannot say of one that it differs: without it two are left, and of two neither is the odd one.
+/// Fewer estimates cannot say of one that it differs: without it two are left, and of two neither is the odd
+/// one.
 const FEWEST: usize = 4;
 /// More flights than this that do not belong with the others are a question to the others.
 const MOST_OUTLIERS: usize = 6;
@@ -35,8 +37,8 @@ pub struct Pooled {
     pub mean: f64,
     /// One sigma of it.
     pub sigma: f64,
-    /// How much the estimated thing itself differs from one estimate to the next, 1 sigma; 0 where the estimates' own sigmas explain
-    /// all of it.
+    /// How much the estimated thing itself differs from one estimate to the next, 1 sigma; 0 where the
+    /// estimates' own sigmas explain all of it.
     pub spread: f64,
     /// Places of those that do not belong with the others, the oddest first.
     pub outliers: Vec<Outlier>,
@@ -47,20 +49,24 @@ pub struct Pooled {
 pub struct Outlier {
     /// Its place.
     pub place: usize,
-    /// Chance that any of so many is so far off, were all alike: it, or one that is told after it and that hid it.
+    /// Chance that any of so many is so far off, were all alike: it, or one that is told after it and that
+    /// hid it.
     pub p_value: f64,
 }
 
-/// Random effects: the estimates scatter about one mean by their own sigmas and by one spread more, which is estimated
-/// by Paule and Mandel's equation (DerSimonian and Kacker, "Random-effects model for meta-analysis of clinical trials: an update",
-/// Contemp. Clin. Trials 28 (2007) 105, section 2). `None` without an estimate.
+/// Random effects: the estimates scatter about one mean by their own sigmas and by one spread more, which is
+/// estimated by Paule and Mandel's equation (DerSimonian and Kacker, "Random-effects model for meta-analysis
+/// of clinical trials: an update", Contemp. Clin. Trials 28 (2007) 105, section 2). `None` without an
+/// estimate.
 ///
-/// Outliers are found as by the generalised extreme studentised deviates (Rosner, Technometrics 25 (1983) 165): the estimate that is
-/// least likely by a prediction from all others (Higgins, Thompson and Spiegelhalter, J. R. Stat. Soc. A 172 (2009) 137, section 3) is
-/// taken away, again and again, up to a third of them; all up to the last that is beyond the limit are outliers, so that two that hide
-/// each other are found. Tables of limits are for equal sigmas and without a spread; with those of flights one table in six of twelve
-/// estimates would name one for nothing. So the limit is the table's own: the one that one in twenty tables passes of those that
-/// are made with its own sigmas, mean and spread (a parametric bootstrap; Davison and Hinkley, "Bootstrap Methods", section 4.2).
+/// Outliers are found as by the generalised extreme studentised deviates (Rosner, Technometrics 25 (1983)
+/// 165): the estimate that is least likely by a prediction from all others (Higgins, Thompson and
+/// Spiegelhalter, J. R. Stat. Soc. A 172 (2009) 137, section 3) is taken away, again and again, up to a third
+/// of them; all up to the last that is beyond the limit are outliers, so that two that hide each other are
+/// found. Tables of limits are for equal sigmas and without a spread; with those of flights one table in six
+/// of twelve estimates would name one for nothing. So the limit is the table's own: the one that one in
+/// twenty tables passes of those that are made with its own sigmas, mean and spread (a parametric bootstrap;
+/// Davison and Hinkley, "Bootstrap Methods", section 4.2).
 #[must_use]
 pub fn pooled(estimates: &[Estimate]) -> Option<Pooled> {
     let mut taken = oddest(estimates);
@@ -89,7 +95,8 @@ pub fn pooled(estimates: &[Estimate]) -> Option<Pooled> {
     Some(Pooled { mean, sigma, spread, outliers: taken })
 }
 
-/// The oddest estimate, the oddest of the rest, and so on, each with its chance times the number that it was the oddest of.
+/// The oddest estimate, the oddest of the rest, and so on, each with its chance times the number that it was
+/// the oddest of.
 fn oddest(estimates: &[Estimate]) -> Vec<Outlier> {
     let mut left: Vec<(usize, Estimate)> = estimates.iter().copied().enumerate().collect();
     let mut taken = Vec::new();
@@ -113,7 +120,8 @@ fn oddest(estimates: &[Estimate]) -> Vec<Outlier> {
     taken
 }
 
-/// The least chance of any step in tables that are made with these sigmas, their mean and their spread, in which nothing is odd.
+/// The least chance of any step in tables that are made with these sigmas, their mean and their spread, in
+/// which nothing is odd.
 fn least_chances(estimates: &[Estimate]) -> Option<Vec<f64>> {
     let (mean, _, spread) = together(estimates)?;
     let mut generator = ChaCha8Rng::seed_from_u64(SEED);

@@ -127,8 +127,8 @@ impl ResidualModel {
 
     /// Draws the process as means of `samples_per_step` consecutive samples, without end.
     ///
-    /// The white part and each component have a stream of the seed's random numbers to themselves: how small one is, or whether the fit
-    /// has it at all, changes nothing in what the others draw.
+    /// The white part and each component have a stream of the seed's random numbers to themselves: how small
+    /// one is, or whether the fit has it at all, changes nothing in what the others draw.
     #[must_use]
     pub fn simulate(&self, samples_per_step: u64, seed: u64) -> Simulation {
         let white = ChaCha8Rng::seed_from_u64(seed);
@@ -146,8 +146,8 @@ impl ResidualModel {
         Simulation { white, white_sigma, parts }
     }
 
-    /// A stream for each component, which follows from its correlation time: the nearest of the fit's grid, and how many before it have
-    /// the same. The white part's is 0.
+    /// A stream for each component, which follows from its correlation time: the nearest of the fit's grid,
+    /// and how many before it have the same. The white part's is 0.
     fn streams(&self) -> Vec<u64> {
         let nearest: Vec<i64> = self
             .components
@@ -320,7 +320,8 @@ pub(crate) mod tests {
         }
     }
 
-    /// A component of no variance has no part in what the others draw, and two of one correlation time are independent of each other.
+    /// A component of no variance has no part in what the others draw, and two of one correlation time are
+    /// independent of each other.
     #[test]
     fn components_draw_by_themselves() {
         let model = example();

@@ -1,7 +1,8 @@
 //! Standard normal random numbers that are the same on every platform.
 //!
-//! `rand_distr`'s algorithm (Doornik, "An improved ziggurat method to generate normal random samples", 2005) with its tables, so
-//! that a seed keeps its numbers, but with `libm`'s exponential and logarithm in the place of the platform's.
+//! `rand_distr`'s algorithm (Doornik, "An improved ziggurat method to generate normal random samples", 2005)
+//! with its tables, so that a seed keeps its numbers, but with `libm`'s exponential and logarithm in the
+//! place of the platform's.
 
 mod tables;
 

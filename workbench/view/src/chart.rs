@@ -1,4 +1,5 @@
-//! What one diagram shows. `svg` draws it on paper; in a page, which gets it as JSON, `assets/charts.js` does.
+//! What one diagram shows. `svg` draws it on paper; in a page, which gets it as JSON, `assets/charts.js`
+//! does.
 
 use serde::Serialize;
 

@@ -11,8 +11,8 @@ use crate::table::{Align, Cell, Row, Table, Tone};
 /// Defines `pylonCharts`, whose `draw(element, chart)` draws a [`Chart`], given as its JSON.
 pub const SCRIPT: &str = include_str!("../assets/charts.js");
 
-/// The roles' colours on light and dark ground, as variables of the page's style. The page itself defines `--ink`, `--ground`,
-/// `--grid` and `--rule`.
+/// The roles' colours on light and dark ground, as variables of the page's style. The page itself defines
+/// `--ink`, `--ground`, `--grid` and `--rule`.
 #[must_use]
 pub fn style() -> String {
     let mut style = String::from(":root {");
@@ -35,8 +35,9 @@ pub fn data<'a>(charts: impl Iterator<Item = &'a Chart>) -> Result<String, serde
     Ok(serde_json::to_string(&charts)?.replace('<', "\\u003c"))
 }
 
-/// A table as an HTML element. Columns of numbers have the class `number`, explanations are a `span` of the class `note`, and toned
-/// cells have the class `good`, `doubt` or `bad`; the page's style gives these their looks. The first cell of a row is its heading.
+/// A table as an HTML element. Columns of numbers have the class `number`, explanations are a `span` of the
+/// class `note`, and toned cells have the class `good`, `doubt` or `bad`; the page's style gives these their
+/// looks. The first cell of a row is its heading.
 #[must_use]
 pub fn table(table: &Table) -> String {
     let mut html = String::from("<table><thead><tr>");

@@ -11,7 +11,8 @@ pub struct Ink {
     pub area: [u8; 3],
     /// Width of curves on paper, half CSS pixels.
     pub width: i32,
-    /// In a page on light ground, as CSS writes colours. On screens: Okabe and Ito's, which the colour-blind can tell apart.
+    /// In a page on light ground, as CSS writes colours. On screens: Okabe and Ito's, which the colour-blind
+    /// can tell apart.
     pub light: &'static str,
     /// In a page on dark ground.
     pub dark: &'static str,

@@ -2,7 +2,8 @@
 
 use crate::chart::Values;
 
-/// Curves, each by ascending place, as columns over common places. A curve that has one place twice keeps both.
+/// Curves, each by ascending place, as columns over common places. A curve that has one place twice keeps
+/// both.
 #[must_use]
 pub fn common_places<const N: usize>(curves: [&[(f64, f64)]; N]) -> (Vec<f64>, [Values; N]) {
     let mut rest = curves;

@@ -75,8 +75,8 @@ impl From<&str> for Cell {
 pub enum Row {
     /// A title of the rows below it, in the first column.
     Section(String),
-    /// A cell a column, from the first on; the first one says what the row is of. Columns without a cell stay empty; cells
-    /// beyond the last column are not drawn.
+    /// A cell a column, from the first on; the first one says what the row is of. Columns without a cell stay
+    /// empty; cells beyond the last column are not drawn.
     Cells(Vec<Cell>),
 }
 

@@ -1,4 +1,5 @@
-//! How fast a log is imported, and how much memory that takes, beside the format's reference reader on the same file in one run.
+//! How fast a log is imported, and how much memory that takes, beside the format's reference reader on the
+//! same file in one run.
 
 use std::fs;
 use std::path::Path;
@@ -17,7 +18,8 @@ use crate::workspace;
 const ROUNDS: usize = 5;
 /// Where the real logs are, beside the checkout.
 const LOGS: &str = "../shared/flights/real";
-/// A log so short that its import shows what the program itself takes: its code that is read from the disk, and its threads.
+/// A log so short that its import shows what the program itself takes: its code that is read from the disk,
+/// and its threads.
 const SHORT: &str = "igc/goigc_short1.igc";
 /// Of a log shorter than this most memory is the program's own, and a share of the file says nothing.
 const MEASURABLE_BYTES: u64 = 1_000_000;
@@ -126,7 +128,8 @@ fn measure_log(path: &Path, file: &'static str, reader: &'static str, folder: &P
 }
 
 impl Log {
-    /// Time of the reference reader's reading alone, over that of the whole import, with the program's start and the writing.
+    /// Time of the reference reader's reading alone, over that of the whole import, with the program's start
+    /// and the writing.
     fn speed(&self) -> f64 {
         (self.reader_read.cpu_seconds - self.reader_started.cpu_seconds) / self.pylon.cpu_seconds
     }

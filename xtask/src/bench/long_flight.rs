@@ -21,8 +21,8 @@ const ROUNDS: u32 = 10;
 const EFFECTS: [(&str, &str); 3] =
     [("baro.dynamic_pressure", "0.1"), ("gps.latency", "0.8"), ("imu.velocity_error", "0.02")];
 
-/// The scenario of a flight of so many hours, all its sensors at their usual rates, 200 rows a second, with three
-/// hidden effects.
+/// The scenario of a flight of so many hours, all its sensors at their usual rates, 200 rows a second, with
+/// three hidden effects.
 pub fn scenario(hours: u32) -> String {
     let mut text = format!(
         "name = \"bench-{hours}-h\"\nsource = \"simulated to be measured\"\n\n[captive]\nduration_s = {}.0\n\

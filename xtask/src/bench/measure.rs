@@ -30,7 +30,8 @@ pub fn cost(command: &Command) -> anyhow::Result<Cost> {
     serde_json::from_str(&said.stdout).context("`cargo xtask measure` said something unexpected")
 }
 
-/// Runs commands in turn, so that what disturbs one disturbs all; of each the shortest times and the highest peak.
+/// Runs commands in turn, so that what disturbs one disturbs all; of each the shortest times and the highest
+/// peak.
 pub fn shortest<const N: usize>(rounds: usize, commands: [Command; N]) -> anyhow::Result<[Cost; N]> {
     let mut best = [Cost { seconds: f64::INFINITY, cpu_seconds: f64::INFINITY, peak_bytes: 0 }; N];
     for _ in 0..rounds {

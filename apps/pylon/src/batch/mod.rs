@@ -8,8 +8,8 @@ use crate::threads::Threads;
 pub use analysis::batch::*;
 pub use text::text;
 
-/// Diagnoses every flight by itself. `together` is the diagnosis of all; `progress` is called once a flight. A flight that the
-/// diagnosis panics on costs none of the others.
+/// Diagnoses every flight by itself. `together` is the diagnosis of all; `progress` is called once a flight.
+/// A flight that the diagnosis panics on costs none of the others.
 #[must_use]
 pub fn batch(
     flights: &[NamedReplay<'_>],

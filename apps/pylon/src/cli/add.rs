@@ -40,7 +40,8 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// The effect's id, as `pylon diagnose` names it: one of the catalogue, or of the model's own [[effect_definition]]s
+    /// The effect's id, as `pylon diagnose` names it: one of the catalogue, or of the model's own
+    /// [[effect_definition]]s
     #[arg(value_name = "EFFECT")]
     effect: String,
     /// The model file to change (an empty file is a model); with -o also `default` or `paper`
@@ -230,7 +231,8 @@ fn model(arguments: &Arguments) -> Result<(String, PathBuf, Model), Failure> {
     Ok((text, arguments.output.clone().unwrap_or_else(|| PathBuf::from(name)), before))
 }
 
-/// Today in UTC; `SOURCE_DATE_EPOCH` goes before it (<https://reproducible-builds.org/specs/source-date-epoch/>).
+/// Today in UTC; `SOURCE_DATE_EPOCH` goes before it
+/// (<https://reproducible-builds.org/specs/source-date-epoch/>).
 fn today() -> Result<Date, Failure> {
     let Some(epoch) = std::env::var_os("SOURCE_DATE_EPOCH") else {
         return Ok(OffsetDateTime::now_utc().date());

@@ -75,8 +75,8 @@ pub struct Arguments {
     /// Write the emulated flight computer's telemetry, as a ground station records it
     #[arg(long, value_name = "TLOG", conflicts_with = "hil")]
     telemetry: Option<PathBuf>,
-    /// Write the flight computer's results (a flight record), as a recorder on a board's results port would: `pylon import`
-    /// turns it into a flight
+    /// Write the flight computer's results (a flight record), as a recorder on a board's results port would:
+    /// `pylon import` turns it into a flight
     #[arg(long, value_name = "RECORD")]
     record: Option<PathBuf>,
     /// Fly through an STM32F405 on a debug probe (hardware in the loop); its flash is written

@@ -42,8 +42,9 @@ Formats are detected from content. All commands that take a flight also read log
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// The log: PX4 ULog, ArduPilot DataFlash (.bin, .log), IGC, a MAVLink stream's recording (tlog), AltusMetrum CSV, a flight
-    /// record, Pylon's own MCAP or Parquet, or with a mapping any table of numbers (CSV, Parquet)
+    /// The log: PX4 ULog, ArduPilot DataFlash (.bin, .log), IGC, a MAVLink stream's recording (tlog),
+    /// AltusMetrum CSV, a flight record, Pylon's own MCAP or Parquet, or with a mapping any table of numbers
+    /// (CSV, Parquet)
     #[arg(value_name = "LOG")]
     log: PathBuf,
     /// The flight to write (CSV), or with --guess the mapping [default with --guess: standard output]
@@ -58,8 +59,8 @@ pub struct Arguments {
     /// Invert the sign of a velocity that the log has the wrong way round (may be repeated)
     #[arg(long, value_name = "COLUMN", value_parser = clap::builder::PossibleValuesParser::new(import::signs::names()))]
     turn: Vec<String>,
-    /// Convert an altitude above the ellipsoid to one above mean sea level, by the metres that the geoid is above the ellipsoid there
-    /// (may be repeated)
+    /// Convert an altitude above the ellipsoid to one above mean sea level, by the metres that the geoid is
+    /// above the ellipsoid there (may be repeated)
     #[arg(long, value_name = "COLUMN=METRES", conflicts_with = "guess")]
     to_msl: Vec<import::to_msl::ToMsl>,
     /// Print JSON: what was written

@@ -59,8 +59,8 @@ pub struct Batch {
 }
 
 impl Batch {
-    /// The flights of some files. One that cannot be read, or that `is_usable` refuses, is skipped, unless it is the only one
-    /// or all are to be used (`strict`).
+    /// The flights of some files. One that cannot be read, or that `is_usable` refuses, is skipped, unless it
+    /// is the only one or all are to be used (`strict`).
     pub fn read<E: Error>(
         files: &[PathBuf],
         strict: bool,

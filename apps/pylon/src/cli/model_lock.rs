@@ -15,11 +15,11 @@ pub struct ModelLock {
     _file: File,
 }
 
-/// Waits until nobody else changes the model at `path`, and keeps others from it. What was read of the model before is
-/// then to be read again.
+/// Waits until nobody else changes the model at `path`, and keeps others from it. What was read of the model
+/// before is then to be read again.
 ///
-/// The lock is on the file itself, which every change replaces: one that was replaced while this program waited is
-/// locked anew under its name.
+/// The lock is on the file itself, which every change replaces: one that was replaced while this program
+/// waited is locked anew under its name.
 pub fn lock_model(path: &Path) -> Result<ModelLock, Failure> {
     let in_file =
         |error: std::io::Error| Failure::input(format!("{}: cannot be locked: {error}", path.display()));
@@ -49,7 +49,8 @@ mod tests {
 
     use super::*;
 
-    /// As `add` does it: read, change, replace. Without the lock, or with one on the replaced file, changes are lost.
+    /// As `add` does it: read, change, replace. Without the lock, or with one on the replaced file, changes
+    /// are lost.
     #[test]
     fn of_25_changes_at_once_none_is_lost() {
         const CHANGES: usize = 25;

@@ -8,7 +8,8 @@ use same_file::Handle;
 
 use super::failure::Failure;
 
-/// A file that a command reads or writes, and what it is to the command, for the error: "the log", "the model".
+/// A file that a command reads or writes, and what it is to the command, for the error: "the log", "the
+/// model".
 #[derive(Clone, Copy, Debug)]
 pub struct Role<'a> {
     /// Where it is.
@@ -24,8 +25,8 @@ impl<'a> Role<'a> {
     }
 }
 
-/// Refuses an output that is one of the inputs, or another output, by whatever path: another spelling, a symbolic or a
-/// hard link. Devices and pipes lose nothing when they are written to.
+/// Refuses an output that is one of the inputs, or another output, by whatever path: another spelling, a
+/// symbolic or a hard link. Devices and pipes lose nothing when they are written to.
 pub fn refuse_overwriting(inputs: &[Role<'_>], outputs: &[Role<'_>]) -> Result<(), Failure> {
     for (index, output) in outputs.iter().enumerate() {
         let read = inputs.iter().find(|input| is_same(input.path, output.path));

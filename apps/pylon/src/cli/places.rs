@@ -28,8 +28,9 @@ pub struct Places {
 }
 
 impl Places {
-    /// The files that these arguments mean: a file itself, a folder every log in it at any depth, a pattern (`logs/*.igc`, where the
-    /// shell has not expanded it) what it matches. What is no log is left out of a folder, but not of a pattern.
+    /// The files that these arguments mean: a file itself, a folder every log in it at any depth, a pattern
+    /// (`logs/*.igc`, where the shell has not expanded it) what it matches. What is no log is left out of a
+    /// folder, but not of a pattern.
     ///
     /// # Errors
     /// A folder without a log, a pattern that matches nothing, a folder that cannot be listed.
@@ -116,7 +117,8 @@ fn is_pattern(path: &Path) -> bool {
     path.to_string_lossy().contains(['*', '?', '['])
 }
 
-/// Every file at any depth. Hidden ones and linked folders, which may lead in a circle, are none of the user's logs.
+/// Every file at any depth. Hidden ones and linked folders, which may lead in a circle, are none of the
+/// user's logs.
 fn list(folder: &Path, found: &mut Vec<PathBuf>) -> io::Result<()> {
     for entry in fs::read_dir(folder)? {
         let entry = entry?;

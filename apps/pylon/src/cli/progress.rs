@@ -50,8 +50,8 @@ impl Drop for Progress {
     }
 }
 
-/// Counts the steps of something of which nobody knows beforehand how many they are; appears after a second, on a
-/// terminal only.
+/// Counts the steps of something of which nobody knows beforehand how many they are; appears after a second,
+/// on a terminal only.
 #[derive(Debug)]
 pub struct Counter {
     started: Instant,

@@ -1,4 +1,5 @@
-//! What a study works on: flights to learn from, flights to evaluate on, and the model that they are held against.
+//! What a study works on: flights to learn from, flights to evaluate on, and the model that they are held
+//! against.
 
 use std::path::PathBuf;
 

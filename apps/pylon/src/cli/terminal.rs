@@ -23,7 +23,8 @@ pub fn put_json(result: &impl serde::Serialize) -> Result<(), Failure> {
     put(&(serde_json::to_string_pretty(result)? + "\n"))
 }
 
-/// Writes to standard output, control characters spelled out. A reader that has seen enough (`| head`) is no error.
+/// Writes to standard output, control characters spelled out. A reader that has seen enough (`| head`) is no
+/// error.
 pub fn put(text: &str) -> Result<(), Failure> {
     put_raw(&printable(text))
 }

@@ -6,10 +6,12 @@ use pylon::replay::{CalibrationWindow, GivenAirborne, GivenTimes};
 /// Where to calibrate and when it was in the air, where the flight is not to say.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct TimesArguments {
-    /// Calibrate on this part of every flight, and take its end as launch; seconds of the flight's clock, as `pylon open` shows it
+    /// Calibrate on this part of every flight, and take its end as launch; seconds of the flight's clock, as
+    /// `pylon open` shows it
     #[arg(long, value_name = "START..END")]
     pub calibrate: Option<CalibrationWindow>,
-    /// Take-off and landing of every flight, instead of those found in it; an end that is left out is not in the log
+    /// Take-off and landing of every flight, instead of those found in it; an end that is left out is not in
+    /// the log
     #[arg(long, value_name = "FROM..TO")]
     pub airborne: Option<GivenAirborne>,
 }

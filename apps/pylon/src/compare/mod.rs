@@ -1,4 +1,5 @@
-//! How well a model agrees with a flight: `pylon compare`, which is [`analysis::compare`] with the machine's threads, and its text.
+//! How well a model agrees with a flight: `pylon compare`, which is [`analysis::compare`] with the machine's
+//! threads, and its text.
 
 pub(crate) mod text;
 

@@ -32,7 +32,8 @@ pub(crate) fn diagnose_by(
     found.unwrap_or_else(|_| unreachable!("it is never cancelled"))
 }
 
-/// A diagnosis of flights with a model that lacks an effect, and what that effect's coefficient is to be learned from.
+/// A diagnosis of flights with a model that lacks an effect, and what that effect's coefficient is to be
+/// learned from.
 #[must_use]
 pub fn study(
     flights: &[NamedReplay<'_>],

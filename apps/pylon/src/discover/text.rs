@@ -11,7 +11,8 @@ macro_rules! put {
     }};
 }
 
-/// What was found as text, with the commands that go on from it; `command` is the one that was run, without options of its own.
+/// What was found as text, with the commands that go on from it; `command` is the one that was run, without
+/// options of its own.
 #[must_use]
 pub fn text(discovery: &Discovery, command: &str) -> String {
     let mut out = String::new();

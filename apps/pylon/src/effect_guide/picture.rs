@@ -33,7 +33,8 @@ pub struct Picture {
     pub time_s: Vec<f64>,
     /// The altitude, metres.
     pub altitude_m: Vec<f64>,
-    /// What the effect adds, metres, without its mean before the launch: that is what the calibration takes off.
+    /// What the effect adds, metres, without its mean before the launch: that is what the calibration takes
+    /// off.
     pub error_m: Vec<f64>,
 }
 

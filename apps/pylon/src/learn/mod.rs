@@ -9,7 +9,8 @@ pub use text::{addition_text, ladder_text};
 use crate::diagnose::endless;
 use crate::threads::Threads;
 
-/// Learns an effect's coefficient and makes the model's new text; writes nothing. `progress` is called once a fit.
+/// Learns an effect's coefficient and makes the model's new text; writes nothing. `progress` is called once a
+/// fit.
 ///
 /// # Errors
 /// See [`AddError`].

@@ -1,4 +1,5 @@
-//! What is in a log, in the words of who flew it: `pylon open`, which is [`analysis::overview`], and its text.
+//! What is in a log, in the words of who flew it: `pylon open`, which is [`analysis::overview`], and its
+//! text.
 
 mod text;
 

@@ -40,7 +40,8 @@ pub fn text(overview: &Overview) -> String {
     if overview.refused.is_none() {
         let used = |share: f64| format!("{:.1} %", 100.0 * share);
         let (compared, diagnosed) = (used(overview.usage.used_share), overview.diagnosed_share.map(used));
-        // A diagnosis estimates the biases beside everything else, so that what was flown before a calibration counts too.
+        // A diagnosis estimates the biases beside everything else, so that what was flown before a
+        // calibration counts too.
         match diagnosed.filter(|diagnosed| *diagnosed != compared) {
             Some(diagnosed) => {
                 put!(out, "  used       {compared} of the log by compare, {diagnosed} by diagnose")

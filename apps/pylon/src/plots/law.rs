@@ -16,8 +16,8 @@ const BINS: usize = 24;
 /// A bin's band has the middle 80 % of its blocks: so much is left out on either side.
 const OUTSIDE: f64 = 0.1;
 
-/// Draws `law-1.svg` and so on into `directory`, which is made if need be, and says which files were written. All are drawn before the
-/// first is written.
+/// Draws `law-1.svg` and so on into `directory`, which is made if need be, and says which files were written.
+/// All are drawn before the first is written.
 ///
 /// # Errors
 /// [`PlotError`].

@@ -16,8 +16,8 @@ const MOST_BINS: usize = 20;
 pub(super) struct Dependence {
     /// The signal, with its unit.
     pub(super) name: String,
-    /// Share of the error's variance that lies between the bins' means, corrected for their number: 0 if the error
-    /// does not go with the signal, 1 if the signal says all of it.
+    /// Share of the error's variance that lies between the bins' means, corrected for their number: 0 if the
+    /// error does not go with the signal, 1 if the signal says all of it.
     pub(super) share: f64,
     /// Block by block, by rising signal.
     pairs: Vec<(f64, f64)>,

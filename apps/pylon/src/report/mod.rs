@@ -1,7 +1,7 @@
 //! `pylon report`: flights, where the model holds and where it fails, as one page to look at.
 //!
-//! The page is one HTML file that needs no network: style, uPlot and all data are in it. Long flights are thinned out
-//! (least, greatest and mean of each slot of time), so that it stays small.
+//! The page is one HTML file that needs no network: style, uPlot and all data are in it. Long flights are
+//! thinned out (least, greatest and mean of each slot of time), so that it stays small.
 
 mod dependence;
 mod figures;
@@ -43,10 +43,12 @@ pub struct FlightReport {
     is_drawn: bool,
 }
 
-/// Slots of time of a chart's series: four times the pixels of a wide chart, so that a zoom has something to show.
+/// Slots of time of a chart's series: four times the pixels of a wide chart, so that a zoom has something to
+/// show.
 pub const TRACE_SLOTS: usize = 6_000;
 
-/// Flights that a page has diagrams of; of more, the oddest and the worst. An hour's diagrams take 1.7 MB, and a page that is mailed at most 5.
+/// Flights that a page has diagrams of; of more, the oddest and the worst. An hour's diagrams take 1.7 MB,
+/// and a page that is mailed at most 5.
 pub const MOST_DRAWN: usize = 2;
 
 /// A sensor's error against every signal of the flight.
@@ -79,8 +81,8 @@ pub struct Report<'a> {
 }
 
 impl FlightReport {
-    /// Gathers what is drawn. `index` tells the flights of one page apart; `comparison` and `traces` are those of the replay, the traces
-    /// with [`TRACE_SLOTS`].
+    /// Gathers what is drawn. `index` tells the flights of one page apart; `comparison` and `traces` are
+    /// those of the replay, the traces with [`TRACE_SLOTS`].
     #[must_use]
     pub fn new(index: usize, replay: &Replay<'_>, comparison: Comparison, traces: &Traces) -> Self {
         let id = format!("flight-{}", index + 1);
@@ -133,8 +135,9 @@ impl FlightReport {
     }
 }
 
-/// Of more than [`MOST_DRAWN`] flights, keeps the diagrams of those that do not belong with the others (`odd`), and of those with
-/// the largest errors. A page that draws forty flights alike is one that nobody reads, or can open.
+/// Of more than [`MOST_DRAWN`] flights, keeps the diagrams of those that do not belong with the others
+/// (`odd`), and of those with the largest errors. A page that draws forty flights alike is one that nobody
+/// reads, or can open.
 pub fn keep_most_telling(flights: &mut [FlightReport], odd: &[&str]) {
     let mut order: Vec<usize> = (0..flights.len()).collect();
     let rank = |place: &usize| {

@@ -82,7 +82,8 @@ impl From<&Difference> for FlyDifference {
     }
 }
 
-/// A flight whose every tick had the same bits. Costs are in instructions where QEMU flew it, in cycles where a board did.
+/// A flight whose every tick had the same bits. Costs are in instructions where QEMU flew it, in cycles where
+/// a board did.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FlyAgreement {
     /// Version of these keys.
@@ -195,7 +196,8 @@ impl From<&FlyReport> for FlyAgreement {
     }
 }
 
-/// A flight on models of the sensors' chips, with counts of what could not go through them as the flight has it.
+/// A flight on models of the sensors' chips, with counts of what could not go through them as the flight has
+/// it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ChipsResult {
     /// Rows of the flight.
@@ -232,7 +234,8 @@ pub struct ChipsResult {
     pub untold_fixes: u32,
     /// What the planned faults did; null without any.
     pub fault: Option<Consequence>,
-    /// The latched calibration beside that of ideal sensors, by sensor; null without a launch, or with faults.
+    /// The latched calibration beside that of ideal sensors, by sensor; null without a launch, or with
+    /// faults.
     pub agreement: Option<BTreeMap<Name, SensorAgreementResult>>,
 }
 

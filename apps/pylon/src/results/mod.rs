@@ -1,4 +1,5 @@
-//! What each command prints with `--json`: plain types that read back what they wrote, and their JSON schemas.
+//! What each command prints with `--json`: plain types that read back what they wrote, and their JSON
+//! schemas.
 
 mod effects;
 mod files;

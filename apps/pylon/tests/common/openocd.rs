@@ -1,6 +1,6 @@
-//! A stand-in for OpenOCD with a board on its probe: QEMU runs the image, in the directory in which OpenOCD would, with the
-//! files and the exit status that OpenOCD would give it. It understands the very arguments that are given to OpenOCD and no
-//! others, and fails as OpenOCD fails.
+//! A stand-in for OpenOCD with a board on its probe: QEMU runs the image, in the directory in which OpenOCD
+//! would, with the files and the exit status that OpenOCD would give it. It understands the very arguments
+//! that are given to OpenOCD and no others, and fails as OpenOCD fails.
 //!
 //! What it cannot stand in for: the probe, the flash, the reset, the clocks, and how long anything takes.
 

@@ -14,7 +14,8 @@ const SLOTS: f64 = 6_000.0;
 /// Shortest slot, seconds: a wander's correlation time is many of these.
 const SHORTEST_S: f64 = 0.5;
 
-/// A sensor's mean error in slots of time, without the reference's wander, and one sigma of what that leaves unknown.
+/// A sensor's mean error in slots of time, without the reference's wander, and one sigma of what that leaves
+/// unknown.
 pub fn curve(
     engine: &mut Engine,
     flown: &Flown<'_>,

@@ -8,8 +8,8 @@ use crate::protocol::{Correlated, CorrelationRequest};
 const LAGS: f64 = 400.0;
 /// Fewer pairs of blocks than this say nothing of a lag.
 const FEWEST_PAIRS: usize = 20;
-/// 99 of 100 values of a normal distribution lie within so many sigmas (`resid` of MATLAB's System Identification Toolbox draws
-/// the same).
+/// 99 of 100 values of a normal distribution lie within so many sigmas (`resid` of MATLAB's System
+/// Identification Toolbox draws the same).
 const BAND_SIGMAS: f64 = 2.576;
 
 /// The correlation that was asked for.

@@ -16,7 +16,8 @@ use crate::engine::{Engine, Progress, Refused, parsed, refused, replay};
 use crate::protocol::{Acting, ModelText, Signal, Times};
 use crate::recording::{Recording, SensorTrack};
 
-/// Longer apart than so many of their usual intervals, two values have a gap between them: as the diagnosis has it for fixes.
+/// Longer apart than so many of their usual intervals, two values have a gap between them: as the diagnosis
+/// has it for fixes.
 const GAP_INTERVALS: f64 = 4.0;
 /// Intervals that the usual one is the median of, at most.
 const INTERVALS: usize = 2_048;
@@ -181,7 +182,8 @@ pub fn sensor(name: &str) -> Result<Sensor, Refused> {
     found.ok_or_else(|| refused(format!("no sensor '{name}', expected baro, imu_slave or imu_master")))
 }
 
-/// A column as it was logged. Rows whose time is not after all before them are left out, as the estimator leaves them out.
+/// A column as it was logged. Rows whose time is not after all before them are left out, as the estimator
+/// leaves them out.
 fn column(engine: &Engine, flown: &Flown<'_>, name: &str) -> Result<Curve, Refused> {
     let open = engine.flight(flown.flight)?;
     let flight = &open.flight;
@@ -241,8 +243,8 @@ fn effect(engine: &Engine, flown: &Flown<'_>, of: &Acting) -> Result<Curve, Refu
     Ok(Curve::own(times, values, "m"))
 }
 
-/// What an effect adds to the error of its sensor, seconds and metres. An error of the reference is in the errors of all with the other
-/// sign.
+/// What an effect adds to the error of its sensor, seconds and metres. An error of the reference is in the
+/// errors of all with the other sign.
 pub fn in_error(replay: &Replay<'_>, regressor: Regressor, coefficient: f64) -> Vec<(f64, f64)> {
     let sign = match regressor.id.subject() {
         EffectSubject::Gps => -1.0,

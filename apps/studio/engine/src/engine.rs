@@ -131,7 +131,8 @@ impl Engine {
     /// Answers a request; `bytes` are what comes with it.
     pub fn ask(&mut self, request: &[u8], bytes: &[u8], progress: &mut Progress<'_>) -> Reply {
         let mut attachments = Attachments::default();
-        // By way of a `Value`: a request told by its tag loses numbers where a dependency has `serde_json` keep their digits.
+        // By way of a `Value`: a request told by its tag loses numbers where a dependency has `serde_json`
+        // keep their digits.
         let json = serde_json::from_slice::<serde_json::Value>(request)
             .and_then(serde_json::from_value)
             .map_err(|error| refused(format!("the request is none of this engine's: {error}")))
@@ -326,7 +327,8 @@ pub(crate) fn replay<'a>(
         .map_err(|error| refused(format!("{}: {error}", open.file)))
 }
 
-/// Progress of work of which nobody knows how many steps it has. To cancel it is to end the worker, so it never ends itself.
+/// Progress of work of which nobody knows how many steps it has. To cancel it is to end the worker, so it
+/// never ends itself.
 pub(crate) fn counting<'a>(
     what: &'static str,
     progress: &'a mut Progress<'_>,

@@ -1,8 +1,8 @@
 //! The module's interface: numbers and memory, as WebAssembly has them.
 //!
-//! The caller asks for memory ([`allocate`]), writes a request's JSON and the bytes with it there, and hands both over
-//! ([`ask`]). What it gets is the place of six numbers: where the answer's JSON, its numbers (f64) and its bytes lie, and how many of
-//! each there are. They are there until the next call.
+//! The caller asks for memory ([`allocate`]), writes a request's JSON and the bytes with it there, and hands
+//! both over ([`ask`]). What it gets is the place of six numbers: where the answer's JSON, its numbers (f64)
+//! and its bytes lie, and how many of each there are. They are there until the next call.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 

@@ -1,4 +1,5 @@
-//! What a plan says is what the flight then tells: the scenario is flown, with the effect in it that was found, and diagnosed.
+//! What a plan says is what the flight then tells: the scenario is flown, with the effect in it that was
+//! found, and diagnosed.
 
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a test")]
 
@@ -49,7 +50,8 @@ fn plan(leg: Value) -> Value {
     json!({ "speed_mps": 28.0, "altitude_m": 1200.0, "calibration_s": 60.0, "legs": [leg] })
 }
 
-/// A short flight that is faster from the release on: what acts is seen, and not whether it is the speed or the release.
+/// A short flight that is faster from the release on: what acts is seen, and not whether it is the speed or
+/// the release.
 const POOR: &str = "name = \"poor\"
 [captive]
 duration_s = 60.0
@@ -105,9 +107,9 @@ fn the_interval_that_a_plan_promises_is_the_one_that_its_flight_brings() {
         let both = asked(&mut engine, "diagnose", of(&["first", "second"]), &[]).unwrap();
         let then = candidate(&both, "baro", "baro.dynamic_pressure");
         let (sigma, off) = (then["sigma"].as_f64().unwrap(), then["coefficient"].as_f64().unwrap() - 0.08);
-        // The variance goes with that of the wander, which is known from some ten of its correlation times in the first flight: a
-        // factor of (2/10)^1/2, and twice that is 0.1 to 1.9 of it, or 0.3 to 1.4 of the sigma; with the second flight the wander is
-        // known anew, and the inflation for what does not repeat.
+        // The variance goes with that of the wander, which is known from some ten of its correlation times in
+        // the first flight: a factor of (2/10)^1/2, and twice that is 0.1 to 1.9 of it, or 0.3 to 1.4 of the
+        // sigma; with the second flight the wander is known anew, and the inflation for what does not repeat.
         assert!((0.3..2.0).contains(&(sigma / promised)), "promised {promised}, came {sigma}");
         assert!(off.abs() < 4.0 * promised, "off by {off}, promised {promised}");
     }

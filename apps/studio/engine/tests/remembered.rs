@@ -26,8 +26,8 @@ fn add(effect: &str, model: &Value, learned: &[&str], held: &[&str]) -> Value {
     })
 }
 
-/// The effect that acts; one with a lag's other shapes; with a time constant; of the reference; one that the other explains; and one
-/// that was added before.
+/// The effect that acts; one with a lag's other shapes; with a time constant; of the reference; one that the
+/// other explains; and one that was added before.
 #[test]
 fn an_addition_after_a_diagnosis_is_that_of_an_engine_that_has_made_none() {
     let (learned, held) = (["hidden-static-port"], ["hidden-static-port-second"]);

@@ -120,7 +120,8 @@ fn an_effect_is_found_added_and_the_error_falls_as_its_prediction_said() {
         rms(&error(&after)),
         rms(&error(&before))
     );
-    // The error before less the error after is the prediction, but for the bias that the calibration takes differently.
+    // The error before less the error after is the prediction, but for the bias that the calibration takes
+    // differently.
     let predicted = &before.array("/curves/1/least")[free.clone()];
     let left: Vec<f64> =
         error(&before).iter().zip(&error(&after)).zip(predicted).map(|((b, a), p)| b - a - p).collect();

@@ -1,5 +1,6 @@
-//! What the module says in WebAssembly is what the engine says natively, to the last digit: other instructions, another mathematics
-//! library, one thread. `apps/pylon/tests/studio_engine.rs` holds the engine against the command line.
+//! What the module says in WebAssembly is what the engine says natively, to the last digit: other
+//! instructions, another mathematics library, one thread. `apps/pylon/tests/studio_engine.rs` holds the
+//! engine against the command line.
 
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a test")]
 

@@ -1,4 +1,5 @@
-//! The page's types are the engine's: `src/generated/protocol.ts` is made of them. `UPDATE_TYPES=1` writes it anew.
+//! The page's types are the engine's: `src/generated/protocol.ts` is made of them. `UPDATE_TYPES=1` writes it
+//! anew.
 
 #![cfg(feature = "typescript")]
 

@@ -9,8 +9,9 @@ const BACKUP_SRAM: usize = 0x4002_4000;
 /// it take longer.
 const REGULATOR_LOOKS: u32 = 20_000;
 
-/// The retained memory: the backup SRAM, which keeps its content over a reset, and over a loss of power as long as
-/// VBAT is there. It is Device memory: only aligned accesses are allowed (ARMv7-M ARM, section A3.2.1).
+/// The retained memory: the backup SRAM, which keeps its content over a reset, and over a loss of power as
+/// long as VBAT is there. It is Device memory: only aligned accesses are allowed (ARMv7-M ARM, section
+/// A3.2.1).
 pub const fn retained() -> *mut u32 {
     BACKUP_SRAM as *mut u32
 }

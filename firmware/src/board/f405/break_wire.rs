@@ -1,7 +1,7 @@
 //! The umbilical's break-wire: a pin that is pulled up, and that the mother ship holds at ground.
 //!
-//! The tick polls its level, and nothing else looks at it: the launch's decision needs no more than the tick's 5 ms, and an interrupt
-//! for every edge is one that a dangling wire could starve the tick with.
+//! The tick polls its level, and nothing else looks at it: the launch's decision needs no more than the
+//! tick's 5 ms, and an interrupt for every edge is one that a dangling wire could starve the tick with.
 
 use cortex_m::asm;
 use drivers::{LaunchDiscrete, SensorError};
@@ -36,8 +36,8 @@ impl BreakWire {
 
 /// Whether the wire is open, before the board has been started.
 pub fn umbilical_is_open() -> Option<bool> {
-    /// Cycles of the 16 MHz that a reset leaves for the pull-up of at most 50 kOhm (DS8626 rev 10, table 48) to load the
-    /// wire: 60 us are twenty times 50 kOhm and 60 pF.
+    /// Cycles of the 16 MHz that a reset leaves for the pull-up of at most 50 kOhm (DS8626 rev 10, table 48)
+    /// to load the wire: 60 us are twenty times 50 kOhm and 60 pF.
     const SETTLING_CYCLES: u32 = 1_000;
     // SAFETY: nobody else has these before the board has been started, and that sets them all again.
     let (rcc, port) = unsafe { (&*RCC::ptr(), &*GPIOA::ptr()) };

@@ -28,8 +28,8 @@ pub fn tree(is_internal: bool) -> Config {
     config.sysclk(CORE_MHZ.MHz()).require_pll48clk()
 }
 
-/// Counts the core's cycles, for what a tick costs, and microseconds, for when something is. The cycle counter stands still while
-/// some cores sleep: it cannot say how long nothing was done.
+/// Counts the core's cycles, for what a tick costs, and microseconds, for when something is. The cycle
+/// counter stands still while some cores sleep: it cannot say how long nothing was done.
 #[derive(Clone, Copy)]
 pub struct CostClock;
 
@@ -76,8 +76,8 @@ pub(super) fn start_timer(tim5: &TIM5, rcc: &RCC, now_us: u64) {
     tim5.cr1().modify(|_, w| w.cen().enabled());
 }
 
-/// The clock of the mission: TIM5 in microseconds, carried beyond its 32 bits at every tick. The LED changes every
-/// half second as long as there are ticks.
+/// The clock of the mission: TIM5 in microseconds, carried beyond its 32 bits at every tick. The LED changes
+/// every half second as long as there are ticks.
 pub struct Source {
     tim5: TIM5,
     clock: WideClock,

@@ -1,7 +1,7 @@
 //! The telemetry's line: USART1's transmitter, fed by DMA.
 //!
-//! Stream and channel are part of [`Transfer`]'s type, and the HAL's table of RM0090's mapping must have them together
-//! for this to compile.
+//! Stream and channel are part of [`Transfer`]'s type, and the HAL's table of RM0090's mapping must have them
+//! together for this to compile.
 
 use embedded_dma::ReadBuffer;
 use stm32f4xx_hal::dma::config::DmaConfig;
@@ -17,8 +17,8 @@ use crate::downlink::BAUD;
 /// A frame that the DMA reads: where it lies does not change while it does.
 struct Loaded(&'static mut Frame);
 
-// SAFETY: the frame is static, so it neither moves nor ends; the pointer and the length are those of a slice of
-// it, which nobody writes to while the transfer holds it.
+// SAFETY: the frame is static, so it neither moves nor ends; the pointer and the length are those of a slice
+// of it, which nobody writes to while the transfer holds it.
 unsafe impl ReadBuffer for Loaded {
     type Word = u8;
 
@@ -37,7 +37,8 @@ pub struct Line {
 }
 
 impl Line {
-    /// Takes the UART, its pin, its stream and two frames to send from; `None` if the USART cannot be set to [`BAUD`].
+    /// Takes the UART, its pin, its stream and two frames to send from; `None` if the USART cannot be set to
+    /// [`BAUD`].
     pub fn start(
         usart: TelemetryUart,
         pin: TelemetryTx,

@@ -1,4 +1,5 @@
-//! The flight computer: an STM32F405RG at 168 MHz from an 8 MHz crystal, with the chips and lines of [`wiring`].
+//! The flight computer: an STM32F405RG at 168 MHz from an 8 MHz crystal, with the chips and lines of
+//! [`wiring`].
 
 mod absent;
 mod backup;
@@ -59,14 +60,15 @@ impl Storage {
     }
 }
 
-/// From a reset to the first tick, microseconds: 2 ms until the crystal runs (DS8626, table 39), 0.3 ms until the PLL has
-/// locked (table 42), the first period of the tick, and the start's code, most of it at 16 MHz: some 8 ms. A closed wire, which no
-/// vehicle in free flight has, takes 20 ms more.
+/// From a reset to the first tick, microseconds: 2 ms until the crystal runs (DS8626, table 39), 0.3 ms until
+/// the PLL has locked (table 42), the first period of the tick, and the start's code, most of it at 16 MHz:
+/// some 8 ms. A closed wire, which no vehicle in free flight has, takes 20 ms more.
 const RESTART_US: u64 = 15_000;
 /// More where the crystal does not start: 64,000 looks of five to ten cycles at 16 MHz.
 const CRYSTAL_WAIT_US: u64 = 30_000;
 
-/// What comes before anything else: the watchdog, which bounds every wait after it, the clock, and the retained memory.
+/// What comes before anything else: the watchdog, which bounds every wait after it, the clock, and the
+/// retained memory.
 pub fn prepare(device: &Peripherals) {
     // A debugger that halts the core must not find it reset.
     device.DBGMCU.apb1_fz().modify(|_, w| w.dbg_iwdg_stop().set_bit().dbg_tim4_stop().set_bit());
@@ -79,8 +81,9 @@ pub fn prepare(device: &Peripherals) {
     backup::open_retained(device);
 }
 
-/// Whether the wire is open, or opens within the 20 ms of the launch's debounce: a separation that shakes the supply makes the wire
-/// bounce as well, and one look at a closed moment would throw the latch away as yesterday's.
+/// Whether the wire is open, or opens within the 20 ms of the launch's debounce: a separation that shakes the
+/// supply makes the wire bounce as well, and one look at a closed moment would throw the latch away as
+/// yesterday's.
 fn umbilical_is_open() -> Option<bool> {
     /// Looks, each of which takes 63 us at the 16 MHz that a reset leaves: they take 20 ms.
     const LOOKS: u32 = 320;
@@ -98,7 +101,8 @@ pub fn reset_facts() -> ResetFacts {
     }
 }
 
-/// Starts the board; after a restart its clock goes on where the report says, less the standby that is still to come.
+/// Starts the board; after a restart its clock goes on where the report says, less the standby that is still
+/// to come.
 pub fn start(
     device: Peripherals,
     mut core: cortex_m::Peripherals,
@@ -146,7 +150,8 @@ pub fn start(
     })
 }
 
-/// The pause of a flight computer that keeps crashing: nothing is said of any sensor, and log and telemetry say why, once a second.
+/// The pause of a flight computer that keeps crashing: nothing is said of any sensor, and log and telemetry
+/// say why, once a second.
 pub fn stand_by(report: &RestartReport, line: &mut Line, watchdog: &mut Watchdog) {
     for (second, _) in (0_u8..).zip(0..report.pause_us / 1_000_000) {
         defmt::error!("standby after {=str}", report.cause.name());

@@ -21,7 +21,8 @@ impl Sink {
         let config = Config::default().baudrate(RESULTS_BAUD.bps());
         let line = usart.tx(pin, config, rcc).map_err(|_| ExitStatus::NoOutput)?;
         let mut sink = Self { line, encoder: Encoder::new(), failed: false };
-        // A reset may have torn a frame, to which a header without a zero before it would be glued, and be lost with it.
+        // A reset may have torn a frame, to which a header without a zero before it would be glued, and be
+        // lost with it.
         sink.failed = !sink.send(&[0]);
         sink.write(&Header::new(Stream::Outputs, FINGERPRINT, SensorSource::Chips));
         Ok(sink)

@@ -1,7 +1,8 @@
 //! The chips' SPI buses, each with one chip.
 //!
-//! A transfer waits for its last bit. In master mode the clock is the board's own, so no chip can hold it up: a dead one
-//! reads as 0, and one that is not there as 1 (the pin is pulled up). The most that the drivers move in one tick takes [`WAIT_US`] microseconds of its 5,000.
+//! A transfer waits for its last bit. In master mode the clock is the board's own, so no chip can hold it up:
+//! a dead one reads as 0, and one that is not there as 1 (the pin is pulled up). The most that the drivers
+//! move in one tick takes [`WAIT_US`] microseconds of its 5,000.
 
 use core::convert::Infallible;
 
@@ -21,7 +22,8 @@ use super::wiring::{
 };
 use crate::tick_timer::TICK_HZ;
 
-/// Cycles of the core between two bytes: the HAL looks at the status and moves the data, over the peripheral bus.
+/// Cycles of the core between two bytes: the HAL looks at the status and moves the data, over the peripheral
+/// bus.
 const CYCLES_BETWEEN_BYTES: u32 = 100;
 
 /// Longest time that a tick spends waiting for both buses, microseconds.
@@ -65,7 +67,8 @@ pub fn imu(
     ExclusiveDevice::new(bus, select, CycleDelay)
 }
 
-/// Starts the barometer's bus. SPI mode 3 (MS5611-01BA03, "SPI mode", and BST-BMP390-DS002, 5.3: modes 0 and 3).
+/// Starts the barometer's bus. SPI mode 3 (MS5611-01BA03, "SPI mode", and BST-BMP390-DS002, 5.3: modes 0 and
+/// 3).
 pub fn barometer(
     spi: BaroSpi,
     (sck, miso, mosi): (BaroSck, BaroMiso, BaroMosi),

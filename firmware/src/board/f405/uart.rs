@@ -1,9 +1,9 @@
-//! A UART whose receiver is emptied by a DMA stream into a ring: no byte costs an interrupt, and none is lost while a
-//! tick computes. The driver at the other end takes what has arrived at each tick.
+//! A UART whose receiver is emptied by a DMA stream into a ring: no byte costs an interrupt, and none is lost
+//! while a tick computes. The driver at the other end takes what has arrived at each tick.
 //!
 //! # Errors
-//! [`RingReader`] says which; each is counted ([`LineCounts`]), and each discards what has arrived until then: a frame is broken in any case, and the
-//! driver finds the next one.
+//! [`RingReader`] says which; each is counted ([`LineCounts`]), and each discards what has arrived until
+//! then: a frame is broken in any case, and the driver finds the next one.
 
 use core::sync::atomic::{AtomicU8, AtomicU32, Ordering, fence};
 
@@ -75,8 +75,8 @@ pub struct Port<UART: Instance, Stream> {
 }
 
 impl<UART: Instance, Stream: stm32f4xx_hal::dma::traits::Stream> Port<UART, Stream> {
-    /// Takes a UART that has been set up for receiving by DMA. The stream and its channel are the UART's own, or this does
-    /// not compile.
+    /// Takes a UART that has been set up for receiving by DMA. The stream and its channel are the UART's own,
+    /// or this does not compile.
     pub fn start<const CHANNEL: u8>(
         serial: Serial<UART>,
         mut stream: Stream,
@@ -89,8 +89,8 @@ impl<UART: Instance, Stream: stm32f4xx_hal::dma::traits::Stream> Port<UART, Stre
         Rx<UART>: DMASet<Stream, CHANNEL, PeripheralToMemory>,
     {
         let receiver: &Rx<UART> = serial.as_ref();
-        // RM0090, 10.3.17, for a stream that a reset has stopped. Direct mode: a byte that has been counted is not held
-        // back in the FIFO.
+        // RM0090, 10.3.17, for a stream that a reset has stopped. Direct mode: a byte that has been counted
+        // is not held back in the FIFO.
         stream.set_peripheral_address(receiver.address());
         stream.set_channel(ChannelX::<CHANNEL>::VALUE);
         stream.set_direction(PeripheralToMemory::direction());
@@ -124,7 +124,8 @@ impl<UART: Instance, Stream: stm32f4xx_hal::dma::traits::Stream> Port<UART, Stre
         // What came before nobody waits for: it has left its error behind.
         self.serial.clear_idle_interrupt();
         self.reader.restart(CostClock::time());
-        // SAFETY: the stream is stopped and set up; the ring is static, and nobody but the stream writes to it.
+        // SAFETY: the stream is stopped and set up; the ring is static, and nobody but the stream writes to
+        // it.
         unsafe { self.stream.enable() };
     }
 
@@ -136,9 +137,9 @@ impl<UART: Instance, Stream: stm32f4xx_hal::dma::traits::Stream> Port<UART, Stre
             self.begin();
             return Err(ErrorKind::Other);
         }
-        // From the count to the byte's place in memory the DMA takes a few cycles of the bus: the look at the flags, over
-        // the slower peripheral bus, takes longer. And no byte is read before. Their own look clears the flags, together
-        // with the DMA's next fetch (RM0090, 30.6.1).
+        // From the count to the byte's place in memory the DMA takes a few cycles of the bus: the look at the
+        // flags, over the slower peripheral bus, takes longer. And no byte is read before. Their own look
+        // clears the flags, together with the DMA's next fetch (RM0090, 30.6.1).
         let remaining = self.stream.number_of_transfers();
         let flags = self.serial.flags();
         fence(Ordering::Acquire);

@@ -1,4 +1,5 @@
-//! What the log says of the board's devices: that one delivers, or why it does not, each time that this changes.
+//! What the log says of the board's devices: that one delivers, or why it does not, each time that this
+//! changes.
 
 use core::cell::Cell;
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -13,8 +14,8 @@ use super::break_wire::BreakWire;
 use super::uart::LineCounts;
 use crate::tick_timer::TICK_HZ;
 
-/// What came of a device's last poll that had something to say. Nothing yet is zero, whatever the layout of the others: what begins with
-/// zeros takes no flash.
+/// What came of a device's last poll that had something to say. Nothing yet is zero, whatever the layout of
+/// the others: what begins with zeros takes no flash.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 enum Outcome {

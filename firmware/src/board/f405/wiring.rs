@@ -1,9 +1,10 @@
-//! What is wired to which pin, and at what rate it runs. Nothing else in the image names a pin or a rate of this
-//! board: another board with this chip is another one of these files.
+//! What is wired to which pin, and at what rate it runs. Nothing else in the image names a pin or a rate of
+//! this board: another board with this chip is another one of these files.
 //!
-//! The pins are those of the OMNIBUS F4 family, which many boards share (ArduPilot's `hwdef/omnibusf4pro`): the
-//! inertial unit on SPI1, the barometer on SPI3, pads for the UARTs. `docs/bring-up.md` has this as tables, from the first
-//! lines of these comments; `cargo test --package xtask` holds the one against the other.
+//! The pins are those of the OMNIBUS F4 family, which many boards share (ArduPilot's `hwdef/omnibusf4pro`):
+//! the inertial unit on SPI1, the barometer on SPI3, pads for the UARTs. `docs/bring-up.md` has this as
+//! tables, from the first lines of these comments; `cargo test --package xtask` holds the one against the
+//! other.
 
 use drivers::umbilical::Sender;
 use stm32f4xx_hal::dma::{Stream1, Stream2, Stream7};
@@ -28,8 +29,8 @@ pub type ImuMiso = PA6;
 pub type ImuMosi = PA7;
 /// output: ICM-42688-P, CS
 pub type ImuSelect<Mode = Input> = PA4<Mode>;
-/// Clock of the inertial unit's bus, Hz: the chip takes 24 MHz, and half a period must last the 39 ns from its
-/// select to the first edge (DS-000347, table 6).
+/// Clock of the inertial unit's bus, Hz: the chip takes 24 MHz, and half a period must last the 39 ns from
+/// its select to the first edge (DS-000347, table 6).
 pub const IMU_SPI_HZ: u32 = 10_500_000;
 
 /// The barometer's bus.
@@ -42,7 +43,8 @@ pub type BaroMiso = PC11;
 pub type BaroMosi = PC12;
 /// output: MS5611, CSB (its PS pin to ground: SPI; BMP390: CSB)
 pub type BaroSelect<Mode = Debugger> = PB3<Mode>;
-/// Clock of the barometer's bus, Hz: an MS5611 takes 20 MHz, a BMP390 10 MHz, which the bus can only halve from 10.5.
+/// Clock of the barometer's bus, Hz: an MS5611 takes 20 MHz, a BMP390 10 MHz, which the bus can only halve
+/// from 10.5.
 pub const BARO_SPI_HZ: u32 = 5_250_000;
 
 /// The satellite receiver's UART.
@@ -75,7 +77,8 @@ pub const UMBILICAL_BAUD: u32 = 115_200;
 /// Whose altitudes on it are the mother ship's.
 pub const MOTHER_SHIP: Sender = Sender::FIRST_AUTOPILOT;
 
-/// input, pulled up: umbilical's break-wire, whose other end is ground on the mother ship; an open wire means launched
+/// input, pulled up: umbilical's break-wire, whose other end is ground on the mother ship; an open wire means
+/// launched
 pub type BreakWirePin<Mode = Input> = PA3<Mode>;
 
 /// The telemetry's UART.

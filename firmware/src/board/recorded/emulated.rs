@@ -22,13 +22,13 @@ pub const TIMER_HZ: u32 = 1_000_000_000;
 pub const CORE_HZ: u32 = 168_000_000;
 /// What a timer counts.
 pub const COST_UNIT: CostUnit = CostUnit::Instructions;
-/// How often the line's progress is looked at, counts of a timer: not a fifth of a tick, so that within 30 s a look has come at
-/// every part of a tick's 5 ms.
+/// How often the line's progress is looked at, counts of a timer: not a fifth of a tick, so that within 30 s
+/// a look has come at every part of a tick's 5 ms.
 pub const LOOK: u32 = 999_967;
 /// Bytes of one read from the host.
 pub const CHUNK: usize = 512;
-/// Bytes of results that are gathered for one write: each is written as it comes, so that a flight computer that is struck
-/// has lost none.
+/// Bytes of results that are gathered for one write: each is written as it comes, so that a flight computer
+/// that is struck has lost none.
 pub const BATCH: usize = 0;
 
 /// Whatever the clock tree is set to, its clocks are those of the constants here.
@@ -45,8 +45,8 @@ pub fn since_reset() -> Option<u32> {
     Some(unsafe { (*TIM4::ptr()).cnt().read().bits() })
 }
 
-/// What the telemetry's line goes out on: QEMU 7.2's USART hands on a byte as soon as it is written and raises no interrupt
-/// for it, nor has QEMU the DMA.
+/// What the telemetry's line goes out on: QEMU 7.2's USART hands on a byte as soon as it is written and
+/// raises no interrupt for it, nor has QEMU the DMA.
 pub struct Wire(Tx<USART1>);
 
 impl Wire {

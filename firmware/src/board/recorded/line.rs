@@ -1,7 +1,8 @@
 //! The telemetry's line, at the pace of TIM3.
 //!
-//! A frame is given to the wire whole, and is on the line until as much time has passed as its bytes take. TIM3 runs on from the
-//! start, for one of QEMU's timers that is started again later is late by the time that has passed.
+//! A frame is given to the wire whole, and is on the line until as much time has passed as its bytes take.
+//! TIM3 runs on from the start, for one of QEMU's timers that is started again later is late by the time that
+//! has passed.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -17,7 +18,8 @@ use crate::mutation;
 
 /// What a byte takes with its start and stop bit, counts of a timer.
 const BYTE: u32 = (10 * TIMER_HZ as u64 / BAUD as u64) as u32 * mutation::LINE_SLOWNESS;
-/// Below the tick, as the real board's DMA (RTIC's priority 2, in the upper four bits and counted from above).
+/// Below the tick, as the real board's DMA (RTIC's priority 2, in the upper four bits and counted from
+/// above).
 const PRIORITY: u8 = (16 - 2) << 4;
 
 /// For how long what was sent is still on the line, counts of a timer.

@@ -1,11 +1,12 @@
-//! The board that flies a flight record, which the host gives it through semihosting: in QEMU's `netduinoplus2`
-//! (`emulated.rs`), or in an STM32F405 on its debug link (`silicon.rs`).
+//! The board that flies a flight record, which the host gives it through semihosting: in QEMU's
+//! `netduinoplus2` (`emulated.rs`), or in an STM32F405 on its debug link (`silicon.rs`).
 //!
-//! Time is the record's. How fast the ticks come, and whether they wait for the host, is nothing to the flight.
+//! Time is the record's. How fast the ticks come, and whether they wait for the host, is nothing to the
+//! flight.
 //!
-//! The first interrupt of one of QEMU's timers comes after the period and, once more, the time at which the timer was started, which
-//! after a reset is the whole flight so far. So after a restart SysTick, which is the watchdog's timer, makes the tick as well and
-//! paces the line.
+//! The first interrupt of one of QEMU's timers comes after the period and, once more, the time at which the
+//! timer was started, which after a reset is the whole flight so far. So after a restart SysTick, which is
+//! the watchdog's timer, makes the tick as well and paces the line.
 
 #[cfg(feature = "board-qemu")]
 mod emulated;
@@ -80,7 +81,8 @@ impl Storage {
     }
 }
 
-/// The sensors, whose chips a reset of the flight computer leaves as they are: where the start clears no memory.
+/// The sensors, whose chips a reset of the flight computer leaves as they are: where the start clears no
+/// memory.
 struct KeptSensors {
     /// [`Self::MADE`] once they are there; an emulation begins with zeros.
     made: u32,
@@ -113,8 +115,8 @@ impl KeptSensors {
     }
 }
 
-/// From the last tick to the first after a restart, microseconds, beside the time that something hung: the record
-/// goes on for as long as the flight computer may take.
+/// From the last tick to the first after a restart, microseconds, beside the time that something hung: the
+/// record goes on for as long as the flight computer may take.
 const RESTART_US: u64 = 100_000;
 
 unsafe extern "C" {
@@ -135,8 +137,8 @@ pub const fn clock_is_internal() -> bool {
     false
 }
 
-/// There is no other source; before a flight the memory is full of zeros, in which nothing was kept: QEMU's RAM comes so, and the host
-/// writes them into a board's. The wire is not known before the first tick.
+/// There is no other source; before a flight the memory is full of zeros, in which nothing was kept: QEMU's
+/// RAM comes so, and the host writes them into a board's. The wire is not known before the first tick.
 pub const fn reset_facts() -> ResetFacts {
     ResetFacts {
         source: ResetSource::Software,
@@ -238,8 +240,8 @@ fn SysTick() {
     }
 }
 
-/// Counts the flight computer's instructions, or cycles: TIM5, which is this clock's alone once it runs, without those of the
-/// models of its chips.
+/// Counts the flight computer's instructions, or cycles: TIM5, which is this clock's alone once it runs,
+/// without those of the models of its chips.
 #[derive(Clone, Copy)]
 pub struct CostClock;
 
@@ -274,8 +276,8 @@ impl CostClock {
         tim5.cr1().modify(|_, w| w.cen().enabled());
     }
 
-    /// What share of a tick that is, per mille: none can be said. Instructions are no time, and the cycles are of another clock than
-    /// the flight's.
+    /// What share of a tick that is, per mille: none can be said. Instructions are no time, and the cycles
+    /// are of another clock than the flight's.
     pub const fn permille_of_a_tick(_cost: u32) -> Option<u16> {
         None
     }
@@ -365,8 +367,8 @@ pub struct Feeder {
     /// Inputs before this time have passed while the flight computer restarted.
     from_us: u64,
     skipped: u32,
-    /// Where the inputs that are waiting began, and those before them: all that may not have been flown. A chip's fault so shortly
-    /// before a reset comes once more after it.
+    /// Where the inputs that are waiting began, and those before them: all that may not have been flown. A
+    /// chip's fault so shortly before a reset comes once more after it.
     places: [Place; INPUTS],
     oldest: usize,
     kept: RetainedWords,
@@ -545,7 +547,8 @@ pub struct Sink {
 }
 
 impl Sink {
-    /// Begins a stream of outputs for a stream of inputs; after a restart in the same file, from another header on.
+    /// Begins a stream of outputs for a stream of inputs; after a restart in the same file, from another
+    /// header on.
     fn open(inputs: &Header, goes_on: bool, batch: &'static mut Vec<u8, BATCH>) -> Result<Self, ExitStatus> {
         let mut options = File::options();
         let options = options.write(true).append(goes_on).truncate(!goes_on);
@@ -559,8 +562,8 @@ impl Sink {
         Ok(sink)
     }
 
-    /// Writes one result; a failure shows in [`Self::status`]. Only ticks may wait for more of them: whatever else is told is
-    /// told now, and after the summary nothing is left.
+    /// Writes one result; a failure shows in [`Self::status`]. Only ticks may wait for more of them: whatever
+    /// else is told is told now, and after the summary nothing is left.
     pub fn write<P: Payload>(&mut self, payload: &P) {
         let mut buffer = [0; MAX_STUFFED];
         let written = match self.encoder.encode(payload, &mut buffer) {

@@ -1,5 +1,5 @@
-//! What an STM32F405 on the desk has of its own: it is fed through its debug link, at the 16 MHz of its internal oscillator, so
-//! that it needs neither a crystal nor a wire but the probe's.
+//! What an STM32F405 on the desk has of its own: it is fed through its debug link, at the 16 MHz of its
+//! internal oscillator, so that it needs neither a crystal nor a wire but the probe's.
 
 use flight_record::CostUnit;
 use stm32f4xx_hal::gpio::PA9;
@@ -14,8 +14,8 @@ pub const TIMER_HZ: u32 = 16_000_000;
 pub const CORE_HZ: u32 = 16_000_000;
 /// What a timer counts: its clock is the core's.
 pub const COST_UNIT: CostUnit = CostUnit::Cycles;
-/// How often the line's progress is looked at, counts of a timer: just under a millisecond, and not a fifth of a tick. TIM3 has
-/// 16 bits.
+/// How often the line's progress is looked at, counts of a timer: just under a millisecond, and not a fifth
+/// of a tick. TIM3 has 16 bits.
 pub const LOOK: u32 = 15_999;
 /// Bytes of one read from the host. A call of the host takes milliseconds, however much it brings.
 pub const CHUNK: usize = 2_048;
@@ -27,8 +27,8 @@ pub fn has_clocks(clocks: &Clocks) -> bool {
     clocks.timclk1().raw() == TIMER_HZ && clocks.hclk().raw() == CORE_HZ
 }
 
-/// A call of the host halts the core. The timers must stand still with it, or each call would cost ticks, and the tick that it
-/// interrupts would cost what the host takes.
+/// A call of the host halts the core. The timers must stand still with it, or each call would cost ticks, and
+/// the tick that it interrupts would cost what the host takes.
 pub fn stop_with_the_core(debug: &DBGMCU) {
     debug.apb1_fz().modify(|_, w| {
         w.dbg_tim2_stop()
@@ -47,7 +47,8 @@ pub const fn since_reset() -> Option<u32> {
     None
 }
 
-/// What the telemetry's line goes out on: nothing. A radio that is wired to the board must not send a flight that is none.
+/// What the telemetry's line goes out on: nothing. A radio that is wired to the board must not send a flight
+/// that is none.
 pub struct Wire;
 
 impl Wire {

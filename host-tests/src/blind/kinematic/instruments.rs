@@ -1,5 +1,5 @@
-//! What the instruments make of the truth: noise with heavy tails, buffeting that grows with the dynamic pressure, quantisation, signals that lag
-//! and are scaled wrongly, held and slow fixes.
+//! What the instruments make of the truth: noise with heavy tails, buffeting that grows with the dynamic
+//! pressure, quantisation, signals that lag and are scaled wrongly, held and slow fixes.
 
 use pylon::flight::{AltitudeDatum, Channel, Column, Flight, Header};
 use pylon::simulate::TruthSample;
@@ -97,8 +97,8 @@ impl Instruments {
         }
     }
 
-    /// By how much a coefficient that is right for this aircraft's own signals is smaller than the physical one: a signal that reads too
-    /// much takes that off.
+    /// By how much a coefficient that is right for this aircraft's own signals is smaller than the physical
+    /// one: a signal that reads too much takes that off.
     pub fn effective(&self, id: EffectId) -> f64 {
         let head = self.airspeed.scale * self.airspeed.scale;
         match id {
@@ -119,7 +119,8 @@ fn one_of(random: &mut impl Rng, values: &[f64]) -> f64 {
     values[random.random_range(0..values.len())]
 }
 
-/// A recorded flight, and the noise of each sensor's residual in free flight, rms over whole seconds, m: the barometer's, the inertial altitude's.
+/// A recorded flight, and the noise of each sensor's residual in free flight, rms over whole seconds, m: the
+/// barometer's, the inertial altitude's.
 pub(super) struct Recorded {
     pub flight: Flight,
     pub noise_m: [f64; 2],
@@ -361,7 +362,8 @@ impl<R: Rng> Recorder<'_, R> {
     }
 }
 
-/// Rms over free flight of the noise of (sensor less receiver) in whole seconds, about its mean in captive flight, m.
+/// Rms over free flight of the noise of (sensor less receiver) in whole seconds, about its mean in captive
+/// flight, m.
 fn residual_noise_m(truth: &[TruthSample], sensor_m: &[f64], gps_m: &[f64]) -> f64 {
     let second = (1.0 / STEP_S).round() as usize;
     let mean = |values: &[f64]| {

@@ -1,5 +1,6 @@
-//! A second family of simulated flights, which shares nothing with `pylon simulate` but the record of the truth: other motion (kinematics),
-//! the effects by their physics, and noise that the estimator does not assume. DESIGN.md's inverse crime is what it is against.
+//! A second family of simulated flights, which shares nothing with `pylon simulate` but the record of the
+//! truth: other motion (kinematics), the effects by their physics, and noise that the estimator does not
+//! assume. DESIGN.md's inverse crime is what it is against.
 
 mod disturbance;
 mod instruments;

@@ -1,7 +1,8 @@
 //! The true motion: flown by what the path is to be, not by forces.
 //!
-//! Flight path, bank and airspeed follow their commands as second-order systems; load factor, turn rate, angle of attack, throttle and body
-//! rates follow from them by the laws of flight. Nothing of `pylon simulate` is used but the record of the truth.
+//! Flight path, bank and airspeed follow their commands as second-order systems; load factor, turn rate,
+//! angle of attack, throttle and body rates follow from them by the laws of flight. Nothing of `pylon
+//! simulate` is used but the record of the truth.
 
 use std::f64::consts::{PI, TAU};
 
@@ -180,7 +181,8 @@ pub(super) fn fly(airframe: &Airframe, plan: Plan, random: &mut impl Rng) -> Vec
         track += STEP_S * GRAVITY * load * phi.sin() / (speed * gamma.cos());
 
         let gust = gusts.each_mut().map(|gust| gust.next(random, STEP_S));
-        // Lift answers a vertical gust by what it makes of the angle of attack; drag and side force answer far more slowly.
+        // Lift answers a vertical gust by what it makes of the angle of attack; drag and side force answer
+        // far more slowly.
         let lift_s = airframe.angle_rad[1] * cruise * cruise / (speed * GRAVITY);
         for (moved, (gust, answer_s)) in moved.iter_mut().zip(gust.into_iter().zip([5.0, 3.0, lift_s])) {
             *moved += STEP_S / answer_s * (gust - *moved);
@@ -305,7 +307,8 @@ mod tests {
         fly(&airframe, Plan::Rich, &mut random)
     }
 
-    /// Specific force turned by the quaternion, plus gravity, is what moves the aircraft; the body rates are what turns it.
+    /// Specific force turned by the quaternion, plus gravity, is what moves the aircraft; the body rates are
+    /// what turns it.
     #[test]
     fn force_rates_and_attitude_are_one_motion() {
         let rows = flown(5);

@@ -79,7 +79,8 @@ fn latched(bound_m2: f32) -> LatchRecord {
     }
 }
 
-/// A flight in which a sensor's error grows by 2 m/s from a tick on, and which the flight computer does not see for a while.
+/// A flight in which a sensor's error grows by 2 m/s from a tick on, and which the flight computer does not
+/// see for a while.
 fn drifting(from: usize, away: &std::ops::Range<usize>) -> Watched {
     let error_m = |tick: usize| 0.01 * tick.saturating_sub(from) as f32;
     let mut watched = Watched::default();
@@ -100,13 +101,15 @@ fn flagged_at(mut watched: Watched, tick: usize) -> Watched {
     watched
 }
 
-/// Flagged at 13,000 in the clean flight and never in the faulty one, where the flight computer is away until a tick.
+/// Flagged at 13,000 in the clean flight and never in the faulty one, where the flight computer is away until
+/// a tick.
 fn pushed(away_until: usize) -> Vec<Invariant> {
     broken(flagged_at(drifting(12_000, &(0..0)), 13_000), drifting(12_000, &(11_990..away_until)))
 }
 
-/// In the faulty flight the altitude leaves its bound of 7 m at tick 14,700. In the clean one it is flagged before it leaves it, for the
-/// receiver is off to the other side: so early nobody owes the flag, whose average is half a window behind.
+/// In the faulty flight the altitude leaves its bound of 7 m at tick 14,700. In the clean one it is flagged
+/// before it leaves it, for the receiver is off to the other side: so early nobody owes the flag, whose
+/// average is half a window behind.
 #[test]
 fn a_slow_drift_is_owed_its_flag_when_the_average_can_have_left_the_bound() {
     let flagged = |tick| {

@@ -2,8 +2,9 @@
 
 use super::*;
 
-/// A clock that leaps between the opening of the wire and the last message within the slack of the cable, or at any other instant around a
-/// launch, hides none and makes none, and the launch is told by the clock as it is then.
+/// A clock that leaps between the opening of the wire and the last message within the slack of the cable, or
+/// at any other instant around a launch, hides none and makes none, and the launch is told by the clock as it
+/// is then.
 #[test]
 fn a_leap_of_the_clock_hides_no_launch_and_is_none() {
     for leap_us in [150_000, 2_000_000, 40_000_000, 1 << 52] {
@@ -36,7 +37,8 @@ fn a_leap_of_the_clock_hides_no_launch_and_is_none() {
     }
 }
 
-/// A message that came before the clock leapt and is seen after it is later than the one before it all the same.
+/// A message that came before the clock leapt and is seen after it is later than the one before it all the
+/// same.
 #[test]
 fn a_message_from_just_before_a_leap_is_not_refused() {
     let mut rig = Rig::captive();

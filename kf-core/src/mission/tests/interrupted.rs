@@ -71,8 +71,8 @@ fn the_mark_says_how_far_the_launch_had_come() {
     }
 }
 
-/// What was held before the confirmation, and a word of the tick that confirmed, are the latch to the bit, and the watch from then
-/// on is that of an uninterrupted flight, but for the readings in between.
+/// What was held before the confirmation, and a word of the tick that confirmed, are the latch to the bit,
+/// and the watch from then on is that of an uninterrupted flight, but for the readings in between.
 #[test]
 fn a_snapshot_from_before_the_confirmation_and_the_mark_after_it_are_the_launched_mission() {
     let ticks = ticks();
@@ -92,8 +92,8 @@ fn a_snapshot_from_before_the_confirmation_and_the_mark_after_it_are_the_launche
     assert_eq!((launch_repeats, launch_suspicions, restarts), (0, 1, 1));
 }
 
-/// Of the checks, those of the statistics take three ticks after the first edge; what had not been judged by then has failed, as
-/// nothing is left to judge it by.
+/// Of the checks, those of the statistics take three ticks after the first edge; what had not been judged by
+/// then has failed, as nothing is left to judge it by.
 #[test]
 fn a_suspicion_goes_on_as_one_and_latches_what_was_held_at_its_first_edge() {
     let ticks = ticks();
@@ -129,7 +129,8 @@ fn a_suspicion_goes_on_as_one_and_latches_what_was_held_at_its_first_edge() {
     }
 }
 
-/// The filter that had calibrated is gone: what comes after such a suspicion is a calibration of its own, which settles first.
+/// The filter that had calibrated is gone: what comes after such a suspicion is a calibration of its own,
+/// which settles first.
 #[test]
 fn a_suspicion_that_comes_to_nothing_after_a_restart_starts_the_calibration_again() {
     let ticks = ticks();
@@ -192,8 +193,8 @@ fn what_was_held_at_a_bounce_is_what_a_restart_within_it_goes_on_from() {
     );
 }
 
-/// The supply dips while the second bounce's snapshot is written: the first one's is all there is. A bounce of the wire ten seconds ago is
-/// another suspicion still.
+/// The supply dips while the second bounce's snapshot is written: the first one's is all there is. A bounce
+/// of the wire ten seconds ago is another suspicion still.
 #[test]
 fn bounces_of_one_parting_are_one_suspicion() {
     let mut ticks = ticks();

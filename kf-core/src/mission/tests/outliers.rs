@@ -81,7 +81,8 @@ fn one_fix_that_is_wrong_moves_nothing_wherever_it_comes() {
     }
 }
 
-/// A climb rate that is wrong for a second is nobody's who carries a vehicle: none of its five fixes carries the altitude away.
+/// A climb rate that is wrong for a second is nobody's who carries a vehicle: none of its five fixes carries
+/// the altitude away.
 #[test]
 fn a_climb_rate_that_leaps_for_a_second_is_refused_as_long() {
     let clean = flown(|_, _| {});
@@ -126,8 +127,8 @@ fn a_residual_that_is_spread_beyond_its_model_watches_nothing() {
     }
 }
 
-/// A receiver that was off by 150 m for a third of the calibration is followed there and back: biases and bounds are of the level that it came
-/// back to, and the check says that there was another.
+/// A receiver that was off by 150 m for a third of the calibration is followed there and back: biases and
+/// bounds are of the level that it came back to, and the check says that there was another.
 #[test]
 fn a_receiver_that_went_elsewhere_and_came_back_leaves_the_biases_that_were_right() {
     let mut config = config(true);
@@ -185,7 +186,8 @@ fn a_sensor_that_is_noisier_than_its_model_is_used_and_its_bound_is_honest() {
             (0.8..1.15).contains(&(baro.residual_sigma_m() / expected_m)),
             "{times}: {baro:?} {expected_m}"
         );
-        // Until the spread is known, some seconds, the readings count for more than they are worth: a third of their noise.
+        // Until the spread is known, some seconds, the readings count for more than they are worth: a third
+        // of their noise.
         assert!((baro.bias_m - BIASES_M[2]).abs() < expected_m / 3.0, "{times}: {baro:?}");
         assert!(
             mission.counters().sensors[2].gated as f32 <= most_gated * 1_400.0,
@@ -251,8 +253,9 @@ fn a_receiver_that_stays_elsewhere_is_followed_and_said() {
     }
 }
 
-/// A receiver that is far off while the calibration begins, is right again, and was refused for so long that it counts as lost: the altitude is
-/// its, whole, and not as far as noise that the refused fixes seem to have would let it.
+/// A receiver that is far off while the calibration begins, is right again, and was refused for so long that
+/// it counts as lost: the altitude is its, whole, and not as far as noise that the refused fixes seem to have
+/// would let it.
 #[test]
 fn a_receiver_that_comes_back_to_where_it_is_right_is_believed_whole() {
     // As a receiver's error is: fixes that come more often say no more.
@@ -278,7 +281,8 @@ fn a_receiver_that_comes_back_to_where_it_is_right_is_believed_whole() {
     }
 }
 
-/// An outage of the receiver in which the vehicle climbs further than the altitude's prior says: what comes back is believed.
+/// An outage of the receiver in which the vehicle climbs further than the altitude's prior says: what comes
+/// back is believed.
 #[test]
 fn a_receiver_that_comes_back_far_from_where_it_was_lost_is_believed() {
     let mission = flown(|k, input| {

@@ -1,4 +1,5 @@
-//! The monitor in free flight: transients, gaps, and faults of the reference that look like faults of the sensors.
+//! The monitor in free flight: transients, gaps, and faults of the reference that look like faults of the
+//! sensors.
 
 use super::*;
 use crate::snapshot::MAX_SNAPSHOT_BYTES;
@@ -11,7 +12,8 @@ const BARO: usize = 2;
 /// What a flight came to.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Seen {
-    /// When the flag of the inertial altitude and of the barometer first were doubtful and untrustworthy, seconds after launch.
+    /// When the flag of the inertial altitude and of the barometer first were doubtful and untrustworthy,
+    /// seconds after launch.
     flags_s: [[Option<f32>; 2]; 2],
     /// Trust of both at every tick of free flight.
     trust: Vec<[Trust; 2]>,
@@ -155,7 +157,8 @@ fn a_jump_from_before_the_launch_that_ends_after_it_is_nobodys_but_the_receivers
             add_to_fix(input, 100.0);
         }
     });
-    // The captive gate has refused the jump, so the altitude from before it is what the free flight's check goes by.
+    // The captive gate has refused the jump, so the altitude from before it is what the free flight's check
+    // goes by.
     assert_eq!(seen.flags_s, NO_FLAG);
     assert_eq!(seen.at(0.5), [Trust::Trusted; 2]);
     assert_eq!(seen.at(1.1), [Trust::Trusted; 2]);
@@ -231,8 +234,8 @@ fn a_sensor_that_fails_is_flagged_as_soon_with_the_check_as_without() {
     }
 }
 
-/// Two sensors that fail alike: a receiver whose climb rate agrees with its altitude is not that far off by itself. One that has been lost in between,
-/// or measures no climb rate, may be.
+/// Two sensors that fail alike: a receiver whose climb rate agrees with its altitude is not that far off by
+/// itself. One that has been lost in between, or measures no climb rate, may be.
 #[test]
 fn two_sensors_that_fail_alike_are_flagged_where_the_receiver_stands_by_its_altitude() {
     let fails = |time_s: f32, input: &mut TickInput| {
@@ -349,7 +352,8 @@ fn what_an_old_climb_rate_carries_on_is_held_against_nobody() {
     assert_eq!(seen.at(8.0)[1], Trust::Trusted);
 }
 
-/// A vehicle that sinks with 25 m/s from the launch on, and whose clock leaps on by so many seconds 3 s later.
+/// A vehicle that sinks with 25 m/s from the launch on, and whose clock leaps on by so many seconds 3 s
+/// later.
 fn leap(time_s: f32, input: &mut TickInput, leap_s: f32, receiver_has_a_clock: bool) {
     let climb_mps = if time_s > 0.0 { -25.0 } else { 0.0 };
     add_to_fix(input, climb_mps * time_s);
@@ -377,8 +381,8 @@ fn a_clock_that_leaps_is_seen_by_the_receivers_and_costs_no_reference() {
     }
 }
 
-/// The reference is carried on by 30 m too much, and the fixes say so. An inertial altitude that the leap has silenced says nothing of that,
-/// whatever it said before.
+/// The reference is carried on by 30 m too much, and the fixes say so. An inertial altitude that the leap has
+/// silenced says nothing of that, whatever it said before.
 #[test]
 fn a_sensor_that_has_not_spoken_since_is_no_witness_of_the_receivers_two_words() {
     let mut config = config(true);
@@ -432,8 +436,9 @@ fn a_restart_forgets_no_witness() {
     assert_eq!(flagged_at(LAUNCH + 1_000), never);
 }
 
-/// The supply dips in a dive, and the flight computer's clock knows nothing of 0.3 s in which 7.5 m are lost. The receiver's does, so its
-/// altitude has not left its climb rate, and excuses no barometer that fails later.
+/// The supply dips in a dive, and the flight computer's clock knows nothing of 0.3 s in which 7.5 m are lost.
+/// The receiver's does, so its altitude has not left its climb rate, and excuses no barometer that fails
+/// later.
 #[test]
 fn what_is_climbed_in_a_restart_is_not_what_the_receiver_has_left() {
     const AWAY: u64 = 60;
@@ -516,7 +521,8 @@ fn a_single_sensor_that_fails_is_flagged_as_soon_as_without_the_check() {
     assert!((5.0..6.0).contains(&seen.flags_s[1][1].unwrap()), "{:?}", seen.flags_s);
 }
 
-/// The receiver jumps by 25 m, and all readings of the inertial altitude, which is tied to it, come after that: its bias is of the level before.
+/// The receiver jumps by 25 m, and all readings of the inertial altitude, which is tied to it, come after
+/// that: its bias is of the level before.
 #[test]
 fn an_altitude_whose_readings_contradict_its_bias_is_not_monitored_and_named() {
     for (jump_m, is_monitored) in [(0.0, true), (25.0, false)] {
@@ -537,8 +543,8 @@ fn an_altitude_whose_readings_contradict_its_bias_is_not_monitored_and_named() {
     }
 }
 
-/// A receiver is off by 3 km from 7 s before the launch on, which the captive gate refuses until the reference is lost. It is the reference after that,
-/// and says nothing of a sensor until one stands by it.
+/// A receiver is off by 3 km from 7 s before the launch on, which the captive gate refuses until the
+/// reference is lost. It is the reference after that, and says nothing of a sensor until one stands by it.
 #[test]
 fn a_receiver_that_is_kilometres_off_at_the_launch_blames_nobody() {
     for until_s in [4.0, 99.0] {
@@ -588,7 +594,8 @@ fn a_reference_that_jumps_in_captive_flight_degrades_the_calibration_by_name() {
             assert!(failed.contains(&"reference_converged"), "{from_s} {to_s} {jump_m}: {failed:?}");
         }
     }
-    // A single fix that is off is none, and a receiver that says that it has not converged may do so while it settles.
+    // A single fix that is off is none, and a receiver that says that it has not converged may do so while it
+    // settles.
     let spike = |time_s: f32, input: &mut TickInput| {
         if (12.0..12.1).contains(&time_s) {
             add_to_fix(input, 7.0);
@@ -608,8 +615,8 @@ fn a_reference_that_jumps_in_captive_flight_degrades_the_calibration_by_name() {
     assert_eq!(failed_with(cold_start), [""; 0]);
 }
 
-/// Everything is measured against the first fix that counts. Where the receiver is off at just that time, and no longer than a transient lasts,
-/// the calibration begins anew, and does not fail for two levels.
+/// Everything is measured against the first fix that counts. Where the receiver is off at just that time, and
+/// no longer than a transient lasts, the calibration begins anew, and does not fail for two levels.
 #[test]
 fn a_reference_that_is_off_as_the_calibration_begins_is_forgotten() {
     for from_s in [1.9, 2.0] {
@@ -649,8 +656,9 @@ fn a_single_wild_reading_while_the_reference_settles_is_no_level() {
     }
 }
 
-/// A climb rate that goes wrong after the launch: altitude and climb rate lie apart, and the inertial altitude, which was calibrated before
-/// that, says which of the two is right. So a barometer that fails is flagged.
+/// A climb rate that goes wrong after the launch: altitude and climb rate lie apart, and the inertial
+/// altitude, which was calibrated before that, says which of the two is right. So a barometer that fails is
+/// flagged.
 #[test]
 fn a_wrong_climb_rate_hides_no_failure_from_two_sensors() {
     for step_m in [20.0, -20.0] {
@@ -668,8 +676,8 @@ fn a_wrong_climb_rate_hides_no_failure_from_two_sensors() {
     }
 }
 
-/// An altitude that leaves its climb rate before the launch, as of a receiver that converges: what followed it is no witness against what did
-/// not, and nobody is blamed.
+/// An altitude that leaves its climb rate before the launch, as of a receiver that converges: what followed
+/// it is no witness against what did not, and nobody is blamed.
 #[test]
 fn what_was_calibrated_while_the_receiver_contradicted_itself_is_no_witness() {
     let (seen, _) = flown(&config(true), |time_s, input| {
@@ -680,8 +688,9 @@ fn what_was_calibrated_while_the_receiver_contradicted_itself_is_no_witness() {
     assert_eq!([seen.flags_s[0][1], seen.flags_s[1][1]], [None; 2]);
 }
 
-/// A receiver that was believed while it went off, because it did so slowly, comes back at once: altitude and climb rate are one again, so
-/// it is the reference, and a barometer that fails then is flagged. One that leaps to the other side is refused, and nobody is blamed.
+/// A receiver that was believed while it went off, because it did so slowly, comes back at once: altitude and
+/// climb rate are one again, so it is the reference, and a barometer that fails then is flagged. One that
+/// leaps to the other side is refused, and nobody is blamed.
 #[test]
 fn a_fix_that_brings_altitude_and_climb_rate_together_again_is_good() {
     for (back_to_m, is_good) in [(0.0, true), (-15.0, false)] {
@@ -699,8 +708,8 @@ fn a_fix_that_brings_altitude_and_climb_rate_together_again_is_good() {
     }
 }
 
-/// A receiver that was lost and has come back elsewhere: nobody knows how far it is off. A barometer that fails then brings no blame on the
-/// sensor that is well.
+/// A receiver that was lost and has come back elsewhere: nobody knows how far it is off. A barometer that
+/// fails then brings no blame on the sensor that is well.
 #[test]
 fn a_reference_that_may_be_anywhere_blames_nobody_where_a_sensor_fails_as_well() {
     let (seen, _) = flown(&config(true), |time_s, input| {

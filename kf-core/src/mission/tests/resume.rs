@@ -106,7 +106,8 @@ fn with_effects(mut config: MissionConfig<4>) -> MissionConfig<4> {
     config
 }
 
-/// One of integrals, and one of a low pass and what was kept at launch, over a signal that every tick has: what is held is not kept.
+/// One of integrals, and one of a low pass and what was kept at launch, over a signal that every tick has:
+/// what is held is not kept.
 fn with_formulas(mut config: MissionConfig<2>) -> MissionConfig<2> {
     let load = Op::Signal(Signal::LoadFactor.place());
     let second = Op::Constant(1.0);
@@ -419,7 +420,8 @@ fn without_a_reference_nothing_is_monitored_and_the_sensors_check_each_other() {
                 change(k, input);
             },
             |k, output| {
-                // The last fix is tick 6,360's, and good for 2 s; what it carries on is held against nobody after 0.64 s.
+                // The last fix is tick 6,360's, and good for 2 s; what it carries on is held against nobody
+                // after 0.64 s.
                 let lost = (6_761..7_600).contains(&k);
                 let old = (6_489..7_600).contains(&k);
                 assert_eq!(old && k % 4 == 0, output.cross_check.is_some(), "tick {k}");

@@ -5,8 +5,8 @@ use super::*;
 /// Ticks of 5 ms; the first edge.
 const EDGE: u64 = 6_000;
 
-/// Flies with a first edge at `EDGE`, confirmed after so many ticks; until then suspected. The outputs from the
-/// confirmation on.
+/// Flies with a first edge at `EDGE`, confirmed after so many ticks; until then suspected. The outputs from
+/// the confirmation on.
 fn confirmed_after<const E: usize, const T: usize>(
     config: &MissionConfig<E>,
     ticks: u64,
@@ -37,11 +37,12 @@ fn confirmed_after<const E: usize, const T: usize>(
     (mission, outputs)
 }
 
-/// How long it takes to confirm a launch changes nothing, to the bit, but when it is said: not the latch, nor anything
-/// that comes after.
+/// How long it takes to confirm a launch changes nothing, to the bit, but when it is said: not the latch, nor
+/// anything that comes after.
 #[test]
 fn what_is_latched_does_not_depend_on_when_it_is_confirmed() {
-    // A settling that ends, a sensor that goes bad and a reference that is lost, all between edge and confirmation.
+    // A settling that ends, a sensor that goes bad and a reference that is lost, all between edge and
+    // confirmation.
     let events = |k: u64, input: &mut TickInput| {
         if (EDGE + 100..EDGE + 105).contains(&k) {
             input.imu_slave_altitude_m = Some(f32::NAN);
@@ -72,8 +73,8 @@ fn what_is_latched_does_not_depend_on_when_it_is_confirmed() {
     }
 }
 
-/// The statistics are judged in the ticks after the first edge, for as many as there are: what failed does not depend on
-/// how many, nor on what the receiver reports meanwhile.
+/// The statistics are judged in the ticks after the first edge, for as many as there are: what failed does
+/// not depend on how many, nor on what the receiver reports meanwhile.
 #[test]
 fn what_failed_does_not_depend_on_when_it_is_confirmed() {
     let failing = |k: u64, input: &mut TickInput| {
@@ -113,8 +114,8 @@ fn what_failed_does_not_depend_on_when_it_is_confirmed() {
     }
 }
 
-/// A suspicion that comes to nothing costs its own readings and no more: estimate, spread and checks are those of
-/// the other readings.
+/// A suspicion that comes to nothing costs its own readings and no more: estimate, spread and checks are
+/// those of the other readings.
 #[test]
 fn calibration_goes_on_after_a_suspicion() {
     let held = 3_000..3_400;
@@ -173,7 +174,8 @@ fn nothing_is_learned_while_suspected() {
     );
 }
 
-/// The reference came back while a launch was suspected: the altitude may have gone anywhere, as after any loss.
+/// The reference came back while a launch was suspected: the altitude may have gone anywhere, as after any
+/// loss.
 #[test]
 fn a_reference_that_returns_in_a_suspicion_is_a_new_one() {
     let risen = |k: u64, input: &mut TickInput| {
@@ -222,8 +224,8 @@ fn a_launch_that_nothing_confirmed_is_latched_as_such() {
     assert_eq!(failed(&mission), ["launch_confirmed"]);
 }
 
-/// A fix that is refused while a launch is suspected is not what captive flight goes on from when it was none: neither the residuals nor
-/// the bound are made of it.
+/// A fix that is refused while a launch is suspected is not what captive flight goes on from when it was
+/// none: neither the residuals nor the bound are made of it.
 #[test]
 fn a_fix_that_was_refused_in_a_suspicion_is_no_reference_after_it() {
     let bounds_m = |jump_m: f32| {

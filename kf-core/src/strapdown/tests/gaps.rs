@@ -40,7 +40,8 @@ fn a_reset_of_the_unit_is_bridged() {
     let cost = captive.channel.tie.climb_m2ps2() - before.tie.climb_m2ps2();
     assert!((0.004..0.008).contains(&cost), "{cost}");
 
-    // In free flight every reset costs as much; once they have cost 0.14 m/s, with the one just before the launch, fixes are wanted.
+    // In free flight every reset costs as much; once they have cost 0.14 m/s, with the one just before the
+    // launch, fixes are wanted.
     captive.channel.launch();
     let mut resets = 1;
     while !captive.channel.is_mending() {
@@ -53,7 +54,8 @@ fn a_reset_of_the_unit_is_bridged() {
     assert!(captive.channel.altitude_variance_m2() > before.altitude_variance_m2());
 }
 
-/// The bound that a bridge puts on the climb rate holds for accelerations and vibration of the size that it assumes.
+/// The bound that a bridge puts on the climb rate holds for accelerations and vibration of the size that it
+/// assumes.
 #[test]
 fn what_a_bridge_costs_is_what_it_says() {
     for gap in [20u64, 60, 99, 200] {
@@ -71,7 +73,8 @@ fn what_a_bridge_costs_is_what_it_says() {
         for _ in 0..runs {
             let mut rig = start.clone();
             rig.channel.launch();
-            // An acceleration of 2 m/s^2 that wanders within 0.5 s, and vibration of 0.8 m/s^2 in what is read of it.
+            // An acceleration of 2 m/s^2 that wanders within 0.5 s, and vibration of 0.8 m/s^2 in what is
+            // read of it.
             let (mut acceleration, mut climb) = (0.0, 0.0);
             for tick in 0..gap + 1 {
                 let last = acceleration;
@@ -91,13 +94,14 @@ fn what_a_bridge_costs_is_what_it_says() {
             variance = f64::from(rig.channel.bridged_m2ps2);
         }
         let ratio = squares / f64::from(runs) / variance;
-        // 400 squares: five times their spread of 7 %; the interval before the gap adds 5 % at 0.1 s, and the walk's
-        // bend back to zero takes away up to a third of the longest one.
+        // 400 squares: five times their spread of 7 %; the interval before the gap adds 5 % at 0.1 s, and the
+        // walk's bend back to zero takes away up to a third of the longest one.
         assert!((0.55..1.45).contains(&ratio), "{gap}: {ratio}");
     }
 }
 
-/// The bound that a bridge puts on the level holds for turn rates of the size that it assumes: 0.3 rad/s that wanders within 0.5 s.
+/// The bound that a bridge puts on the level holds for turn rates of the size that it assumes: 0.3 rad/s that
+/// wanders within 0.5 s.
 #[test]
 fn what_a_bridge_costs_the_level_is_what_it_says() {
     const STEP_S: f64 = 0.001;
@@ -167,7 +171,8 @@ fn a_leap_of_two_samples_is_refused() {
     assert_eq!(taken, [Err(StrapdownError::Spike), Err(StrapdownError::Spike), Ok(()), Ok(())]);
 }
 
-/// The sign of a force that is flipped for a third of a second is no push; nor does a carrier turn by a flipped bit of the gyro.
+/// The sign of a force that is flipped for a third of a second is no push; nor does a carrier turn by a
+/// flipped bit of the gyro.
 #[test]
 fn a_flipped_bit_that_stays_is_refused_as_long() {
     let flips =
@@ -205,7 +210,8 @@ fn a_unit_that_repeats_itself_is_mended_like_a_gap() {
     assert!(rig.channel.is_mending() && rig.channel.altitude_m().is_some());
 }
 
-/// Velocities that have contradicted a unit which stood still, before a suspicion of a launch, say nothing of the next time that it reads the same.
+/// Velocities that have contradicted a unit which stood still, before a suspicion of a launch, say nothing of
+/// the next time that it reads the same.
 #[test]
 fn what_contradicted_one_repetition_is_not_held_against_the_next() {
     let noise =
@@ -228,8 +234,9 @@ fn what_contradicted_one_repetition_is_not_held_against_the_next() {
     assert_eq!(rig.channel.inertial(rig.time_us(), &noise(1)), Err(StrapdownError::Gap));
 }
 
-/// A unit that is shaken leaves a wild rate as the last one that was taken. Neither the next wild one nor the calm ones that contradict it
-/// for a second may end the channel, or turn its level by what the wild one says of the time between.
+/// A unit that is shaken leaves a wild rate as the last one that was taken. Neither the next wild one nor the
+/// calm ones that contradict it for a second may end the channel, or turn its level by what the wild one says
+/// of the time between.
 #[test]
 fn a_wild_rate_before_a_gap_neither_ends_the_channel_nor_turns_it() {
     let turning = |rate: f64| sample([0.0, 0.0, -G], [0.0, rate, 0.0]);

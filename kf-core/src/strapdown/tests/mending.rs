@@ -43,7 +43,8 @@ fn a_gap_of_a_second_is_mended_within_half_a_minute() {
     }
 }
 
-/// A receiver that measures its climb rate mends a gap whatever its rate, and is believed no further than what the gap may have cost.
+/// A receiver that measures its climb rate mends a gap whatever its rate, and is believed no further than
+/// what the gap may have cost.
 #[test]
 fn a_gap_that_a_measured_climb_rate_mends_leaves_less_of_it() {
     for ticks_of_a_fix in [20, 40, 200, 280] {
@@ -76,8 +77,9 @@ fn a_gap_that_a_measured_climb_rate_mends_leaves_less_of_it() {
     assert_eq!(rig.channel.climb_rate.value(), climb_mps);
 }
 
-/// What a gap has cost of the level goes on when its climb rate has been mended: in a turn it lacks some hundredths of a metre a second
-/// squared, and would be at its bound, or hide a failure within it, after half a minute.
+/// What a gap has cost of the level goes on when its climb rate has been mended: in a turn it lacks some
+/// hundredths of a metre a second squared, and would be at its bound, or hide a failure within it, after half
+/// a minute.
 #[test]
 fn what_a_level_that_is_off_lacks_is_mended_too() {
     for lacking_mps2 in [-0.08, 0.08] {
@@ -95,7 +97,8 @@ fn what_a_level_that_is_off_lacks_is_mended_too() {
             }
             assert!(ticks < 40 * SECOND, "{lacking_mps2}, {has_climb}: {ticks}");
             (0..30 * SECOND).for_each(|_| rig.step(&reading));
-            // 36 m without; with it two sigmas of what may be left: 0.017 m/s^2, and the climb rate's 0.14 or 0.5 m/s.
+            // 36 m without; with it two sigmas of what may be left: 0.017 m/s^2, and the climb rate's 0.14 or
+            // 0.5 m/s.
             let error_m = rig.channel.altitude.value() - 1_000.0;
             let left_m = if has_climb { 17.0 } else { 34.0 };
             assert!(error_m.abs() < left_m, "{lacking_mps2}, {has_climb}: {error_m} m after {ticks} ticks");
@@ -103,8 +106,9 @@ fn what_a_level_that_is_off_lacks_is_mended_too() {
     }
 }
 
-/// A second gap while the first is being mended, and no fix for a while: the next one's climb rate is asked, before its altitude says that all
-/// is well. Nor is it otherwise after a restart that goes on with a channel that was being mended.
+/// A second gap while the first is being mended, and no fix for a while: the next one's climb rate is asked,
+/// before its altitude says that all is well. Nor is it otherwise after a restart that goes on with a channel
+/// that was being mended.
 #[test]
 fn after_every_gap_the_next_climb_rate_is_waited_for() {
     for is_restarted in [false, true] {
@@ -127,8 +131,8 @@ fn after_every_gap_the_next_climb_rate_is_waited_for() {
     }
 }
 
-/// A restart in which no time was lost is no gap, and the channel that it goes on with has no climb rate of the time before: the next one is
-/// waited for all the same.
+/// A restart in which no time was lost is no gap, and the channel that it goes on with has no climb rate of
+/// the time before: the next one is waited for all the same.
 #[test]
 fn a_restart_without_a_gap_waits_for_the_next_climb_rate() {
     let mut rig = after_gap(0.5);
@@ -170,7 +174,8 @@ fn a_receiver_that_has_jumped_mends_nothing() {
     assert!((rig.channel.altitude.value() - altitude_m).abs() < 0.1);
 }
 
-/// A gap that ends just before the launch is mended after it, and one that the reference had time to mend under the pylon is not.
+/// A gap that ends just before the launch is mended after it, and one that the reference had time to mend
+/// under the pylon is not.
 #[test]
 fn a_gap_that_the_launch_leaves_no_time_to_mend_is_mended_after_it() {
     for (captive_s, is_mended_later) in [(0, true), (1, true), (60, false)] {
@@ -258,8 +263,8 @@ fn an_interruption_of_unknown_length_costs_the_altitude_until_the_next_fix() {
     assert!(error_m.abs() < 1.0, "{error_m}");
 }
 
-/// One that was 90 m off before the interruption is so after it, which no fix mends: one that contradicts it is enough to say it, as it was said
-/// before.
+/// One that was 90 m off before the interruption is so after it, which no fix mends: one that contradicts it
+/// is enough to say it, as it was said before.
 #[test]
 fn an_altitude_that_was_far_off_before_an_interruption_goes_on_saying_so() {
     let mut rig = Rig::captive(60);

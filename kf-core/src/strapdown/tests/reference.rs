@@ -7,7 +7,8 @@ fn rest() -> ImuSample {
     sample([0.0, 0.0, -G], [0.0; 3])
 }
 
-/// At rest at 1,000 m, with an accelerometer that is 0.05 m/s^2 off, a fix wherever `fix` gives one for a tick.
+/// At rest at 1,000 m, with an accelerometer that is 0.05 m/s^2 off, a fix wherever `fix` gives one for a
+/// tick.
 fn rested(seconds: u64, mut fix: impl FnMut(u64) -> Option<f32>) -> Rig {
     let mut rig = Rig::new();
     for tick in 1..=seconds * SECOND {
@@ -51,7 +52,8 @@ fn a_first_fix_that_is_wrong_is_outweighed_by_the_next_five() {
     assert!(rig.channel.is_aligned() && errors(&rig)[0].abs() < 0.1, "{:?}", errors(&rig));
 }
 
-/// Nor are the first few, which one error may have made: they are outweighed once others have contradicted them for longer than they came.
+/// Nor are the first few, which one error may have made: they are outweighed once others have contradicted
+/// them for longer than they came.
 #[test]
 fn first_fixes_that_are_wrong_are_outweighed_by_as_many_again() {
     for wrong_ticks in [120, 400] {
@@ -97,7 +99,8 @@ fn two_fixes_are_no_alignment() {
     assert_eq!((rig.channel.is_aligned(), rig.channel.altitude_m()), (false, None));
 }
 
-/// Once aligned, it lasts through an outage of a minute and not through one of five: nothing is published as if it were tied.
+/// Once aligned, it lasts through an outage of a minute and not through one of five: nothing is published as
+/// if it were tied.
 #[test]
 fn an_outage_ends_the_alignment_in_time() {
     let aligned = |outage_s: u64| {
@@ -136,7 +139,8 @@ fn a_jump_of_a_second_is_refused_and_one_that_stays_is_followed() {
     }
 }
 
-/// After an outage of half a minute the first fix is 25 m off, which nothing shows before the next one: until then nothing is said.
+/// After an outage of half a minute the first fix is 25 m off, which nothing shows before the next one: until
+/// then nothing is said.
 #[test]
 fn after_an_outage_a_fix_that_moves_the_altitude_far_is_confirmed_by_the_next() {
     let flown = |off_m: f32, seconds: u64| {
@@ -157,8 +161,9 @@ fn after_an_outage_a_fix_that_moves_the_altitude_far_is_confirmed_by_the_next() 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
-    /// Fixes at any times: gaps up to two minutes, bursts of a millisecond, jitter, one in ten an outlier. Whatever is published is
-    /// within five of its own sigmas of the truth, and a minute of regular fixes afterwards heals what there was.
+    /// Fixes at any times: gaps up to two minutes, bursts of a millisecond, jitter, one in ten an outlier.
+    /// Whatever is published is within five of its own sigmas of the truth, and a minute of regular fixes
+    /// afterwards heals what there was.
     #[test]
     fn fixes_at_any_times_tie(
         stretches in proptest::collection::vec(

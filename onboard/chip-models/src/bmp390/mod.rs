@@ -1,5 +1,5 @@
-//! BMP390 barometer (Bosch BST-BMP390-DS002, revision 1.7; section numbers are its): registers, normal mode and the
-//! data path. FIFO, interrupts and forced mode are not modelled.
+//! BMP390 barometer (Bosch BST-BMP390-DS002, revision 1.7; section numbers are its): registers, normal mode
+//! and the data path. FIFO, interrupts and forced mode are not modelled.
 
 mod trimming;
 

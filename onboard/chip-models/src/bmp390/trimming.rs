@@ -1,5 +1,5 @@
-//! The chip's trimming coefficients, and what its converter makes of the air: the formulas of BST-BMP390-DS002,
-//! section 8, inverted in wide integers.
+//! The chip's trimming coefficients, and what its converter makes of the air: the formulas of
+//! BST-BMP390-DS002, section 8, inverted in wide integers.
 
 use crc::{CRC_8_SAE_J1850, Crc};
 
@@ -13,8 +13,8 @@ const CRC: Crc<u8> = Crc::<u8>::new(&CRC_8_SAE_J1850);
 pub struct Trimming {
     /// T1, T2 (unsigned 16 bits), T3 (signed 8).
     pub t: [i32; 3],
-    /// P1, P2 (signed 16), P3, P4 (signed 8), P5, P6 (unsigned 16), P7, P8 (signed 8), P9 (signed 16), P10, P11
-    /// (signed 8).
+    /// P1, P2 (signed 16), P3, P4 (signed 8), P5, P6 (unsigned 16), P7, P8 (signed 8), P9 (signed 16), P10,
+    /// P11 (signed 8).
     pub p: [i32; 11],
 }
 

@@ -105,14 +105,14 @@ pub enum Fault {
     Refuses,
     /// Receiver: it acknowledges nothing. Mother ship: it sends nothing.
     Silent,
-    /// SPI: whatever the chip sends arrives as noise. UART: whatever is sent, the line carries bytes of noise, as many as it can;
-    /// a line that floats does so after separation as well.
+    /// SPI: whatever the chip sends arrives as noise. UART: whatever is sent, the line carries bytes of
+    /// noise, as many as it can; a line that floats does so after separation as well.
     Garbage {
         /// Which bytes.
         seed: u32,
     },
-    /// Umbilical: another MAVLink system on the line sends ALTITUDE ten times a second, beside the mother ship; until
-    /// separation.
+    /// Umbilical: another MAVLink system on the line sends ALTITUDE ten times a second, beside the mother
+    /// ship; until separation.
     Stranger {
         /// Its MAVLink system.
         system: u8,
@@ -138,8 +138,8 @@ pub enum Fault {
     Shorted,
     /// Wire: it cannot be read.
     Unreadable,
-    /// Wire: it opens and closes at random, whatever it is. Each state lasts between nothing and twice its mean; shorter than
-    /// a tick, and the tick sees one of them.
+    /// Wire: it opens and closes at random, whatever it is. Each state lasts between nothing and twice its
+    /// mean; shorter than a tick, and the tick sees one of them.
     Bounces {
         /// Mean time open, microseconds.
         open_us: u32,
@@ -148,8 +148,9 @@ pub enum Fault {
         /// Which of the random sequences.
         seed: u32,
     },
-    /// Inertial unit: bits of one of its registers are flipped, once, until something writes it. Receiver: one of its settings, once,
-    /// until it is configured: 0 whether it sends solutions, 1 whether it sends NMEA, 2 its rate, back to once a second.
+    /// Inertial unit: bits of one of its registers are flipped, once, until something writes it. Receiver:
+    /// one of its settings, once, until it is configured: 0 whether it sends solutions, 1 whether it sends
+    /// NMEA, 2 its rate, back to once a second.
     FlipRegister {
         /// Address of the register in bank 0, or which setting.
         address: u8,
@@ -217,8 +218,8 @@ pub enum Fault {
         /// Amplitude, thousandths of the quantity's unit.
         amplitude_milli: u32,
     },
-    /// Receiver: from now on it is one of generation 8, just switched on, on a line of that speed. No fault, but what a board may have;
-    /// it stays.
+    /// Receiver: from now on it is one of generation 8, just switched on, on a line of that speed. No fault,
+    /// but what a board may have; it stays.
     Generation8 {
         /// Speed of its line, baud.
         baud: u32,

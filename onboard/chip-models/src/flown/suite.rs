@@ -20,8 +20,8 @@ use crate::ms5611::{EXAMPLE_CALIBRATION, Ms5611Model};
 use crate::source::{Air, Held, Motion, Source};
 use crate::ublox::{self, ColdStart, ReceiverModel, Solution};
 
-/// Speed of the receiver's line, baud: a flight may have more fixes a second than any receiver makes, and 200 of them take
-/// 200 kbaud.
+/// Speed of the receiver's line, baud: a flight may have more fixes a second than any receiver makes, and 200
+/// of them take 200 kbaud.
 pub const RECEIVER_BAUD: u32 = 460_800;
 /// Speed of the umbilical's line, baud.
 pub const UMBILICAL_BAUD: u32 = 115_200;
@@ -111,8 +111,8 @@ impl<Observer: WorkObserver + Clone> ModelledSuite<Observer> {
 }
 
 impl<Observer: WorkObserver + Clone> ModelledSuite<Observer> {
-    /// The flight computer was reset, and the chips were not: they are as they were, with whatever is wrong with them, and drivers that
-    /// know nothing of it begin with them.
+    /// The flight computer was reset, and the chips were not: they are as they were, with whatever is wrong
+    /// with them, and drivers that know nothing of it begin with them.
     #[inline(never)]
     pub fn restart(&mut self) {
         let old = &mut self.board;

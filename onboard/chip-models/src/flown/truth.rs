@@ -6,7 +6,8 @@ use kf_core::input::{BaroReading, GpsFix, ImuSample};
 use crate::source::{Air, Motion};
 use crate::ublox::Solution;
 
-/// Temperature of a chip that the flight has none for, degrees Celsius: the one at which the datasheets give their figures.
+/// Temperature of a chip that the flight has none for, degrees Celsius: the one at which the datasheets give
+/// their figures.
 pub const ASSUMED_TEMPERATURE_C: f32 = 25.0;
 /// Satellites of a fix that the flight has no count for. A receiver's message has no way to say "not known".
 pub const ASSUMED_SATELLITES: u8 = 12;
@@ -25,9 +26,11 @@ const FULL_SCALE_M: f32 = 2_147_483.0;
 pub struct TruthCounts {
     /// Values that are NaN or infinite: no chip can be subject to them; it keeps what it last was.
     pub not_finite: u32,
-    /// Pressures and temperatures beyond the barometer's range. The chip stops at its end, and its driver says so.
+    /// Pressures and temperatures beyond the barometer's range. The chip stops at its end, and its driver
+    /// says so.
     pub baro_beyond_range: u32,
-    /// Specific forces and rates beyond the inertial unit's range. The chip stops at its end, and its driver says so.
+    /// Specific forces and rates beyond the inertial unit's range. The chip stops at its end, and its driver
+    /// says so.
     pub imu_beyond_range: u32,
     /// Altitudes and velocities beyond what the receiver's message holds.
     pub gps_beyond_range: u32,
@@ -116,7 +119,8 @@ pub(super) fn solution(fix: &GpsFix, counts: &mut TruthCounts) -> Option<Solutio
         mean_sea_level_m: fix.altitude_m,
         velocity_ned_mps: velocity,
         vertical_accuracy_m: fix.vertical_accuracy_m.unwrap_or(f32::INFINITY),
-        // A flight says no accuracy of its velocities: a tenth of a metre a second is the receivers' datasheets' order.
+        // A flight says no accuracy of its velocities: a tenth of a metre a second is the receivers'
+        // datasheets' order.
         speed_accuracy_mps: if velocity_ned_mps.is_some() { 0.1 } else { f32::INFINITY },
         satellites,
         fix_type: 3,

@@ -125,7 +125,8 @@ mod tests {
         }
     }
 
-    /// A mean of 40 ms open and 120 ms closed: a quarter of 2,000 ticks, in runs of all lengths up to 80 and 240 ms.
+    /// A mean of 40 ms open and 120 ms closed: a quarter of 2,000 ticks, in runs of all lengths up to 80 and
+    /// 240 ms.
     #[test]
     fn a_bouncing_wire_is_open_for_its_share() {
         let mut wire = ModelledWire::new();

@@ -60,7 +60,8 @@ impl Incoming {
         }
     }
 
-    /// Takes one byte; gives the frame that it completes. One with a wrong checksum is ignored, as a receiver does.
+    /// Takes one byte; gives the frame that it completes. One with a wrong checksum is ignored, as a receiver
+    /// does.
     pub(super) fn take(&mut self, byte: u8) -> Option<Arrived> {
         let place = self.place;
         self.place += 1;

@@ -17,8 +17,8 @@ use crate::source::Source;
 
 /// From power to the first byte, microseconds.
 const BOOT_US: u64 = 500_000;
-/// What a receiver that nobody has configured says at each epoch (interface description, section 2.7: GGA, GLL, GSA, GSV, RMC and
-/// VTG are on), with 16 satellites of two systems: 646 bytes.
+/// What a receiver that nobody has configured says at each epoch (interface description, section 2.7: GGA,
+/// GLL, GSA, GSV, RMC and VTG are on), with 16 satellites of two systems: 646 bytes.
 const NMEA: [&[u8]; 11] = [
     b"$GNRMC,092725.00,A,4717.11399,N,00833.91590,E,0.004,77.52,091202,,,A*4A\r\n",
     b"$GNVTG,77.52,T,,M,0.004,N,0.008,K,A*18\r\n",
@@ -105,7 +105,8 @@ pub struct ReceiverModel<Surroundings> {
     pub solutions: Surroundings,
     /// What is wrong at present.
     pub faults: Faults,
-    /// What is wrong with its solutions: altitude (bits of its millimetres), and the velocity north, east, down.
+    /// What is wrong with its solutions: altitude (bits of its millimetres), and the velocity north, east,
+    /// down.
     pub disturbance: Disturbance,
     /// It has started cold.
     pub cold_start: Option<ColdStart>,
@@ -185,7 +186,8 @@ impl<Surroundings: Source<Option<Solution>>> ReceiverModel<Surroundings> {
         self.line.carry_until(now_us);
     }
 
-    /// A navigation epoch now, beside those of the receiver's own raster: for a flight that is replayed fix by fix.
+    /// A navigation epoch now, beside those of the receiver's own raster: for a flight that is replayed fix
+    /// by fix.
     pub fn solve(&mut self, solution: Solution) {
         let told = self.settings.solutions
             && self.now_us >= self.booted_us
@@ -220,8 +222,8 @@ impl<Surroundings: Source<Option<Solution>>> ReceiverModel<Surroundings> {
         self.power_dip();
     }
 
-    /// One of its settings flips: 0 whether it sends solutions, 1 whether it sends NMEA, 2 whether its rate is what it was told or once
-    /// a second. Whether there is such a one.
+    /// One of its settings flips: 0 whether it sends solutions, 1 whether it sends NMEA, 2 whether its rate
+    /// is what it was told or once a second. Whether there is such a one.
     pub fn flip_setting(&mut self, setting: u8) -> bool {
         match setting {
             0 => self.settings.solutions = !self.settings.solutions,
@@ -407,7 +409,8 @@ fn set_period(settings: &mut Settings, period_ms: [u8; 2]) -> bool {
     settings.period_us >= 25_000
 }
 
-/// Metres to millimetres, to the nearest; all ones for what is beyond 32 bits, as a receiver says "not known".
+/// Metres to millimetres, to the nearest; all ones for what is beyond 32 bits, as a receiver says "not
+/// known".
 fn accuracy(value: f32) -> u32 {
     // A cast of a float saturates.
     (value * 1_000.0 + 0.5) as u32

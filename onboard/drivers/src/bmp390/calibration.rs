@@ -1,4 +1,5 @@
-//! The trimming coefficients, and raw data to pressure and temperature (BST-BMP390-DS002, revision 1.7, section 8).
+//! The trimming coefficients, and raw data to pressure and temperature (BST-BMP390-DS002, revision 1.7,
+//! section 8).
 //!
 //! The datasheet gives the formulas in floating point; in single precision they lose more than the chip
 //! resolves (0.016 Pa). Here they are evaluated in 64-bit integers, in Horner's form; every sum and product
@@ -11,7 +12,8 @@ use crate::error::SensorError;
 /// Registers 0x30 (the CRC) to 0x45.
 pub(super) const BYTES: usize = 22;
 
-/// The CRC of the coefficients, as the manufacturer's self-test computes it (BMP3 sensor API, `bmp3_selftest.c`).
+/// The CRC of the coefficients, as the manufacturer's self-test computes it (BMP3 sensor API,
+/// `bmp3_selftest.c`).
 const CRC: Crc<u8> = Crc::<u8>::new(&CRC_8_SAE_J1850);
 
 /// Degrees Celsius times 2^20 (datasheet: -40 to 85).

@@ -1,13 +1,14 @@
 //! BMP390 barometer on SPI (Bosch BST-BMP390-DS002, revision 1.7; section numbers are its).
 //!
 //! # Timing
-//! The chip converts on its own, 50 times a second, 8-fold oversampled, its filter off. A poll reads errors, status,
-//! data and events in one burst of 17 bytes; every eighth sample reads the configuration back as well
+//! The chip converts on its own, 50 times a second, 8-fold oversampled, its filter off. A poll reads errors,
+//! status, data and events in one burst of 17 bytes; every eighth sample reads the configuration back as well
 //! ([`MAX_POLL_BYTES`]).
 //!
 //! # Errors
-//! A configuration that reads back wrong is read again: a bit that flipped on the way costs nothing but a count. After any other error
-//! the driver waits [`BACK_OFF_US`], resets the chip and reads its coefficients anew; after a reset in flight it does so at once.
+//! A configuration that reads back wrong is read again: a bit that flipped on the way costs nothing but a
+//! count. After any other error the driver waits [`BACK_OFF_US`], resets the chip and reads its coefficients
+//! anew; after a reset in flight it does so at once.
 
 mod calibration;
 
@@ -55,7 +56,8 @@ const BURST: usize = 15;
 /// From PWR_CTRL to CONFIG.
 const CONFIGURED: usize = 5;
 
-/// Oversampling 8 and 1; 50 Hz; no filter; and then both sensors on, in normal mode (sections 3.4.4, 4.3.16 to 4.3.20).
+/// Oversampling 8 and 1; 50 Hz; no filter; and then both sensors on, in normal mode (sections 3.4.4, 4.3.16
+/// to 4.3.20).
 const CONFIGURATION: [(u8, u8); 4] = [(0x1C, 0x03), (0x1D, 0x02), (0x1F, 0x00), (PWR_CTRL, 0x33)];
 
 #[derive(Clone, Copy, Debug)]
@@ -99,8 +101,8 @@ impl<Spi: SpiDevice> Bmp390<Spi> {
     /// Reads consecutive registers; the chip sends a byte of nothing first (section 5.3.2).
     ///
     /// # Errors
-    /// [`SensorError::Bus`]; [`SensorError::StuckBus`] when the line did not move: no register block that is read here
-    /// is ever all zeros or all ones.
+    /// [`SensorError::Bus`]; [`SensorError::StuckBus`] when the line did not move: no register block that is
+    /// read here is ever all zeros or all ones.
     fn read<const COUNT: usize>(&mut self, first: u8) -> Result<[u8; COUNT], SensorError> {
         let values = bus::read::<COUNT>(&mut self.spi, &[READ | first, 0])?;
         if bus::is_stuck(&values) { Err(SensorError::StuckBus) } else { Ok(values) }

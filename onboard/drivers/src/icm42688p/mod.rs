@@ -1,18 +1,19 @@
 //! ICM-42688-P inertial unit on SPI (TDK InvenSense DS-000347, revision 1.6; section numbers are its).
 //!
 //! # Timing
-//! One poll is two bursts: temperature, specific force, rate and the interrupt status; and the configuration that the chip had
-//! for them, so that none is taken that was made with another ([`MAX_POLL_BYTES`]). The chip samples at 1 kHz, so a 200 Hz
-//! tick always finds a new sample; the flag that says so is read with it. Vibration is kept out by the chip's own filter
-//! (`registers.rs` has the numbers): the mean of its FIFO would take 80 bytes more a tick.
+//! One poll is two bursts: temperature, specific force, rate and the interrupt status; and the configuration
+//! that the chip had for them, so that none is taken that was made with another ([`MAX_POLL_BYTES`]). The
+//! chip samples at 1 kHz, so a 200 Hz tick always finds a new sample; the flag that says so is read with it.
+//! Vibration is kept out by the chip's own filter (`registers.rs` has the numbers): the mean of its FIFO
+//! would take 80 bytes more a tick.
 //!
 //! # Errors
-//! A configuration that reads back wrong is read again: a bit that flipped on the way costs nothing but a count. One that is wrong
-//! twice is wrong in the chip: what differs is written again, which costs that poll's sample (45 ms, if it had switched the sensors
-//! off). The driver resets the chip, and configures it anew, when it says that it was reset, when it makes no samples, and after
-//! [`GIVE_UP_AFTER`] polls in a row without a right answer: that takes [`BACK_OFF_US`] at most, and 20 polls.
-//! [`SensorError::Saturated`] loses a sample and no more. The chip sends no check of its data: a bit that flips on the way in a sample
-//! passes.
+//! A configuration that reads back wrong is read again: a bit that flipped on the way costs nothing but a
+//! count. One that is wrong twice is wrong in the chip: what differs is written again, which costs that
+//! poll's sample (45 ms, if it had switched the sensors off). The driver resets the chip, and configures it
+//! anew, when it says that it was reset, when it makes no samples, and after [`GIVE_UP_AFTER`] polls in a row
+//! without a right answer: that takes [`BACK_OFF_US`] at most, and 20 polls. [`SensorError::Saturated`] loses
+//! a sample and no more. The chip sends no check of its data: a bit that flips on the way in a sample passes.
 
 mod mounting;
 mod registers;
@@ -31,7 +32,8 @@ use crate::sensor::InertialUnit;
 
 /// Bytes that one poll moves at most: a sample, the configuration twice, and each of its registers written.
 pub const MAX_POLL_BYTES: usize = 1 + BURST + 2 * (1 + CONFIGURED) + 2 * CONFIGURED;
-/// So many polls in a row without a right answer, and the chip is reset: 200 ms. A reset costs 120 ms more, and mends no wire.
+/// So many polls in a row without a right answer, and the chip is reset: 200 ms. A reset costs 120 ms more,
+/// and mends no wire.
 pub const GIVE_UP_AFTER: u8 = 40;
 /// Wait after an error before the chip is reset, microseconds.
 pub const BACK_OFF_US: u64 = 10_000;
@@ -181,7 +183,8 @@ impl<Spi: SpiDevice> Icm42688p<Spi> {
     /// How it goes on after an error.
     fn after(&mut self, error: SensorError, now_us: u64) -> Phase {
         match (self.phase, error) {
-            // No answer, or a wrong one: the chip has most likely nothing to do with it. But that it shows another bank, where nothing is.
+            // No answer, or a wrong one: the chip has most likely nothing to do with it. But that it shows
+            // another bank, where nothing is.
             (
                 Phase::Running { last_sample_us, failures },
                 SensorError::Bus | SensorError::StuckBus | SensorError::ConfigurationLost,
@@ -207,8 +210,8 @@ impl<Spi: SpiDevice> Icm42688p<Spi> {
         }
     }
 
-    /// What the chip holds in the place of its configuration; `None`: it holds that. One answer that is wrong is none: it is asked
-    /// again.
+    /// What the chip holds in the place of its configuration; `None`: it holds that. One answer that is wrong
+    /// is none: it is asked again.
     fn wrong_configuration(&mut self) -> Result<Option<[u8; CONFIGURED]>, SensorError> {
         let wanted = registers::configuration(&self.config);
         let mut held = self.read(registers::INTF_CONFIG0)?;

@@ -96,7 +96,8 @@ impl GyroRange {
         }
     }
 
-    /// rad/s a count: full scale is 2^15 counts. (Table 1 rounds 16.384 counts for a degree a second to 16.4.)
+    /// rad/s a count: full scale is 2^15 counts. (Table 1 rounds 16.384 counts for a degree a second to
+    /// 16.4.)
     #[must_use]
     pub const fn radps_per_count(self) -> f32 {
         let full_scale_dps = match self {

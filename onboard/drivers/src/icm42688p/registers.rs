@@ -24,16 +24,18 @@ pub(super) const IDENTITY: u8 = 0x47;
 
 /// INTF_CONFIG0: sensor data big-endian, I2C disabled (14.33).
 const BIG_ENDIAN_SPI_ONLY: u8 = 0x33;
-/// INTF_CONFIG1: clock from the PLL; adaptive full scale off, as the manufacturer's driver has it (the datasheet
-/// leaves bits 7:6 reserved). With it on the gyro stalls for milliseconds near 100 degrees a second.
+/// INTF_CONFIG1: clock from the PLL; adaptive full scale off, as the manufacturer's driver has it (the
+/// datasheet leaves bits 7:6 reserved). With it on the gyro stalls for milliseconds near 100 degrees a
+/// second.
 const PLL_FIXED_SCALE: u8 = 0x51;
 /// PWR_MGMT0: both sensors in low-noise mode (14.36).
 pub(super) const LOW_NOISE: u8 = 0x0F;
 /// ODR fields of GYRO_CONFIG0 and ACCEL_CONFIG0: 1 kHz (14.37, 14.38).
 const RATE_1_KHZ: u8 = 0x06;
-/// GYRO_ACCEL_CONFIG0: both filters at a fortieth of the rate, 25 Hz (14.40). A tick takes every fifth sample, so what vibrates
-/// near 200 Hz folds to 0 Hz, where it is integrated twice: of 1 m/s^2 this leaves 2 mm/s^2 there (54 dB), where 100 Hz of second
-/// order left 240 (12 dB). It delays by 13 ms (100 Hz: 2 ms), less than three ticks.
+/// GYRO_ACCEL_CONFIG0: both filters at a fortieth of the rate, 25 Hz (14.40). A tick takes every fifth
+/// sample, so what vibrates near 200 Hz folds to 0 Hz, where it is integrated twice: of 1 m/s^2 this leaves 2
+/// mm/s^2 there (54 dB), where 100 Hz of second order left 240 (12 dB). It delays by 13 ms (100 Hz: 2 ms),
+/// less than three ticks.
 const BANDWIDTH_25_HZ: u8 = 0x77;
 /// GYRO_CONFIG1 and ACCEL_CONFIG1: filters of third order (14.39, 14.41); the rest as a reset leaves it.
 const GYRO_THIRD_ORDER: u8 = 0x1A;
@@ -58,6 +60,6 @@ pub(super) const fn configuration(config: &Config) -> [u8; CONFIGURED] {
     ]
 }
 
-/// The places of those registers in the order in which they are written: the power comes last, because no register may be written for
-/// 200 us after it (14.36).
+/// The places of those registers in the order in which they are written: the power comes last, because no
+/// register may be written for 200 us after it (14.36).
 pub(super) const ORDER: [u8; CONFIGURED] = [0, 1, 3, 4, 5, 6, 7, 2];

@@ -8,10 +8,10 @@
 //! poll: 7 pressures to each temperature, about 87 pressures a second.
 //!
 //! # Errors
-//! After any error the driver waits [`BACK_OFF_US`] and resets the chip. Its calibration is read once, and again to be sure: 4 bits of CRC
-//! let one in 16 wrong memories pass. Then it is kept, whatever the line does later. The chip protects nothing but its
-//! calibration: a bit that flips on the way in a result is found only when the value leaves the chip's range. That is for the
-//! estimator's plausibility check.
+//! After any error the driver waits [`BACK_OFF_US`] and resets the chip. Its calibration is read once, and
+//! again to be sure: 4 bits of CRC let one in 16 wrong memories pass. Then it is kept, whatever the line does
+//! later. The chip protects nothing but its calibration: a bit that flips on the way in a result is found
+//! only when the value leaves the chip's range. That is for the estimator's plausibility check.
 
 mod compensation;
 mod prom;
@@ -32,7 +32,8 @@ pub const MAX_POLL_BYTES: usize = 5;
 /// Wait after an error before the chip is reset, microseconds.
 pub const BACK_OFF_US: u64 = 20_000;
 
-/// Time that the chip takes to reload its calibration after a reset, microseconds (datasheet, "Reset sequence").
+/// Time that the chip takes to reload its calibration after a reset, microseconds (datasheet, "Reset
+/// sequence").
 const RELOAD_US: u64 = 2_800;
 /// Longest conversion at oversampling 4096, microseconds (datasheet, "Performance specifications").
 const CONVERSION_US: u64 = 9_040;

@@ -1,5 +1,5 @@
-//! The messages that configure the receiver (u-blox F9 HPG interface description UBX-22008968, section 3.10; for
-//! generation 8: receiver description UBX-13003221, section 32.10).
+//! The messages that configure the receiver (u-blox F9 HPG interface description UBX-22008968, section 3.10;
+//! for generation 8: receiver description UBX-13003221, section 32.10).
 //!
 //! They are written out here, and the tests hold them against the `ublox` crate's builders: those carry every
 //! key of every receiver, and scale in double precision, which the flight computer does not have.
@@ -33,7 +33,8 @@ impl Generation {
     }
 }
 
-/// Class and identity of the message at a place in a generation's sequence, and its frame; `None` after the last.
+/// Class and identity of the message at a place in a generation's sequence, and its frame; `None` after the
+/// last.
 pub(super) fn message(
     generation: Generation,
     place: u8,
@@ -87,8 +88,8 @@ pub(super) fn message(
                 1, // CFG-MSGOUT-UBX_NAV_PVT_UART1
             ],
         ),
-        // CFG-PRT, before anything that makes it say more: the first UART, 8 bits, no parity, 1 stop bit, its speed; it hears UBX, NMEA
-        // and RTCM, as it does by default, and speaks UBX.
+        // CFG-PRT, before anything that makes it say more: the first UART, 8 bits, no parity, 1 stop bit, its
+        // speed; it hears UBX, NMEA and RTCM, as it does by default, and speaks UBX.
         (Generation::Messages, 0) => {
             (0x00, &[1, 0, 0, 0, 0xC0, 0x08, 0, 0, b0, b1, b2, b3, 0x07, 0, 0x01, 0, 0, 0, 0, 0])
         }

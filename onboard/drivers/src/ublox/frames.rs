@@ -1,7 +1,9 @@
-//! Frames out of the bytes of a line: sync characters, class, identity, length, payload, checksum (UBX-22008968, section 3.2).
+//! Frames out of the bytes of a line: sync characters, class, identity, length, payload, checksum
+//! (UBX-22008968, section 3.2).
 //!
-//! The checksum is summed up as the bytes come, so that the tick with a frame's last byte does not bear all of it. After what was no
-//! frame the search goes on behind its sync characters: a byte that was lost costs its own frame and not the next one.
+//! The checksum is summed up as the bytes come, so that the tick with a frame's last byte does not bear all
+//! of it. After what was no frame the search goes on behind its sync characters: a byte that was lost costs
+//! its own frame and not the next one.
 
 /// Longest payload that is asked for: NAV-PVT's.
 const LONGEST_PAYLOAD: usize = 92;
@@ -46,7 +48,8 @@ impl Frames {
         Self { bytes: [0; LONGEST], length: 0, done: 0, summed: 0, sums: [0; CHECKSUM] }
     }
 
-    /// Takes bytes off `arrived` up to the end of the next frame, or of what looked like one; `None` once all are taken.
+    /// Takes bytes off `arrived` up to the end of the next frame, or of what looked like one; `None` once all
+    /// are taken.
     #[inline]
     pub(super) fn next(&mut self, arrived: &mut &[u8]) -> Option<Result<Frame<'_>, FrameError>> {
         if self.done > 0 {

@@ -6,11 +6,11 @@ use super::LinkCounts;
 use super::config_messages::{Frame, Generation, message};
 use crate::error::SensorError;
 
-/// How long the driver waits for an acknowledgement before it sends the message again, microseconds: a receiver that was just starting has
-/// lost it.
+/// How long the driver waits for an acknowledgement before it sends the message again, microseconds: a
+/// receiver that was just starting has lost it.
 pub const ACKNOWLEDGE_US: u64 = 200_000;
-/// How often one message is sent before the driver gives up and begins anew: for the second that a receiver may take (section 3.3.2:
-/// "within one second"). An acknowledgement of any of them counts.
+/// How often one message is sent before the driver gives up and begins anew: for the second that a receiver
+/// may take (section 3.3.2: "within one second"). An acknowledgement of any of them counts.
 pub const ATTEMPTS: u8 = 5;
 
 /// What the receiver said to a configuration message: its class and identity.
@@ -84,8 +84,8 @@ impl Link {
     ///
     /// # Errors
     /// [`SensorError::NotAcknowledged`] when a receiver has refused both generations' messages;
-    /// [`SensorError::Timeout`] when no answer came to the last attempt; [`SensorError::Bus`]. The configuration
-    /// then begins anew.
+    /// [`SensorError::Timeout`] when no answer came to the last attempt; [`SensorError::Bus`]. The
+    /// configuration then begins anew.
     pub(super) fn step<Port: Write + WriteReady>(
         &mut self,
         now_us: u64,

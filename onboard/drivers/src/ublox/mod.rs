@@ -1,17 +1,20 @@
-//! u-blox satellite receiver on a UART, by its UBX protocol (interface description UBX-22008968). What a frame's payload says is read by the
-//! `ublox` crate; its parser is not used, which sums a whole frame up in the tick of its last byte.
+//! u-blox satellite receiver on a UART, by its UBX protocol (interface description UBX-22008968). What a
+//! frame's payload says is read by the `ublox` crate; its parser is not used, which sums a whole frame up in
+//! the tick of its last byte.
 //!
 //! # Configuration
-//! The receiver is told to send UBX only (its NMEA sentences, 650 bytes with each solution, would fill a line of 38,400 baud at 6
-//! solutions a second), NAV-PVT with each solution, its rate and its dynamic model (airborne, below 4 g). Each message is
-//! sent anew when no acknowledgement comes within [`ACKNOWLEDGE_US`], [`ATTEMPTS`] times; a receiver that
-//! refuses the keys of generation 9 is configured the way of generation 8. Fixes that arrive meanwhile
-//! are delivered all the same. The port's speed is the board's matter: a receiver that starts at another one must have stored it.
+//! The receiver is told to send UBX only (its NMEA sentences, 650 bytes with each solution, would fill a line
+//! of 38,400 baud at 6 solutions a second), NAV-PVT with each solution, its rate and its dynamic model
+//! (airborne, below 4 g). Each message is sent anew when no acknowledgement comes within [`ACKNOWLEDGE_US`],
+//! [`ATTEMPTS`] times; a receiver that refuses the keys of generation 9 is configured the way of generation 8.
+//! Fixes that arrive meanwhile are delivered all the same. The port's speed is the board's matter: a receiver
+//! that starts at another one must have stored it.
 //!
 //! # Errors
-//! A receiver that sends no solution is stale, one that sends a wrong checksum is an error of that poll. It is configured anew when it is
-//! stale, and when so much comes without a frame in it that it can only be NMEA: a reset of the receiver heals itself. A solution that is not
-//! three-dimensional and within the receiver's own limits is counted and is no fix.
+//! A receiver that sends no solution is stale, one that sends a wrong checksum is an error of that poll. It
+//! is configured anew when it is stale, and when so much comes without a frame in it that it can only be
+//! NMEA: a reset of the receiver heals itself. A solution that is not three-dimensional and within the
+//! receiver's own limits is counted and is no fix.
 
 mod config_messages;
 mod frames;
@@ -33,13 +36,16 @@ use crate::error::SensorError;
 use crate::health::Health;
 use crate::sensor::SatelliteReceiver;
 
-/// Bytes that one poll takes at most, which bounds its work: a fix of 100 bytes in every tick, as some flights have it.
+/// Bytes that one poll takes at most, which bounds its work: a fix of 100 bytes in every tick, as some
+/// flights have it.
 pub const MAX_POLL_BYTES: usize = 128;
-/// The receiver is stale after so many halves of the time between the last two solutions, at most so long in microseconds. One lost
-/// solution is none; and it is configured anew so early that whatever made it silent costs it half a second beyond that.
+/// The receiver is stale after so many halves of the time between the last two solutions, at most so long in
+/// microseconds. One lost solution is none; and it is configured anew so early that whatever made it silent
+/// costs it half a second beyond that.
 const STALE_HALVES: u64 = 5;
 const STALE_AT_MOST_US: u64 = 1_000_000;
-/// So many bytes without a frame, and the receiver sends something else: the longest frame that is asked for has 100.
+/// So many bytes without a frame, and the receiver sends something else: the longest frame that is asked for
+/// has 100.
 const BYTES_WITHOUT_A_FRAME: u32 = 300;
 /// Velocity is no measurement where the receiver's own estimate of its accuracy (sAcc) is worse, mm/s.
 const WORST_SPEED_ACCURACY_MMPS: u32 = 10_000;
@@ -105,7 +111,8 @@ pub struct Ublox<Port> {
     health: Health,
 }
 
-/// What comes from the receiver, whatever port it comes through: compiled once, in this crate, and so for speed.
+/// What comes from the receiver, whatever port it comes through: compiled once, in this crate, and so for
+/// speed.
 struct Stream {
     frames: Frames,
     datum: Datum,
@@ -267,8 +274,9 @@ impl Stream {
     }
 }
 
-/// What a frame says, if it is one of those that are asked for; `None` for one of these that is not as it should be. Known by their
-/// constants, so that no image has the checks of a hundred messages that nobody asks for.
+/// What a frame says, if it is one of those that are asked for; `None` for one of these that is not as it
+/// should be. Known by their constants, so that no image has the checks of a hundred messages that nobody
+/// asks for.
 fn packet<'a>(frame: &Frame<'a>) -> Option<Option<PacketRef<'a>>> {
     let known = match (frame.class, frame.id) {
         (NavPvt::CLASS, NavPvt::ID) => Proto27::match_packet(NavPvt::CLASS, NavPvt::ID, frame.payload),
@@ -288,7 +296,8 @@ struct Received {
     bad: bool,
 }
 
-/// A three-dimensional fix (with or without dead reckoning) within the receiver's limits (NAV-PVT: fixType, flags).
+/// A three-dimensional fix (with or without dead reckoning) within the receiver's limits (NAV-PVT: fixType,
+/// flags).
 fn is_fix(solution: &NavPvtRef<'_>) -> bool {
     matches!(solution.fix_type_raw(), 3 | 4)
         && solution.flags_raw() & NavPvtFlags::GPS_FIX_OK.bits() != 0

@@ -1,8 +1,8 @@
 //! Finds MAVLink 2 frames with an altitude in a stream of bytes.
 //!
-//! Only what can be such a frame is kept: the first byte of a header that is none ends the attempt, and the search goes on
-//! after the byte that it began with. So whatever comes before a whole frame, the frame is found; and no byte
-//! costs more than one pass over the longest frame.
+//! Only what can be such a frame is kept: the first byte of a header that is none ends the attempt, and the
+//! search goes on after the byte that it began with. So whatever comes before a whole frame, the frame is
+//! found; and no byte costs more than one pass over the longest frame.
 
 use crc::{CRC_16_MCRF4XX, Crc};
 use mavlink::MessageData;
@@ -10,7 +10,8 @@ use mavlink::dialects::common::ALTITUDE_DATA;
 
 use super::Sender;
 
-/// MAVLink's "X.25" checksum, which the catalogue of CRCs calls MCRF4XX. By table: the `mavlink` crate's own takes half of a poll.
+/// MAVLink's "X.25" checksum, which the catalogue of CRCs calls MCRF4XX. By table: the `mavlink` crate's own
+/// takes half of a poll.
 const CHECKSUM: Crc<u16> = Crc::<u16>::new(&CRC_16_MCRF4XX);
 /// Start of a MAVLink 2 frame.
 const START: u8 = 0xFD;
@@ -22,7 +23,8 @@ const COMPONENT: usize = 6;
 const PAYLOAD: usize = ALTITUDE_DATA::ENCODED_LEN;
 const CHECK: usize = 2;
 const LONGEST: usize = HEADER + PAYLOAD + CHECK;
-/// The frame is signed: 13 bytes follow, which are passed over. A receiver must discard a frame with any other flag.
+/// The frame is signed: 13 bytes follow, which are passed over. A receiver must discard a frame with any
+/// other flag.
 const SIGNED: u8 = 0x01;
 const IDENTITY: [u8; 4] = ALTITUDE_DATA::ID.to_le_bytes();
 
@@ -58,8 +60,8 @@ impl Frames {
         Self { bytes: [0; LONGEST], len: 0, fitting: 0, rejected: false }
     }
 
-    /// Takes as many bytes from the front as can be taken before they are looked at, and says how many: at least one, if there
-    /// is one. [`Self::next_found`] must have said `None` before.
+    /// Takes as many bytes from the front as can be taken before they are looked at, and says how many: at
+    /// least one, if there is one. [`Self::next_found`] must have said `None` before.
     pub(super) fn take(&mut self, bytes: &[u8]) -> usize {
         // Where a frame ends is known once its header is whole.
         let wanted = if self.fitting < HEADER { HEADER } else { self.end() };

@@ -1,17 +1,19 @@
-//! The mother ship's inertial altitude over the umbilical: MAVLink 2 on a UART (<https://mavlink.io/en/guide/serialization.html>;
-//! the message is the `mavlink` crate's).
+//! The mother ship's inertial altitude over the umbilical: MAVLink 2 on a UART
+//! (<https://mavlink.io/en/guide/serialization.html>; the message is the `mavlink` crate's).
 //!
 //! # The message
-//! ALTITUDE (#141), its field `altitude_amsl`: metres above mean sea level as a 32-bit float, so the link adds no quantum of
-//! its own. (GLOBAL_POSITION_INT has millimetres, but is by definition a position fused with satellites; the reference
-//! must not come back as a second sensor.) The mother ship's side puts its inertial altitude there. Other messages
-//! on the line are passed over, and so are other senders' altitudes: many autopilots put a fused one there, and a ground
-//! station's radio bridge carries those of every vehicle that it hears.
+//! ALTITUDE (#141), its field `altitude_amsl`: metres above mean sea level as a 32-bit float, so the link
+//! adds no quantum of its own. (GLOBAL_POSITION_INT has millimetres, but is by definition a position fused
+//! with satellites; the reference must not come back as a second sensor.) The mother ship's side puts its
+//! inertial altitude there. Other messages on the line are passed over, and so are other senders' altitudes:
+//! many autopilots put a fused one there, and a ground station's radio bridge carries those of every vehicle
+//! that it hears.
 //!
 //! # Errors
-//! A frame with a wrong checksum is an error of that poll, and so is an altitude outside of [`ALTITUDES_M`], or a link that has
-//! delivered and is then silent for [`SILENT_AFTER_US`] while the UAV is attached. From the decision of a launch on the link is
-//! gone: nothing is read from it, whatever noise an open line carries, and that is no fault.
+//! A frame with a wrong checksum is an error of that poll, and so is an altitude outside of [`ALTITUDES_M`],
+//! or a link that has delivered and is then silent for [`SILENT_AFTER_US`] while the UAV is attached. From
+//! the decision of a launch on the link is gone: nothing is read from it, whatever noise an open line
+//! carries, and that is no fault.
 
 mod frame;
 #[cfg(test)]
@@ -34,7 +36,8 @@ pub const MAX_POLL_BYTES: usize = 128;
 /// Silence that is an error, microseconds; every further such time is one more.
 pub const SILENT_AFTER_US: u64 = 1_000_000;
 
-/// Altitudes that a mother ship can have, metres: from below the shore of the Dead Sea to above every balloon.
+/// Altitudes that a mother ship can have, metres: from below the shore of the Dead Sea to above every
+/// balloon.
 pub const ALTITUDES_M: RangeInclusive<f32> = -1_000.0..=60_000.0;
 
 /// A MAVLink system and its component.

@@ -29,7 +29,8 @@ impl Noise {
         self.state >> 8
     }
 
-    /// Bytes of all kinds: random ones, starts of frames, headers that fit, whole frames and frames with a flipped bit.
+    /// Bytes of all kinds: random ones, starts of frames, headers that fit, whole frames and frames with a
+    /// flipped bit.
     fn plan(&mut self) {
         let kind = self.next() % 16;
         let bytes = match kind {
@@ -114,8 +115,8 @@ fn holds(bytes: &[u8], sender: Sender, altitude_m: f32) -> bool {
     })
 }
 
-/// Ten million bytes: every altitude that is accepted is in a frame of the mother ship's whose checksum is right, and no poll
-/// does more than its share.
+/// Ten million bytes: every altitude that is accepted is in a frame of the mother ship's whose checksum is
+/// right, and no poll does more than its share.
 #[test]
 fn ten_million_bytes_of_anything() {
     let noise = Noise { state: 20_261_122, planned: Vec::new(), given: Vec::new() };
@@ -207,7 +208,8 @@ impl Read for Line {
     }
 }
 
-/// A second without an altitude is none yet; after it the link is silent, which is said once a second, whatever the time of the poll.
+/// A second without an altitude is none yet; after it the link is silent, which is said once a second,
+/// whatever the time of the poll.
 #[test]
 fn more_than_a_second_of_silence_is_said_once_a_second() {
     let mut driver = Umbilical::new(Line(frame((1, 1), 2_000.0, 0)), Sender::FIRST_AUTOPILOT);
@@ -257,7 +259,8 @@ fn heard(ticks: &[Comes]) -> (Vec<Option<f32>>, LinkCounts) {
     (heard, suite.imu_master.link_counts())
 }
 
-/// A tick with a fix or a pressure is expensive enough without a message; the next one takes it, and nothing is lost.
+/// A tick with a fix or a pressure is expensive enough without a message; the next one takes it, and nothing
+/// is lost.
 #[test]
 fn a_message_in_an_expensive_tick_waits_for_the_next_tick() {
     let none = Comes::default();

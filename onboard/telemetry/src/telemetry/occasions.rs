@@ -15,12 +15,13 @@ use crate::sample::Sample;
 use crate::schedule::Slot;
 
 impl Telemetry<'_> {
-    /// How the flight computer has started, where there is something to say of it: the first texts, before those of the first
-    /// tick.
+    /// How the flight computer has started, where there is something to say of it: the first texts, before
+    /// those of the first tick.
     pub fn note_start(&mut self, report: &RestartReport) {
         let at_us = report.resumed_us;
         if report.start == Start::Cold {
-            // What the copies hold then is not looked at, and may be what memory without a battery makes of them.
+            // What the copies hold then is not looked at, and may be what memory without a battery makes of
+            // them.
             self.note(at_us, Event::Cold(report.cause));
             return;
         }
@@ -46,8 +47,8 @@ impl Telemetry<'_> {
         self.note(at_us, how);
     }
 
-    /// The flight computer runs on its internal oscillator, because its crystal did not start: said again and again, as the model's
-    /// effects are.
+    /// The flight computer runs on its internal oscillator, because its crystal did not start: said again and
+    /// again, as the model's effects are.
     pub const fn note_internal_clock(&mut self) {
         self.clock_is_internal = true;
     }

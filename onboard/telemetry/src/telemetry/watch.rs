@@ -30,7 +30,8 @@ pub struct Watch {
 impl Source {
     const NONE: Self = Self { last_ms: None, refused: false };
 
-    /// A fix that is held is no sample, but neither is it a fault: between fixes a receiver may repeat itself.
+    /// A fix that is held is no sample, but neither is it a fault: between fixes a receiver may repeat
+    /// itself.
     fn take(&mut self, now_ms: u32, is_there: bool, rejection: Option<Rejection>) {
         if is_there && rejection != Some(Rejection::Held) {
             self.last_ms = Some(now_ms);

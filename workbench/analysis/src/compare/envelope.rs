@@ -55,7 +55,8 @@ pub struct Envelope {
 }
 
 impl Envelope {
-    /// Without values. Of more than `capacity` slots (at least 1) neighbours are merged, so that at least half as many are left.
+    /// Without values. Of more than `capacity` slots (at least 1) neighbours are merged, so that at least
+    /// half as many are left.
     #[must_use]
     pub fn new(capacity: usize) -> Self {
         Self { slots: Vec::new(), capacity: capacity.max(1) as u64, width_us: FIRST_WIDTH_US, start_us: None }

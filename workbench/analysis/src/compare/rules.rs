@@ -80,7 +80,8 @@ pub struct Recommendation {
     pub quality: RuleQuality,
 }
 
-/// Judges the rule of one sensor. `bound_m` is the bound that flew, `multiplier` sigmas of it; `persistence_s` is the model's.
+/// Judges the rule of one sensor. `bound_m` is the bound that flew, `multiplier` sigmas of it;
+/// `persistence_s` is the model's.
 pub(super) fn judge(
     residual: ResidualModel,
     bound_m: Option<f64>,

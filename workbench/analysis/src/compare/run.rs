@@ -31,7 +31,8 @@ pub struct Options {
 
 /// Flies the replay's model over its flight and compares; `progress` is told how many rows are done.
 ///
-/// The names of the flight's file and of the model are the caller's to fill in. What comes out is the same whatever the executor.
+/// The names of the flight's file and of the model are the caller's to fill in. What comes out is the same
+/// whatever the executor.
 ///
 /// # Errors
 /// [`ReplayError`] for a model that no mission can be made of.

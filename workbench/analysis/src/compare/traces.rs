@@ -47,7 +47,8 @@ pub struct Traces {
 }
 
 impl Traces {
-    /// Without a tick; of each series at most that many slots, of estimates, which are smooth, at most [`FIGURE_SLOTS`].
+    /// Without a tick; of each series at most that many slots, of estimates, which are smooth, at most
+    /// [`FIGURE_SLOTS`].
     #[must_use]
     pub fn new(slots: usize) -> Self {
         let series = || Envelope::new(slots);

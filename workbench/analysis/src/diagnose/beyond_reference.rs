@@ -1,8 +1,9 @@
 //! The reference's own error, told from the sensors'.
 //!
-//! An error is a reading less the reference, so that the reference's wander is in the errors of all sensors alike. With the noise that a
-//! diagnosis found, the most probable wander at every instant is a Kalman smoother's (Rauch, Tung and Striebel, "Maximum likelihood
-//! estimates of linear dynamic systems", AIAA Journal 3, 1965) over the errors of the whole flight.
+//! An error is a reading less the reference, so that the reference's wander is in the errors of all sensors
+//! alike. With the noise that a diagnosis found, the most probable wander at every instant is a Kalman
+//! smoother's (Rauch, Tung and Striebel, "Maximum likelihood estimates of linear dynamic systems", AIAA
+//! Journal 3, 1965) over the errors of the whole flight.
 
 use kf_core::sensor::{SENSORS, Sensor};
 use nalgebra::{SMatrix, SVector};
@@ -143,8 +144,8 @@ mod tests {
         let square = |x: f64| x * x;
         let left = found.iter().zip(&truth).map(|((mean, _), truth)| square(mean - truth)).sum::<f64>()
             / SLOTS as f64;
-        // Its own sigma is what it is off by. Errors are correlated over some ten slots: of 400 independent squares the mean is
-        // within 0.07 of 1, one sigma.
+        // Its own sigma is what it is off by. Errors are correlated over some ten slots: of 400 independent
+        // squares the mean is within 0.07 of 1, one sigma.
         let normalised = found
             .iter()
             .zip(&truth)

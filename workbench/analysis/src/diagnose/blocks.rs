@@ -38,8 +38,8 @@ struct Open {
     residual_sum: BySensor,
     readings: [u32; SENSORS],
     column_sums: Vec<f64>,
-    /// Sum and number of the load factor's regressors of all ticks: between the barometer's readings there are
-    /// several of the accelerometer, and vibration is in every single one.
+    /// Sum and number of the load factor's regressors of all ticks: between the barometer's readings there
+    /// are several of the accelerometer, and vibration is in every single one.
     load_factor: (f64, u32),
 }
 

@@ -17,7 +17,8 @@ const TIME_CONSTANTS_S: [f32; 6] = [3.0, 10.0, 30.0, 90.0, 270.0, 800.0];
 pub struct Candidate {
     /// The effect and the constants of its regressor.
     pub regressor: Regressor,
-    /// Time constant of the low pass that the climb rate of a lag went through, seconds; 0 as the catalogue has it.
+    /// Time constant of the low pass that the climb rate of a lag went through, seconds; 0 as the catalogue
+    /// has it.
     pub smoothing_s: f32,
     /// What its signal is taken to be wrong by.
     pub signal: SignalError,
@@ -54,10 +55,11 @@ impl Candidate {
 
 /// Every candidate of the catalogue, and of the model's own effects.
 ///
-/// Where the climb rate is not measured it is the slope of the reference's own altitude, and its noise is the residual's. As a pure
-/// delay that does not matter: a slope is odd in time, and what it shares with a noise before an instant it takes back after
-/// it, whatever the noise's spectrum. A low pass has an even part as well, with which it explains noise: two of them, large and
-/// opposite, make a lag and a latency of nothing. So delays are then tried as the catalogue has them, and no other way.
+/// Where the climb rate is not measured it is the slope of the reference's own altitude, and its noise is the
+/// residual's. As a pure delay that does not matter: a slope is odd in time, and what it shares with a noise
+/// before an instant it takes back after it, whatever the noise's spectrum. A low pass has an even part as
+/// well, with which it explains noise: two of them, large and opposite, make a lag and a latency of nothing.
+/// So delays are then tried as the catalogue has them, and no other way.
 #[must_use]
 pub fn catalogue(model: &Model, has_climb_rate: bool) -> Vec<Candidate> {
     let smoothings_s = if has_climb_rate { SMOOTHINGS_S.as_slice() } else { &SMOOTHINGS_S[..1] };

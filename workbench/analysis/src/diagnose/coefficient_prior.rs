@@ -3,14 +3,16 @@
 use kf_core::effect::EffectId;
 use statistics::normal_above;
 
-/// The chance that a coefficient is none that nature makes: of a broken part, or of something that only looks like the effect.
+/// The chance that a coefficient is none that nature makes: of a broken part, or of something that only looks
+/// like the effect.
 const BEYOND: f64 = 0.01;
 /// How far such a one reaches, in ranges' largest.
 const REACH: f64 = 10.0;
 
-/// A coefficient: half of what is believed of it is what such sensors mostly have, a normal distribution about zero, and half that nature allows all
-/// of its range alike. Both are cut at the range, signs included. One in a hundred is beyond it, so that what no effect can be is said
-/// to be that, and does not go to the next best.
+/// A coefficient: half of what is believed of it is what such sensors mostly have, a normal distribution
+/// about zero, and half that nature allows all of its range alike. Both are cut at the range, signs included.
+/// One in a hundred is beyond it, so that what no effect can be is said to be that, and does not go to the
+/// next best.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoefficientPrior {
     range: [f64; 2],
@@ -24,7 +26,8 @@ impl CoefficientPrior {
         Self { range, usual: usual(effect, range) }
     }
 
-    /// Logarithm of the density of an estimate with that variance: the belief and the estimate's normal error folded.
+    /// Logarithm of the density of an estimate with that variance: the belief and the estimate's normal error
+    /// folded.
     #[must_use]
     pub fn log_density(&self, coefficient: f64, variance: f64) -> f64 {
         let [least, most] = self.range;
@@ -50,8 +53,9 @@ impl CoefficientPrior {
     }
 }
 
-/// Sigma of what sensors in flight mostly have: those of `latent-path.md`'s prototype where it has one (lag and latency 1.5 s, scale 3 %,
-/// dynamic pressure 0.3, drift 5 mm/s, warming up 10 m), else a fifth of the largest that nature makes.
+/// Sigma of what sensors in flight mostly have: those of `latent-path.md`'s prototype where it has one (lag
+/// and latency 1.5 s, scale 3 %, dynamic pressure 0.3, drift 5 mm/s, warming up 10 m), else a fifth of the
+/// largest that nature makes.
 fn usual(effect: EffectId, range: [f64; 2]) -> f64 {
     match effect {
         EffectId::BaroLag | EffectId::GpsLatency => 1.5,
@@ -67,7 +71,8 @@ fn usual(effect: EffectId, range: [f64; 2]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Against the sum over a grid of the coefficient, for exact and for poor estimates, inside and outside of the range.
+    /// Against the sum over a grid of the coefficient, for exact and for poor estimates, inside and outside
+    /// of the range.
     #[test]
     fn the_density_is_the_folding_of_belief_and_error() {
         let prior = CoefficientPrior { range: [-1.0, 3.0], usual: 1.5 };

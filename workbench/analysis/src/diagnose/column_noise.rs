@@ -1,8 +1,8 @@
 //! How much noise is in a candidate's column.
 
 /// within some hundredths of a second is straight, so that this is the noise of its signals (after von
-/// Neumann, "Distribution of the ratio of the mean square successive difference to the variance", 1941). Samples
-/// that are held do not count.
+/// Neumann, "Distribution of the ratio of the mean square successive difference to the variance", 1941).
+/// Samples that are held do not count.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ColumnNoise {
     last: [Option<f64>; 2],

@@ -92,11 +92,11 @@ pub struct SensorDiagnosis {
     pub verdict: Verdict,
     /// Ids of the effects that are missing for sure, the strongest first.
     pub missing: Vec<Name>,
-    /// Sets of ids: of each set, one acts, and the flights can't tell which. The most probable comes first; those
-    /// below 5 % are not listed, but for the second.
+    /// Sets of ids: of each set, one acts, and the flights can't tell which. The most probable comes first;
+    /// those below 5 % are not listed, but for the second.
     pub indistinguishable: Vec<Vec<Name>>,
-    /// How probable each of a set is to be the one that acts, in the order of `indistinguishable`; what they lack
-    /// to one is of those that are not listed.
+    /// How probable each of a set is to be the one that acts, in the order of `indistinguishable`; what they
+    /// lack to one is of those that are not listed.
     pub probabilities: Vec<Vec<f64>>,
     /// Every effect that was tried, the chosen ones first and then by their p-value.
     pub candidates: Vec<CandidateFacts>,
@@ -129,21 +129,24 @@ pub struct CandidateFacts {
     pub sigma: f64,
     /// Its unit.
     pub unit: Name,
-    /// The probability that it acts, beside what else may: of the sets of effects that explain the flights, those that have it. Where
-    /// the climb rate is measured only what is identified and the members of a set have one: in that place.
+    /// The probability that it acts, beside what else may: of the sets of effects that explain the flights,
+    /// those that have it. Where the climb rate is measured only what is identified and the members of a set
+    /// have one: in that place.
     #[serde(default)]
     pub probability: Option<f64>,
     /// Chance of as strong a fit if the effect did not act, times the number of effects tried.
     pub p_value: f64,
     /// Root mean square of the held-out errors without it, with every other chosen one, m.
     pub rms_before_m: Option<f64>,
-    /// With it beside those, m; neither is there where most of the error would be the coefficient's own, which what is held out alone shows.
+    /// With it beside those, m; neither is there where most of the error would be the coefficient's own,
+    /// which what is held out alone shows.
     pub rms_after_m: Option<f64>,
     /// Whether it is part of the explanation.
     pub chosen: bool,
     /// Time constant of its regressor, s, where it has one.
     pub time_constant_s: Option<f64>,
-    /// Time constant of the low pass that fits a lag better than a shift of the slope does, seconds, if one does.
+    /// Time constant of the low pass that fits a lag better than a shift of the slope does, seconds, if one
+    /// does.
     pub smoothing_s: Option<f64>,
     /// When that regressor's clock starts, where it has a time constant: `launch` or `start`.
     pub since: Option<Name>,
@@ -187,10 +190,12 @@ pub struct DiagnosedFlight {
     pub glitches: Vec<Glitch>,
     /// Readings left out because the reference was lost around them.
     pub unreferenced_readings: u64,
-    /// Readings that are no measurements, to the mission neither: not finite, implausible, or of a sensor that is stuck.
+    /// Readings that are no measurements, to the mission neither: not finite, implausible, or of a sensor
+    /// that is stuck.
     #[serde(default, skip_serializing_if = "is_none")]
     pub refused_readings: u64,
-    /// What is wrong with a sensor for the whole flight, which was left out for it: one that is stuck, or a copy of the receiver.
+    /// What is wrong with a sensor for the whole flight, which was left out for it: one that is stuck, or a
+    /// copy of the receiver.
     pub fault: Option<String>,
 }
 
@@ -212,8 +217,8 @@ pub struct NoiseFacts {
     pub reference_wander_m: f64,
     /// Its correlation time, s.
     pub reference_time_s: f64,
-    /// A second, slower wander of the difference of the altitudes, the reference's or a sensor's: sigma, m; 0 where the climb rate is
-    /// measured, which needs none.
+    /// A second, slower wander of the difference of the altitudes, the reference's or a sensor's: sigma, m; 0
+    /// where the climb rate is measured, which needs none.
     #[serde(default)]
     pub slow_wander_m: f64,
     /// Its correlation time, s.
@@ -253,8 +258,8 @@ const fn is_none(count: &u64) -> bool {
     *count == 0
 }
 
-/// A flight as it is read: serde's `flatten` does not read numbers where a dependency has `serde_json` keep their digits
-/// (serde_json's issue 505).
+/// A flight as it is read: serde's `flatten` does not read numbers where a dependency has `serde_json` keep
+/// their digits (serde_json's issue 505).
 #[derive(Deserialize, JsonSchema)]
 struct FlatFlight {
     file: String,

@@ -12,7 +12,8 @@ use replay::Replay;
 /// Writes a flight's block means as CSV: a row a block and a sensor with readings in it, with the columns
 /// `time_s`, `free` (0/1), `sensor`, `residual_m` and then every available candidate's regressor in metres
 /// per unit of its coefficient (zero where it does not act on the sensor; an effect of the reference acts on
-/// all). A candidate with a time constant is `id@clock:seconds`; of a lag and of what a signal's error changes only the catalogue's own shape is written. The blocks are those that [`super::diagnose`] sees.
+/// all). A candidate with a time constant is `id@clock:seconds`; of a lag and of what a signal's error
+/// changes only the catalogue's own shape is written. The blocks are those that [`super::diagnose`] sees.
 ///
 /// # Errors
 /// When it can't be written.

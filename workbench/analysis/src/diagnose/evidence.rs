@@ -1,10 +1,10 @@
 //! How well a coefficient predicts what it was not learned from, as a likelihood.
 //!
-//! The flights are whitened by the noise that was fitted beside the effect, so that the reference's wander, the
-//! sensors' own and the white noise each weigh what they are worth; biases, what the model has already and the
-//! other effects are projected out. With a coefficient c, twice the log likelihood of some blocks gains
-//! `c (2 s - c i)` over c = 0, with their score s (the whitened regressor times the whitened residual) and
-//! information i (its square): their own least squares is `s / i`.
+//! The flights are whitened by the noise that was fitted beside the effect, so that the reference's wander,
+//! the sensors' own and the white noise each weigh what they are worth; biases, what the model has already
+//! and the other effects are projected out. With a coefficient c, twice the log likelihood of some blocks
+//! gains `c (2 s - c i)` over c = 0, with their score s (the whitened regressor times the whitened residual)
+//! and information i (its square): their own least squares is `s / i`.
 
 use kf_core::sensor::SENSORS;
 use nalgebra::{DMatrix, DVector};
@@ -111,8 +111,8 @@ fn of_blocks(problem: &Problem<'_>, flight: &Series, fitted: &Fitted<'_>) -> Vec
     let rest = &unexplained - &alone * (alone.dot(&unexplained) / information);
     let mut noise = vec![0.0; flight.len()];
     for row in 0..matrix.nrows() {
-        // The readings of known effects are of no block: they go with the first, which is never held out if any
-        // of the flight is captive.
+        // The readings of known effects are of no block: they go with the first, which is never held out if
+        // any of the flight is captive.
         let at = blocks.get(row).copied().unwrap_or(0);
         if let Some(evidence) = of_block.get_mut(at) {
             evidence.score += alone[row] * unexplained[row];
@@ -196,8 +196,8 @@ mod tests {
         series
     }
 
-    /// Score over information is the coefficient of the normal equations, and the gain their sums of squares': with
-    /// another effect beside it, a known one with its prior, and biases.
+    /// Score over information is the coefficient of the normal equations, and the gain their sums of
+    /// squares': with another effect beside it, a known one with its prior, and biases.
     #[test]
     fn the_gain_is_the_likelihoods() {
         let flights = [flight()];

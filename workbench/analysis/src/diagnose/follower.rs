@@ -1,5 +1,6 @@
-//! Follows the ticks of a flight the way the mission does, for the diagnosis: phases, signals, what is a measurement, and the
-//! altitude gained. It has no filter: what the mission refuses for being far from its filter's prediction is taken here.
+//! Follows the ticks of a flight the way the mission does, for the diagnosis: phases, signals, what is a
+//! measurement, and the altitude gained. It has no filter: what the mission refuses for being far from its
+//! filter's prediction is taken here.
 
 use std::collections::VecDeque;
 
@@ -128,9 +129,10 @@ impl Follower {
 
     /// A candidate's regressor now, metres per unit.
     ///
-    /// The altitude gained is taken from the climb rate where there is one, else from the path that all altitudes show (`latent_path`): the
-    /// fixes' own altitude has the reference's error in it, which the residual has too, so that in level flight the one explains the other
-    /// with a coefficient of -1. The climb rate is taken between the fixes: held since the last one it is late by half their interval, and
+    /// The altitude gained is taken from the climb rate where there is one, else from the path that all
+    /// altitudes show (`latent_path`): the fixes' own altitude has the reference's error in it, which the
+    /// residual has too, so that in level flight the one explains the other with a coefficient of -1. The
+    /// climb rate is taken between the fixes: held since the last one it is late by half their interval, and
     /// that is what an acceleration would look like.
     pub(super) fn regressor_m(&self, candidate: &Candidate, moment: &Moment) -> Option<f64> {
         let regressor = candidate.regressor;
@@ -142,8 +144,8 @@ impl Follower {
             EffectId::BaroLag | EffectId::GpsLatency => {
                 moment.climb.mps(candidate.smoothing_s).map(|mps| -mps)
             }
-            // The second integral of the vertical acceleration since launch: what was climbed, but for the climb
-            // rate at launch. The receiver's own says it without the attitude's error in it.
+            // The second integral of the vertical acceleration since launch: what was climbed, but for the
+            // climb rate at launch. The receiver's own says it without the attitude's error in it.
             EffectId::ImuAccelScale => match (self.launch, self.climbed_m(moment.time_us)) {
                 (None, Some(_)) => Some(0.0),
                 (Some(launch), Some(climbed_m)) => {
@@ -283,7 +285,8 @@ mod tests {
             let t = 0.1 * f64::from(k);
             let rough = f64::from((k * 37) % 19) / 19.0 - 0.5;
             let altitude_m = 500.0 + 60.0 * (t / 9.0).sin();
-            // A barometer that is stuck for six seconds, before the launch and after it, and shows nonsense for one reading.
+            // A barometer that is stuck for six seconds, before the launch and after it, and shows nonsense
+            // for one reading.
             let baro_m = match k {
                 300..360 | 800..860 => 498.25,
                 700 => 5.0e6,
@@ -307,7 +310,8 @@ mod tests {
         flight_data::parse(csv.as_bytes()).unwrap().0
     }
 
-    /// The follower and the mission see the same flight, but for what the mission's filter refuses as far from its prediction.
+    /// The follower and the mission see the same flight, but for what the mission's filter refuses as far
+    /// from its prediction.
     #[test]
     fn a_tick_is_to_the_follower_what_it_is_to_the_mission() {
         let flight = spoilt();

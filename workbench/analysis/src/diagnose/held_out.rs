@@ -22,8 +22,8 @@ pub struct HeldOut {
 }
 
 impl HeldOut {
-    /// Root mean square of one sensor's error, metres; `None` without a block, and where most of it is no more than that the
-    /// coefficients are not known from the rest.
+    /// Root mean square of one sensor's error, metres; `None` without a block, and where most of it is no
+    /// more than that the coefficients are not known from the rest.
     #[must_use]
     pub fn rms_m(&self, sensor: usize) -> Option<f64> {
         self.rms_of_m(|i| i == sensor)
@@ -120,7 +120,8 @@ struct Common {
     variances: Vec<f64>,
 }
 
-/// The fit's coefficients, with what nature allows of them for a prior: what the rest does not show is predicted as nothing.
+/// The fit's coefficients, with what nature allows of them for a prior: what the rest does not show is
+/// predicted as nothing.
 fn coefficients(information: &Information, all: &[usize], prior: &[f64]) -> Common {
     let n = all.len();
     match information.solve_with_prior(all, prior) {

@@ -1,18 +1,18 @@
 //! Whether an effect predicts what it was not learned from worse than no effect does, beyond chance.
 //!
-//! The raw rms error cannot decide it: it is mostly the reference's slow wander, which goes with any regressor by
-//! chance, so that a small true effect often makes it larger. The likelihood knows the wander (
-//! [`Evidence`]). Twice its logarithm gains `G = c (2 s - c i)` by the coefficient c: it falls where what was held
-//! out, fitted by itself, comes to less than half of c. With V the score's variance (Newey and West's, and at least
-//! the information), `z = G / (2 |c| sqrt(V))` is normal with unit variance about
+//! The raw rms error cannot decide it: it is mostly the reference's slow wander, which goes with any
+//! regressor by chance, so that a small true effect often makes it larger. The likelihood knows the wander (
+//! [`Evidence`]). Twice its logarithm gains `G = c (2 s - c i)` by the coefficient c: it falls where what was
+//! held out, fitted by itself, comes to less than half of c. With V the score's variance (Newey and West's,
+//! and at least the information), `z = G / (2 |c| sqrt(V))` is normal with unit variance about
 //!
 //! - 0 where the effect is half as large as learned, so that it does as much good as harm,
 //! - `|c| i / (2 sqrt(V))` where it acts as learned,
 //! - minus that where it does not act.
 //!
-//! The test is one-sided at 5 %: an effect is called harmful below z = -1.645. A true one, whatever its size, is
-//! called so in at most 5 %, and in `P(z < -1.645 - |c| i / (2 sqrt(V)))`; one that does not act in
-//! `P(z < -1.645 + |c| i / (2 sqrt(V)))`. Where that is less than 95 % the test cannot tell, and says so.
+//! The test is one-sided at 5 %: an effect is called harmful below z = -1.645. A true one, whatever its size,
+//! is called so in at most 5 %, and in `P(z < -1.645 - |c| i / (2 sqrt(V)))`; one that does not act in `P(z <
+//! -1.645 + |c| i / (2 sqrt(V)))`. Where that is less than 95 % the test cannot tell, and says so.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -60,8 +60,8 @@ impl HeldOutVerdict {
         )
     }
 
-    /// On stretches of the learning flights, each with the coefficient of all the others. That coefficient has
-    /// chance in it too: the gain's sigma is by the derivative with respect to every stretch's score.
+    /// On stretches of the learning flights, each with the coefficient of all the others. That coefficient
+    /// has chance in it too: the gain's sigma is by the derivative with respect to every stretch's score.
     #[must_use]
     pub fn on_stretches(folds: &Folds) -> Self {
         let all = folds.stretches.iter().fold(folds.captive, |sum, stretch| sum.and(*stretch));
@@ -122,7 +122,8 @@ mod tests {
 
     #[test]
     fn a_flight_is_refused_at_the_rate_that_is_stated() {
-        // In sigmas of the held-out estimate: |c| i / (2 sqrt(V)) = 1.5, so P(z < -3.145), 5 %, P(z < -0.145).
+        // In sigmas of the held-out estimate: |c| i / (2 sqrt(V)) = 1.5, so P(z < -3.145), 5 %, P(z <
+        // -0.145).
         for (truth, expected) in [(3.0, 0.000_83), (1.5, 0.05), (0.0, 0.442_4)] {
             for inflation in [1.0, 2.5] {
                 let scale = f64::sqrt(inflation);
@@ -149,8 +150,8 @@ mod tests {
         );
     }
 
-    /// Stretches of very different weight, one of which has nearly all of it: true effects pass, and one that is
-    /// there in a single stretch only does not.
+    /// Stretches of very different weight, one of which has nearly all of it: true effects pass, and one that
+    /// is there in a single stretch only does not.
     #[test]
     fn stretches_refuse_what_does_not_repeat_and_little_of_what_does() {
         let weights: [&[f64]; 3] = [&[1.0; 5], &[0.01, 0.01, 0.01, 0.01, 5.0], &[0.0, 3.0, 0.1, 1.0, 0.0]];

@@ -75,7 +75,8 @@ impl Information {
         }
     }
 
-    /// The same flights, had the residual been what some columns make of it with these coefficients, and no noise.
+    /// The same flights, had the residual been what some columns make of it with these coefficients, and no
+    /// noise.
     #[must_use]
     pub fn with_response(&self, columns: &[usize], coefficients: &[f64]) -> Self {
         let mut with = self.clone();
@@ -138,8 +139,8 @@ impl Information {
         })
     }
 
-    /// The least-squares coefficients of a combination of the columns (one factor a column) on some of them; `None` where these can't be
-    /// told apart.
+    /// The least-squares coefficients of a combination of the columns (one factor a column) on some of them;
+    /// `None` where these can't be told apart.
     #[must_use]
     pub fn regression(&self, combination: &[f64], on: &[usize]) -> Option<Vec<f64>> {
         let mut of = self.clone();
@@ -153,7 +154,8 @@ impl Information {
         of.solve(on).map(|solution| solution.coefficients)
     }
 
-    /// As [`Self::solve`], with what is believed of each column's coefficient beforehand, as a sigma about zero.
+    /// As [`Self::solve`], with what is believed of each column's coefficient beforehand, as a sigma about
+    /// zero.
     #[must_use]
     pub fn solve_with_prior(&self, columns: &[usize], sigmas: &[f64]) -> Option<Solution> {
         let mut with = self.clone();
@@ -193,7 +195,8 @@ fn present(products: &DMatrix<f64>, own: usize) -> Vec<usize> {
     (1..=own).filter(|column| products[(*column, *column)] > 0.0).collect()
 }
 
-/// The own columns of a flight that have a reading, and Cholesky's factor of their normal equations; `None` where they can't be told apart.
+/// The own columns of a flight that have a reading, and Cholesky's factor of their normal equations; `None`
+/// where they can't be told apart.
 #[must_use]
 pub fn own_factor(products: &DMatrix<f64>, own: usize) -> Option<(Vec<usize>, Cholesky<f64, Dyn>)> {
     let present = present(products, own);

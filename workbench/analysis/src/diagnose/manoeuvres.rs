@@ -4,7 +4,8 @@
 use kf_core::input::{GpsFix, ImuSample, Signals, TickInput};
 
 const GRAVITY: f64 = 9.806_65;
-/// Pull-ups and push-overs: the climb rate's amplitude over the cruise's speed, and its angular frequency, rad/s (a period of 6 s).
+/// Pull-ups and push-overs: the climb rate's amplitude over the cruise's speed, and its angular frequency,
+/// rad/s (a period of 6 s).
 const PULL: f64 = 0.08;
 const PULL_RATE: f64 = 1.05;
 /// Ticks a second.
@@ -16,7 +17,8 @@ pub const LENGTH_S: f64 = 120.0;
 
 /// A manoeuvre: what the pilot or autopilot holds as a function of the time since its start.
 pub struct Manoeuvre {
-    /// What to fly, with `{slow}`, `{cruise}` and `{fast}` for speeds in m/s, and `{light}` and `{heavy}` for a pull-up's load factors.
+    /// What to fly, with `{slow}`, `{cruise}` and `{fast}` for speeds in m/s, and `{light}` and `{heavy}` for
+    /// a pull-up's load factors.
     say: &'static str,
     /// Speed over the cruise's.
     speed: fn(f64) -> f64,
@@ -264,7 +266,8 @@ mod tests {
         assert!(MANOEUVRES[1].say(&TRIM).contains("at constant 40 m/s"));
     }
 
-    /// A pull-up at such a speed takes more lift the faster the aircraft is, and the words have what is flown.
+    /// A pull-up at such a speed takes more lift the faster the aircraft is, and the words have what is
+    /// flown.
     #[test]
     fn the_words_have_the_load_factors_of_that_speed() {
         for (speed_mps, words) in [(40.0, "between 0.7 and 1.3 g"), (80.0, "between 0.3 and 1.7 g")] {

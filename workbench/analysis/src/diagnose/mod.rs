@@ -7,7 +7,8 @@
 //!
 //! `work` does it:
 //!
-//! 1. `prepare`: `from_replay` makes block means of a flight's ticks, of residuals and of every candidate's regressor.
+//! 1. `prepare`: `from_replay` makes block means of a flight's ticks, of residuals and of every candidate's
+//!    regressor.
 //! 2. `search`: the most probable set of effects among the `suspects`; `simplicity`: whether fewer do.
 //!    Where the climb rate is not measured, `posterior`: how probable each set is.
 //! 3. `repeatability`: whether its coefficients repeat from part to part of the flight.

@@ -148,8 +148,8 @@ const TIME_ORDER: f64 = 0.7;
 /// Of the ratio of the white noise after launch to that before: a factor of two. The mother ship's flow is
 /// gone, the sensor's own propeller and angle of attack are new.
 const WHITE_ORDER: f64 = 0.7;
-/// Correlation time of the slow wander, seconds: that of a flight's weather and of a receiver's constellation, which a wander of
-/// minutes cannot take the part of.
+/// Correlation time of the slow wander, seconds: that of a flight's weather and of a receiver's
+/// constellation, which a wander of minutes cannot take the part of.
 const SLOW_S: f64 = 1200.0;
 /// Of a factor that is held at one.
 const HELD: f64 = 0.02;
@@ -208,9 +208,9 @@ impl NoisePrior {
         Self { parameters, start }
     }
 
-    /// The prior with a slow wander beside the reference's, for flights whose only witness of a slow error is one sensor against the
-    /// receiver: weather, a warming instrument and the receiver's own slow errors are no single Gauss-Markov process, and a drift
-    /// is told from them, not from the one of a minute.
+    /// The prior with a slow wander beside the reference's, for flights whose only witness of a slow error is
+    /// one sensor against the receiver: weather, a warming instrument and the receiver's own slow errors are
+    /// no single Gauss-Markov process, and a drift is told from them, not from the one of a minute.
     #[must_use]
     pub fn with_slow_wander(mut self) -> Self {
         let mean = libm::log(0.5 * self.start.reference.sigma_m);

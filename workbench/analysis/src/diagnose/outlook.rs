@@ -1,4 +1,5 @@
-//! What a planned flight would tell: how sure each effect's coefficient would be, and what would be left of each set.
+//! What a planned flight would tell: how sure each effect's coefficient would be, and what would be left of
+//! each set.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -27,7 +28,8 @@ pub struct EffectOutlook {
     pub unit: Name,
     /// Whether it was found to act.
     pub is_found: bool,
-    /// The coefficient as the flights have it, beside the effects that were found; null where they do not show it.
+    /// The coefficient as the flights have it, beside the effects that were found; null where they do not
+    /// show it.
     pub coefficient: Option<f64>,
     /// One sigma of it now, as the diagnosis has it; null where the flights do not show it.
     pub sigma_now: Option<f64>,
@@ -59,8 +61,8 @@ pub struct MemberOutlook {
     pub effect: Name,
     /// The probability that it is the one that acts, now.
     pub probability: f64,
-    /// The probability that it would be given with the planned flight, if it is the one: the median over that flight's noise. Null for
-    /// one whose signal the flights lack.
+    /// The probability that it would be given with the planned flight, if it is the one: the median over that
+    /// flight's noise. Null for one whose signal the flights lack.
     pub probability_then: Option<f64>,
     /// How many of the set, itself among them, would then still have a probability of 5 % or more.
     pub left: Option<usize>,

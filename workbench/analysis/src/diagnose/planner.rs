@@ -1,10 +1,11 @@
 //! What flights tell, kept so that one more flight can be added to it before anybody flies.
 //!
-//! A coefficient's variance depends on what is flown and on the noise, not on what the sensors then read: the normal equations of the
-//! planned flight, under the noise that was found, are added to those of the flights. For a set of effects each of them in turn is
-//! taken to be the one that acts, with the coefficient that fits it: the planned flight then reads what it makes of it, and the
-//! likelihood of the others with both is what it is expected to be; with noise it lies about that, so that the probabilities are
-//! medians. Likelihoods count as in the diagnosis, less the more the effects explain: formulas and signals are not quite right.
+//! A coefficient's variance depends on what is flown and on the noise, not on what the sensors then read: the
+//! normal equations of the planned flight, under the noise that was found, are added to those of the flights.
+//! For a set of effects each of them in turn is taken to be the one that acts, with the coefficient that fits
+//! it: the planned flight then reads what it makes of it, and the likelihood of the others with both is what
+//! it is expected to be; with noise it lies about that, so that the probabilities are medians. Likelihoods
+//! count as in the diagnosis, less the more the effects explain: formulas and signals are not quite right.
 
 use executor::Executor;
 use kf_core::effect::EffectId;
@@ -67,9 +68,9 @@ struct Set {
     members: Vec<(EffectId, f64, Option<usize>)>,
 }
 
-/// How much a sum of squares counts: the less, the more the effects explain. Where the climb rate is measured the shares are those of
-/// `simplicity.rs`, over the whole flight, and not of `rivals.rs`, which knows where two effects differ: a plan is rather said to tell too little
-/// apart than too much.
+/// How much a sum of squares counts: the less, the more the effects explain. Where the climb rate is measured
+/// the shares are those of `simplicity.rs`, over the whole flight, and not of `rivals.rs`, which knows where
+/// two effects differ: a plan is rather said to tell too little apart than too much.
 #[derive(Clone, Copy, Debug)]
 struct Tempering {
     /// What it is divided by where nothing is explained.
@@ -78,8 +79,9 @@ struct Tempering {
     shape: f64,
 }
 
-/// The share (squares) of what an effect will explain that the errors of its shape may make of it, where a flight is only planned: measured signals,
-/// their delays and the terms that a formula leaves out make it wrong by some 14 %.
+/// The share (squares) of what an effect will explain that the errors of its shape may make of it, where a
+/// flight is only planned: measured signals, their delays and the terms that a formula leaves out make it
+/// wrong by some 14 %.
 const SHAPE: f64 = 0.02;
 /// The same where a regressor is only roughly known.
 const ROUGH_SHAPE: f64 = 0.1;

@@ -1,16 +1,19 @@
 //! How probable each set of effects is, where the climb rate is not measured.
 //!
-//! The weight of a set is its marginal likelihood: the noise fitted anew beside it, its coefficients integrated out in closed form over
-//! what is believed of them ([`CoefficientPrior`]), and of time constants over the grid. Sets are looked at as in Occam's window (Madigan and Raftery,
-//! "Model selection and accounting for model uncertainty in graphical models using Occam's window", Journal of the American Statistical
-//! Association 89, 1994): from the best one on, those with one effect more, one less or another one, as long as they come near it.
+//! The weight of a set is its marginal likelihood: the noise fitted anew beside it, its coefficients
+//! integrated out in closed form over what is believed of them ([`CoefficientPrior`]), and of time constants
+//! over the grid. Sets are looked at as in Occam's window (Madigan and Raftery, "Model selection and
+//! accounting for model uncertainty in graphical models using Occam's window", Journal of the American
+//! Statistical Association 89, 1994): from the best one on, those with one effect more, one less or another
+//! one, as long as they come near it.
 //!
-//! The noise is no Gauss-Markov process and the formulas are not exact, so the likelihood is trusted with a power below one (Miller
-//! and Dunson, "Robust Bayesian inference via coarsening", Journal of the American Statistical Association 114, 2019). That power
-//! is what makes the probabilities right as often as they say, on the development half of `docs/blind-trials.md`.
+//! The noise is no Gauss-Markov process and the formulas are not exact, so the likelihood is trusted with a
+//! power below one (Miller and Dunson, "Robust Bayesian inference via coarsening", Journal of the American
+//! Statistical Association 114, 2019). That power is what makes the probabilities right as often as they say,
+//! on the development half of `docs/blind-trials.md`.
 //!
-//! A pressure altitude is off its height by as much as the air is off the standard's temperature. So each set has a scale in it, of
-//! which a kelvin is believed where the set says nothing of one.
+//! A pressure altitude is off its height by as much as the air is off the standard's temperature. So each set
+//! has a scale in it, of which a kelvin is believed where the set says nothing of one.
 
 use std::collections::BTreeMap;
 
@@ -27,12 +30,14 @@ use crate::progress::{Cancelled, Progress, step};
 
 /// The power of the likelihood: by the reliability diagram of `cargo xtask real-trials --half development`.
 pub const POWER: f64 = 0.7;
-/// The share of what the effects explain (squares) that formulas and signals make wrong: as the power of the likelihood falls with it, what
-/// an effect leaves because it is not quite as its formula says is not another effect's.
+/// The share of what the effects explain (squares) that formulas and signals make wrong: as the power of the
+/// likelihood falls with it, what an effect leaves because it is not quite as its formula says is not another
+/// effect's.
 pub const SHAPE: f64 = 0.01;
 /// The chance of an effect to act, beforehand.
 pub(super) const INCLUSION: f64 = 0.1;
-/// Sets are looked at while their weight is not so many times (natural logarithm) below the best one's: 0.2 %.
+/// Sets are looked at while their weight is not so many times (natural logarithm) below the best one's: 0.2
+/// %.
 const WINDOW: f64 = 6.0;
 /// Sets whose noise is fitted in a round, and rounds.
 const REFITTED: usize = 3;
@@ -339,8 +344,8 @@ impl Posterior {
         self.share(|set| self.has(set, effect))
     }
 
-    /// What could act in the place of a column of the most probable set: another effect with the share of the sets that have it
-    /// and not the column's. And the probability that its place is empty.
+    /// What could act in the place of a column of the most probable set: another effect with the share of the
+    /// sets that have it and not the column's. And the probability that its place is empty.
     #[must_use]
     pub fn rivals(&self, column: usize, chosen: &[usize], explained: f64) -> Rivals {
         let own = self.effects.get(&column).copied();

@@ -18,7 +18,8 @@ use replay::barometer;
 
 /// What a search works on.
 pub(crate) struct Prepared {
-    /// What is tried, and after it the effects that the model has already; the columns of every series are theirs.
+    /// What is tried, and after it the effects that the model has already; the columns of every series are
+    /// theirs.
     pub candidates: Vec<Candidate>,
     /// The flights.
     pub epochs: Vec<Epochs>,

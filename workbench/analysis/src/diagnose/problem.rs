@@ -226,8 +226,9 @@ impl Function for Likelihood<'_> {
         (value, Some((flights, solution.coefficients)))
     }
 
-    /// Coefficients are where the squares are least, so that the slope in them is none: that of the squares is the one of what they
-    /// leave. The own columns' normal equations `B` add that of `log |B|`, the sum of squares of `L^-1` times them, with `B = L L'`.
+    /// Coefficients are where the squares are least, so that the slope in them is none: that of the squares
+    /// is the one of what they leave. The own columns' normal equations `B` add that of `log |B|`, the sum of
+    /// squares of `L^-1` times them, with `B = L L'`.
     fn slope(&self, values: &[f64], left: &Self::Left) -> Vec<f64> {
         let mut slope: Vec<f64> =
             self.prior.log_density_slope(values).into_iter().map(|slope| -2.0 * slope).collect();
@@ -317,8 +318,9 @@ mod tests {
         series
     }
 
-    /// The slope is that of the value: two flights, a known effect, two picks, every parameter of the noise. Differences of 1e-4 either way leave
-    /// errors of their square; 1e-5 of the largest slope is far more than these.
+    /// The slope is that of the value: two flights, a known effect, two picks, every parameter of the noise.
+    /// Differences of 1e-4 either way leave errors of their square; 1e-5 of the largest slope is far more
+    /// than these.
     #[test]
     fn the_slope_is_that_of_the_likelihood() {
         let flights = [flight(1), flight(7)];

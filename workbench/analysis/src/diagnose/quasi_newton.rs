@@ -1,4 +1,5 @@
-//! Minimisation by quasi-Newton steps: BFGS (Nocedal and Wright, "Numerical Optimization", 2nd edition, algorithm 6.1).
+//! Minimisation by quasi-Newton steps: BFGS (Nocedal and Wright, "Numerical Optimization", 2nd edition,
+//! algorithm 6.1).
 
 use executor::Executor;
 use nalgebra::{DMatrix, DVector};

@@ -53,7 +53,8 @@ impl ReferencePath {
         Self { fixes, climb_mps, lines, interval_s, gap_s, next: 1 }
     }
 
-    /// Takes a better path than the straight lines through the fixes' altitudes, for receivers without a climb rate; a point a fix.
+    /// Takes a better path than the straight lines through the fixes' altitudes, for receivers without a
+    /// climb rate; a point a fix.
     pub fn set_path(&mut self, points: &[PathPoint]) {
         for (line, point) in self.lines.iter_mut().zip(points) {
             *line = (point.climb_mps, point.altitude_m);
@@ -109,7 +110,8 @@ impl ReferencePath {
 pub struct Reference {
     /// Altitude, metres.
     pub altitude_m: f64,
-    /// Climb rate, m/s: the receiver's, or else what [`ReferencePath::set_path`] was given, or the slope of its altitude.
+    /// Climb rate, m/s: the receiver's, or else what [`ReferencePath::set_path`] was given, or the slope of
+    /// its altitude.
     pub climb_mps: f64,
     /// Altitude of that path, or averaged over some seconds around, metres.
     pub smooth_m: f64,
@@ -167,8 +169,8 @@ mod tests {
             for k in 10..170 {
                 let reference = path.at(k * 50_000).unwrap();
                 let altitude_m = reference.altitude_m;
-                // Where there are fixes on both sides alike, a parabola's line has its slope, and is off by the
-                // mean of its bend: 4 m/s^2 times the mean square of the fixes' distances.
+                // Where there are fixes on both sides alike, a parabola's line has its slope, and is off by
+                // the mean of its bend: 4 m/s^2 times the mean square of the fixes' distances.
                 if (50..130).contains(&k) {
                     let slope = 20.0 - 8.0 * k as f64 * 0.05;
                     assert!((reference.climb_mps - slope).abs() < 1e-6, "{k}: {reference:?}");

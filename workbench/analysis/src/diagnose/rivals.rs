@@ -15,13 +15,15 @@ use super::series::BySensor;
 use super::shape_error;
 use super::suspects::Suspects;
 
-/// A pair of candidates is looked at where it leaves less by this than the chosen effect does, in squares under the chosen noise.
+/// A pair of candidates is looked at where it leaves less by this than the chosen effect does, in squares
+/// under the chosen noise.
 const CLEARLY_BETTER: f64 = 10.0;
 /// So many pairs at most, the best ones, get a noise of their own.
 const PAIRS: usize = 3;
-/// A candidate that leaves more squares than this, and than [`HOPELESS`] of what the chosen one explains, is judged under the chosen one's noise:
-/// its odds are then below one in a hundred wherever the power is a tenth or more. That saves most of the time; what a noise of its own
-/// would give it has been seen on the development seeds only.
+/// A candidate that leaves more squares than this, and than [`HOPELESS`] of what the chosen one explains, is
+/// judged under the chosen one's noise: its odds are then below one in a hundred wherever the power is a
+/// tenth or more. That saves most of the time; what a noise of its own would give it has been seen on the
+/// development seeds only.
 const FAR: f64 = 100.0;
 /// The share.
 const HOPELESS: f64 = 0.7;
@@ -37,11 +39,13 @@ pub struct Rivals {
     pub odds: Vec<f64>,
     /// Squares that the chosen column explains and the others chosen do not.
     pub explained: f64,
-    /// The probability that the chosen column's effect acts, where sets of effects have one ([`super::posterior`]).
+    /// The probability that the chosen column's effect acts, where sets of effects have one
+    /// ([`super::posterior`]).
     pub acts: Option<f64>,
     /// The probability that nothing acts in this place.
     pub empty: f64,
-    /// Whether the chosen effect is larger than nature allows of it, and there for another one ([`stands_in`]).
+    /// Whether the chosen effect is larger than nature allows of it, and there for another one
+    /// ([`stands_in`]).
     pub is_stand_in: bool,
 }
 
@@ -53,7 +57,8 @@ impl Rivals {
     }
 }
 
-/// Finds the rivals of every chosen column; by `inflation` the variance of each one's coefficient is larger than its fit's.
+/// Finds the rivals of every chosen column; by `inflation` the variance of each one's coefficient is larger
+/// than its fit's.
 pub fn rivals(
     search: &mut Search<'_>,
     suspects: &Suspects<'_>,
@@ -121,7 +126,8 @@ struct Nearest {
 
 impl Place<'_> {
     fn rivals(&self, search: &mut Search<'_>) -> Rivals {
-        // An effect's weight: the column of it that the logarithm is of, and the logarithm against the chosen effect's.
+        // An effect's weight: the column of it that the logarithm is of, and the logarithm against the chosen
+        // effect's.
         let mut found: BTreeMap<EffectId, (f64, usize)> = BTreeMap::new();
         let nearest: Vec<Nearest> =
             self.others().into_iter().filter_map(|effect| self.nearest(effect)).collect();
@@ -173,7 +179,8 @@ impl Place<'_> {
         effects
     }
 
-    /// The best column of another effect in this place. `None` where nature does not allow what it would have to be.
+    /// The best column of another effect in this place. `None` where nature does not allow what it would have
+    /// to be.
     fn nearest(&self, effect: EffectId) -> Option<Nearest> {
         let mut worse: Vec<(f64, usize)> = Vec::new();
         for column in self.suspects.usable().iter().copied().filter(|column| self.effect(*column) == effect) {
@@ -190,9 +197,9 @@ impl Place<'_> {
         Some(Nearest { column, set: self.with(&[column]), behind, is_hopeless })
     }
 
-    /// The weight of another effect in this place against the chosen column. How many time constants are tried does
-    /// not count against it, as little as how far its coefficient may reach, because the likelihood that would pay for it is
-    /// weakened.
+    /// The weight of another effect in this place against the chosen column. How many time constants are
+    /// tried does not count against it, as little as how far its coefficient may reach, because the
+    /// likelihood that would pay for it is weakened.
     fn log_weight(&self, search: &mut Search<'_>, nearest: &Nearest) -> f64 {
         let Nearest { set, behind, is_hopeless, .. } = nearest;
         let chosen = &self.chosen.fit;
@@ -213,8 +220,8 @@ impl Place<'_> {
         set
     }
 
-    /// The power of the likelihood of a set with further columns against that set alone, if it is right. None at all where the two can't be told
-    /// apart: what a likelihood says of them then is rounding.
+    /// The power of the likelihood of a set with further columns against that set alone, if it is right. None
+    /// at all where the two can't be told apart: what a likelihood says of them then is rounding.
     fn tempered(&self, noise: &Noise, set: &[usize], further: &[usize]) -> f64 {
         let Some(of_shapes) = shape_error::variance(self.problem, self.suspects, noise, set, further) else {
             return 0.0;
@@ -222,9 +229,10 @@ impl Place<'_> {
         1.0 / (1.0 / self.power + of_shapes)
     }
 
-    /// Two candidates that together fit better than the chosen one does are no worse an explanation for being two; but the second must pay as
-    /// every effect does: its inclusion, and what is believed of its coefficient. Where one of them beside the chosen one is worth that
-    /// too, the pair stands against these two. Nor are they a better explanation here: the search has weighed them, and a set that lists one of
+    /// Two candidates that together fit better than the chosen one does are no worse an explanation for being
+    /// two; but the second must pay as every effect does: its inclusion, and what is believed of its
+    /// coefficient. Where one of them beside the chosen one is worth that too, the pair stands against these
+    /// two. Nor are they a better explanation here: the search has weighed them, and a set that lists one of
     /// the two alone must not push out the chosen one.
     fn pairs(&self, search: &mut Search<'_>) -> Vec<(f64, [usize; 2])> {
         let others = self.others();
@@ -304,7 +312,8 @@ impl Place<'_> {
         (0.5 * power * ahead + price).min(0.0)
     }
 
-    /// What another effect pays (the logarithm of its prior odds and of Occam's factor): its coefficient stands at that place of a solution.
+    /// What another effect pays (the logarithm of its prior odds and of Occam's factor): its coefficient
+    /// stands at that place of a solution.
     fn price(&self, column: usize, solution: &Solution, at: usize) -> f64 {
         let n = solution.coefficients.len();
         let variance = solution.covariance[at * n + at];

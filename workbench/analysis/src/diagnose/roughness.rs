@@ -15,15 +15,16 @@ const SCALE_INTEGRATED: f64 = 0.05;
 /// The same where the airspeed is not measured and the speed over ground stands in: wind.
 const SCALE_WITHOUT_AIRSPEED: f64 = 0.2;
 
-/// The same of a delay where the climb rate is not measured but estimated, with the delay in steps, and a low pass is taken for a pure delay:
-/// the errors of the sizes that `cargo xtask real-trials` finds of delays in flights made of real tracks are 0.09 of them, rms, in the
-/// development half.
+/// The same of a delay where the climb rate is not measured but estimated, with the delay in steps, and a low
+/// pass is taken for a pure delay: the errors of the sizes that `cargo xtask real-trials` finds of delays in
+/// flights made of real tracks are 0.09 of them, rms, in the development half.
 const SCALE_WITHOUT_CLIMB_RATE: f64 = 0.1;
 
-/// What a coefficient may be off by from one part of a flight to another because it is no constant, where the climb rate is not measured: a
-/// pressure altitude is off by as much of the height as the air's temperature is off the standard's, and within hours and kilometres that changes by
-/// a kelvin in 288. (The halves of the development half's logs differ by that beside their sigmas.) A scale that may be all of that is no
-/// effect that is missing.
+/// What a coefficient may be off by from one part of a flight to another because it is no constant, where the
+/// climb rate is not measured: a pressure altitude is off by as much of the height as the air's temperature
+/// is off the standard's, and within hours and kilometres that changes by a kelvin in 288. (The halves of the
+/// development half's logs differ by that beside their sigmas.) A scale that may be all of that is no effect
+/// that is missing.
 const UNSTEADY_SCALE: f64 = 1.0 / 288.0;
 
 /// Whether an effect's regressor is known only to some ten per cent: the airspeed is not measured, or it is
@@ -36,7 +37,8 @@ pub(super) fn is_rough(epochs: &[Epochs], effect: EffectId) -> bool {
     is_integrated || lacks_airspeed(epochs, effect)
 }
 
-/// The share (squares) by which the shape of what an effect puts into a tenth of a flight is wrong ([`super::shape_error`]).
+/// The share (squares) by which the shape of what an effect puts into a tenth of a flight is wrong
+/// ([`super::shape_error`]).
 const SHAPE: f64 = 0.01;
 /// The same where a regressor is only roughly known.
 const ROUGH_SHAPE: f64 = 0.03;
@@ -79,7 +81,8 @@ pub(super) fn scale(epochs: &[Epochs], effect: EffectId) -> f64 {
     }
 }
 
-/// What an effect's coefficient is unsure by beside its noise and the share of it that is [`scale`], in its unit.
+/// What an effect's coefficient is unsure by beside its noise and the share of it that is [`scale`], in its
+/// unit.
 pub(super) fn unsteadiness(effect: EffectId, has_climb_rate: bool) -> f64 {
     if effect == EffectId::BaroScale && !has_climb_rate { UNSTEADY_SCALE } else { 0.0 }
 }

@@ -1,6 +1,7 @@
-//! The score: the slope of the likelihood in the noise's numbers, and the weights of readings, by one pass of the filter forward and one backward
-//! (Koopman and Shephard, "Exact score for time series models in state space form", Biometrika 79, 1992; de Jong, "Smoothing and interpolation
-//! with the state-space model", Journal of the American Statistical Association 84, 1989). Differences would take a pass for every number.
+//! The score: the slope of the likelihood in the noise's numbers, and the weights of readings, by one pass of
+//! the filter forward and one backward (Koopman and Shephard, "Exact score for time series models in state
+//! space form", Biometrika 79, 1992; de Jong, "Smoothing and interpolation with the state-space model",
+//! Journal of the American Statistical Association 84, 1989). Differences would take a pass for every number.
 //!
 //! With the readings' covariance `V` and columns `q` that do not depend on the noise, the slope is that of
 //!
@@ -67,7 +68,8 @@ fn recorded(series: &Series, noise: &Noise, columns: &[&[BySensor]]) -> Tape {
     tape
 }
 
-/// What the readings after some time say of the states then: `r` for every column, `N` for the readings as such (the papers' letters).
+/// What the readings after some time say of the states then: `r` for every column, `N` for the readings as
+/// such (the papers' letters).
 struct Backward {
     columns: Vec<Means>,
     information: [State; STATES],
@@ -78,8 +80,8 @@ impl Backward {
         Self { columns: vec![[[0.0; LANES]; STATES]; groups], information: [[0.0; STATES]; STATES] }
     }
 
-    /// Takes a reading with its innovations over their variance; `weights` are then the columns' in `V^-1 q`, and what is given is the
-    /// diagonal of `V^-1`, both of that reading.
+    /// Takes a reading with its innovations over their variance; `weights` are then the columns' in `V^-1 q`,
+    /// and what is given is the diagonal of `V^-1`, both of that reading.
     fn take(&mut self, reading: &Kept, innovations: &[[f64; LANES]], weights: &mut [[f64; LANES]]) -> f64 {
         let read = [0, FIX, 2, OWN + reading.sensor];
         for ((columns, innovations), weights) in self.columns.iter_mut().zip(innovations).zip(weights) {
@@ -138,8 +140,9 @@ fn dot(one: &[f64; LANES], other: &[f64; LANES]) -> f64 {
     one.iter().zip(other).map(|(one, other)| one * other).sum()
 }
 
-/// The way back over a flight, reading by reading and block by block, the last first: `reading` is given each one's diagonal of `V^-1` and its weights,
-/// `block` each step into a block before it is taken back. Where it ends is before the first block.
+/// The way back over a flight, reading by reading and block by block, the last first: `reading` is given each
+/// one's diagonal of `V^-1` and its weights, `block` each step into a block before it is taken back. Where it
+/// ends is before the first block.
 fn back(
     tape: &Tape,
     groups: usize,
@@ -230,8 +233,8 @@ impl Step {
     }
 }
 
-/// The weights of all readings in each column's products with others, `V^-1 q`, 1/m: block, sensor and a row of a weight a column, the last
-/// reading first.
+/// The weights of all readings in each column's products with others, `V^-1 q`, 1/m: block, sensor and a row
+/// of a weight a column, the last reading first.
 pub fn weights(
     series: &Series,
     noise: &Noise,
@@ -280,7 +283,8 @@ mod tests {
         }
     }
 
-    /// The slope in each number of the noise is that of `log |V| + q' V^-1 q + p' V^-1 p` of the dense covariance, by central differences.
+    /// The slope in each number of the noise is that of `log |V| + q' V^-1 q + p' V^-1 p` of the dense
+    /// covariance, by central differences.
     #[test]
     fn the_score_is_the_slope_of_the_dense_likelihood() {
         let (series, noise) = (series(), noise());

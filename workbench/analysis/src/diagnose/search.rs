@@ -139,8 +139,8 @@ impl<'a> Search<'a> {
         Ok(best)
     }
 
-    /// A set near the most probable one, where another search goes on from: the better of none and of the best one under the prior's
-    /// noise.
+    /// A set near the most probable one, where another search goes on from: the better of none and of the
+    /// best one under the prior's noise.
     ///
     /// # Errors
     /// [`Cancelled`] when `progress` says so.

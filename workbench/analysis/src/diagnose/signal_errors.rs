@@ -1,10 +1,12 @@
 //! Regressors made of signals that were measured late, or with an offset.
 //!
-//! An airspeed comes through tubing and a filter, a vane has inertia and is set to some half a degree, and a receiver that is late
-//! with its altitude is as late with its velocity. A regressor made of such a signal is wrong in shape, and what it leaves looks like another
-//! effect: a load factor is what a prompt vane would have said, and a lever arm what the end of a climb looks like to a late receiver. So
-//! these regressors are tried as if their signals had been prompt and true as well: the column is read so much ahead, and an
-//! angle is turned by so much. Which of them fits says nothing of the effect, only of its instrument: all are one effect.
+//! An airspeed comes through tubing and a filter, a vane has inertia and is set to some half a degree, and a
+//! receiver that is late with its altitude is as late with its velocity. A regressor made of such a signal is
+//! wrong in shape, and what it leaves looks like another effect: a load factor is what a prompt vane would
+//! have said, and a lever arm what the end of a climb looks like to a late receiver. So these regressors are
+//! tried as if their signals had been prompt and true as well: the column is read so much ahead, and an angle
+//! is turned by so much. Which of them fits says nothing of the effect, only of its instrument: all are one
+//! effect.
 
 use kf_core::effect::EffectId;
 
@@ -25,8 +27,8 @@ const VANE_LATE_S: [f32; 3] = [0.0, 0.15, 0.3];
 const VANE_OFFSET_RAD: [f32; 3] = [0.0, 0.01, -0.01];
 /// Tubing and filter of an airspeed.
 const AIRSPEED_LATE_S: [f32; 3] = [0.0, 0.3, 0.6];
-/// A receiver's altitude that is late by d is its true one less d times the mean climb rate of the last d seconds: that of a velocity as
-/// late, d/2 ahead. A receiver is some three seconds late at most.
+/// A receiver's altitude that is late by d is its true one less d times the mean climb rate of the last d
+/// seconds: that of a velocity as late, d/2 ahead. A receiver is some three seconds late at most.
 const RECEIVER_LATE_S: [f32; 4] = [0.0, 0.5, 1.0, 1.5];
 
 /// The errors that are tried of an effect's signal, none first.
@@ -46,8 +48,8 @@ pub fn errors(effect: EffectId) -> Vec<SignalError> {
     }
 }
 
-/// A column of block means, read so much ahead: between the means of the blocks around that time. Where they are of another phase, or behind a
-/// gap, the last two that belong together go on.
+/// A column of block means, read so much ahead: between the means of the blocks around that time. Where they
+/// are of another phase, or behind a gap, the last two that belong together go on.
 pub(super) fn read_ahead(series: &Series, column: &mut [BySensor], late_s: f32) {
     let share = f64::from(late_s) / series.block_s;
     let seen = |block: usize, sensor: usize| series.readings.get(block).is_some_and(|of| of[sensor] > 0);
@@ -107,7 +109,8 @@ mod tests {
         }
     }
 
-    /// More than a block ahead lies between the two blocks that are there, and is not the next one's rise drawn on.
+    /// More than a block ahead lies between the two blocks that are there, and is not the next one's rise
+    /// drawn on.
     #[test]
     fn more_than_a_block_ahead_is_read_where_it_lies() {
         let times_s: Vec<f64> = (0..5).map(|k| 1.0 + 2.0 * f64::from(k)).collect();

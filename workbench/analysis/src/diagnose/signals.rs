@@ -29,9 +29,9 @@ pub const NAMES: [&str; 21] = [
     "ground velocity east",
 ];
 
-/// A flight's unknown columns that an unexplained residual may follow. Not what an autopilot estimated (`autopilot_*`), nor what
-/// another barometer read (`baro_N_pa`): the sensors' errors and the path itself are in them, as in the residual, so that each would
-/// seem to follow the other.
+/// A flight's unknown columns that an unexplained residual may follow. Not what an autopilot estimated
+/// (`autopilot_*`), nor what another barometer read (`baro_N_pa`): the sensors' errors and the path itself
+/// are in them, as in the residual, so that each would seem to follow the other.
 pub fn offered(extra: &[(String, Column)]) -> impl Iterator<Item = &(String, Column)> {
     let is_path =
         |name: &str| name.starts_with("autopilot_") || (name.starts_with("baro_") && name.ends_with("_pa"));
@@ -61,8 +61,8 @@ impl SignalMeans {
 
     /// Takes a tick.
     ///
-    /// `climbed_m` is the altitude by the integral of the climb rate: the fixes' own altitude has the reference's
-    /// error in it, which the residual has as well, so that each would seem to follow the other.
+    /// `climbed_m` is the altitude by the integral of the climb rate: the fixes' own altitude has the
+    /// reference's error in it, which the residual has as well, so that each would seem to follow the other.
     pub fn take(
         &mut self,
         input: &TickInput,

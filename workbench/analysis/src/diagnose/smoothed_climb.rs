@@ -1,10 +1,10 @@
 //! The climb rate as a first-order low pass passes it on.
 //!
-//! What lags hardly ever does it by a pure delay: a tube with a volume behind it, or a receiver that filters, is a low
-//! pass, `y + tau y' = x`. Then `y = x - tau LP(x')`, exactly, with the same low pass LP: the coefficient is still the lag
-//! in seconds, and the regressor the smoothed climb rate. A pure delay d is `x - d` times the mean climb rate of the
-//! last d seconds, which a low pass of about d/2 comes near to. Without this, a lag's misfit at sharp turns of the
-//! path goes to whatever effect happens to look like it.
+//! What lags hardly ever does it by a pure delay: a tube with a volume behind it, or a receiver that filters,
+//! is a low pass, `y + tau y' = x`. Then `y = x - tau LP(x')`, exactly, with the same low pass LP: the
+//! coefficient is still the lag in seconds, and the regressor the smoothed climb rate. A pure delay d is `x -
+//! d` times the mean climb rate of the last d seconds, which a low pass of about d/2 comes near to. Without
+//! this, a lag's misfit at sharp turns of the path goes to whatever effect happens to look like it.
 
 /// Time constants of the low passes that lags are tried with, seconds. 0: as the catalogue has it.
 pub const SMOOTHINGS_S: [f32; 5] = [0.0, 0.5, 1.0, 2.0, 4.0];
@@ -17,7 +17,8 @@ pub struct SmoothedClimb {
 }
 
 impl SmoothedClimb {
-    /// Takes the climb rate (m/s) at a time (microseconds), later than the last; it is taken as linear in between.
+    /// Takes the climb rate (m/s) at a time (microseconds), later than the last; it is taken as linear in
+    /// between.
     pub fn take(&mut self, time_us: u64, climb_mps: f64) {
         let Some((last_us, before_mps)) = self.last else {
             self.last = Some((time_us, climb_mps));
@@ -37,8 +38,8 @@ impl SmoothedClimb {
         self.last = Some((time_us, climb_mps));
     }
 
-    /// The climb rate through the low pass of this time constant, m/s; `None` for one that is not tried, or before
-    /// the first sample.
+    /// The climb rate through the low pass of this time constant, m/s; `None` for one that is not tried, or
+    /// before the first sample.
     pub fn mps(&self, smoothing_s: f32) -> Option<f64> {
         self.last?;
         let at = SMOOTHINGS_S.iter().position(|time_s| *time_s == smoothing_s)?;

@@ -11,7 +11,8 @@ use super::work::{Work, judged};
 use crate::progress::{Cancelled, Progress, step};
 
 /// A diagnosis of flights with a model that lacks the effect, and what the effect's coefficient is to be
-/// learned from. A time constant is refined between those of the diagnosis' grid, beside what the diagnosis found to act. No problem where the flights lack its signals ([`Diagnosis::untested`]) or its regressor
+/// learned from. A time constant is refined between those of the diagnosis' grid, beside what the diagnosis
+/// found to act. No problem where the flights lack its signals ([`Diagnosis::untested`]) or its regressor
 /// does not move in them.
 ///
 /// # Errors
@@ -69,6 +70,6 @@ pub fn study_remembering(
     Ok((diagnosis, Some(finer.unwrap_or(problem))))
 }
 
-/// Time constants between those of the diagnosis' grid, as factors: a tenth apart an exponential differs by less than
-/// a hundredth of its size.
+/// Time constants between those of the diagnosis' grid, as factors: a tenth apart an exponential differs by
+/// less than a hundredth of its size.
 const FINER: [f32; 11] = [0.57, 0.64, 0.72, 0.8, 0.9, 1.0, 1.1, 1.22, 1.36, 1.52, 1.7];

@@ -7,9 +7,9 @@ use super::physical_range::{Bounds, is_possible};
 use super::problem::Problem;
 use super::series::BySensor;
 
-/// What an effect must gain in twice the log likelihood beyond what the best of so many candidates gains
-/// by chance (which is 2 ln of their number). 16 is a chance of 1 in 10,000 for one of them, which leaves room for
-/// noise that is not quite what the likelihood takes it for.
+/// What an effect must gain in twice the log likelihood beyond what the best of so many candidates gains by
+/// chance (which is 2 ln of their number). 16 is a chance of 1 in 10,000 for one of them, which leaves room
+/// for noise that is not quite what the likelihood takes it for.
 const EVIDENCE: f64 = 16.0;
 
 /// What is known of each candidate's regressor.

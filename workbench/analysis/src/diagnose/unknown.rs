@@ -13,8 +13,8 @@ use super::whitener::whiten;
 const EVIDENCE: f64 = 16.0;
 /// And this share of what the effects found explain: their formulas are no better than that.
 pub const SHAPE: f64 = 0.05;
-/// A signal that takes the chosen effects' place is better than they are where it leaves less by this share of what they
-/// explain: as much as a right formula of measured signals may miss (as in `search`).
+/// A signal that takes the chosen effects' place is better than they are where it leaves less by this share
+/// of what they explain: as much as a right formula of measured signals may miss (as in `search`).
 pub const BETTER: f64 = 0.02;
 /// A signal's shape that shares this much with a candidate of the catalogue is that candidate's.
 const IN_CATALOGUE: f64 = 0.9;
@@ -30,8 +30,8 @@ const FACTOR_EVIDENCE: f64 = 14.0;
 /// Jumps are looked for where the innovation is largest: at so many blocks of a flight.
 const JUMPS: usize = 12;
 
-/// The same where the climb rate is not measured: lags are then fitted as pure delays, whose shape a low pass has to some 15 %,
-/// which is 28 % of the squares.
+/// The same where the climb rate is not measured: lags are then fitted as pure delays, whose shape a low pass
+/// has to some 15 %, which is 28 % of the squares.
 pub const SHAPE_WITHOUT_CLIMB_RATE: f64 = 0.28;
 
 /// What speaks against taking a rest for a sensor's.
@@ -169,8 +169,8 @@ fn residual_innovations(
 }
 
 /// Gain in twice the log posterior of letting a sensor's noise be larger in free flight, if it is so much
-/// larger that something unexplained must act. `explained_white_m2` is the white noise that the regressors of the
-/// effects found bring with them.
+/// larger that something unexplained must act. `explained_white_m2` is the white noise that the regressors of
+/// the effects found bring with them.
 pub fn free_flight_excess(
     problem: &Problem<'_>,
     fit: &NoiseFit,

@@ -6,8 +6,8 @@ use super::signals::CLIMBED;
 
 /// Lags of the low passes that are tried, seconds.
 pub const LAGS_S: [f64; 3] = [0.0, 2.0, 8.0];
-/// Half-widths of the plays that are tried, metres: what aneroids and pressure cells have (some metres), and what a
-/// sticking capsule or a kinked hose makes of it.
+/// Half-widths of the plays that are tried, metres: what aneroids and pressure cells have (some metres), and
+/// what a sticking capsule or a kinked hose makes of it.
 pub const PLAYS_M: [f64; 4] = [4.0, 10.0, 25.0, 60.0];
 
 /// What is tested: a function of a signal with a lag, a play on the altitude, or a jump that stays.

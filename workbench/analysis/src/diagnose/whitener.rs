@@ -155,8 +155,8 @@ pub fn filter<P: Pass>(
     log_determinant.value()
 }
 
-/// Times are whole microseconds; so are the differences of their means, as near as makes no difference. Blocks
-/// of one length then have one decay.
+/// Times are whole microseconds; so are the differences of their means, as near as makes no difference.
+/// Blocks of one length then have one decay.
 fn to_microseconds(seconds: f64) -> f64 {
     (seconds * 1e6).round() * 1e-6
 }

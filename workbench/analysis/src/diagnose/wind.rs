@@ -8,8 +8,8 @@ use super::epochs::Epochs;
 use super::problem::Known;
 use super::signals;
 
-/// Sigma of what the wind adds to the barometer per m/s over ground where the airspeed is not measured: a port
-/// that reads a third of the dynamic pressure, in 10 m/s of wind.
+/// Sigma of what the wind adds to the barometer per m/s over ground where the airspeed is not measured: a
+/// port that reads a third of the dynamic pressure, in 10 m/s of wind.
 const WIND_M_PER_MPS: f64 = 0.3;
 
 /// Where a flight has no airspeed, the two columns that its square lacks.

@@ -19,8 +19,8 @@ use super::wanted_effect::{Tried, WantedEffect};
 use crate::progress::{Cancelled, Progress, step};
 use replay::{Usage, barometer};
 
-/// Finds what the model lacks; all replays have the same model. `progress` is called once a fit. What comes out is the same
-/// whatever the executor.
+/// Finds what the model lacks; all replays have the same model. `progress` is called once a fit. What comes
+/// out is the same whatever the executor.
 ///
 /// # Errors
 /// [`Cancelled`] when `progress` says so.
@@ -52,8 +52,8 @@ impl Judged<'_, '_> {
     }
 }
 
-/// A diagnosis, its work, and what `then` makes of what it rests on (nothing without a flight). `tried`: what a study tries; `None`: the
-/// whole catalogue.
+/// A diagnosis, its work, and what `then` makes of what it rests on (nothing without a flight). `tried`: what
+/// a study tries; `None`: the whole catalogue.
 pub(crate) fn judged<T>(
     flights: &[NamedReplay<'_>],
     hold_outs: &[NamedReplay<'_>],
@@ -112,8 +112,8 @@ impl Bench<'_> {
     }
 }
 
-/// The work of a diagnosis, kept: what is learned from the same flights under the same model is learned from it without doing
-/// it again, to the same digits.
+/// The work of a diagnosis, kept: what is learned from the same flights under the same model is learned from
+/// it without doing it again, to the same digits.
 pub struct Work {
     diagnosis: Diagnosis,
     prepared: Prepared,
@@ -123,8 +123,8 @@ pub struct Work {
 }
 
 impl Work {
-    /// Whether a study of this effect, by the catalogue's time constants if it has one, would do this very work again: not where it has
-    /// shapes of its own to try, or where the model had it already.
+    /// Whether a study of this effect, by the catalogue's time constants if it has one, would do this very
+    /// work again: not where it has shapes of its own to try, or where the model had it already.
     pub(super) fn serves(&self, wanted: WantedEffect) -> bool {
         let candidates = &self.prepared.candidates;
         let mut narrowed = candidates.clone();
@@ -155,8 +155,9 @@ impl Work {
         })
     }
 
-    /// The problem of an effect with other time constants: the best of them, beside the candidates that act as well, the noise fitted anew
-    /// from where this work left it. `None` where the flights do not excite the effect so.
+    /// The problem of an effect with other time constants: the best of them, beside the candidates that act
+    /// as well, the noise fitted anew from where this work left it. `None` where the flights do not excite
+    /// the effect so.
     ///
     /// # Errors
     /// [`Cancelled`] when `progress` says so.
@@ -202,13 +203,14 @@ fn facts(named: &NamedReplay<'_>, epochs: &Epochs) -> DiagnosedFlight {
     }
 }
 
-/// Why the effects on a UAV's inertial altitude are not tried where the flight computer makes that altitude itself: before the
-/// launch it is no measurement beside the reference, and after it its error grows with the square of the time and more, where
-/// every term of the noise that is fitted is stationary.
+/// Why the effects on a UAV's inertial altitude are not tried where the flight computer makes that altitude
+/// itself: before the launch it is no measurement beside the reference, and after it its error grows with the
+/// square of the time and more, where every term of the noise that is fitted is stationary.
 const MADE: &str = "the UAV's inertial altitude is made here from its accelerometer and gyro: until the launch it follows the \
     reference, and after it drifts without bound, so that its errors say nothing that the fitted noise could be told from";
 
-/// Effects on sensors that the flights have, whose signals they have not; and those on an altitude that cannot be judged.
+/// Effects on sensors that the flights have, whose signals they have not; and those on an altitude that
+/// cannot be judged.
 fn untested(candidates: &[Candidate], flights: &[NamedReplay<'_>], epochs: &[Epochs]) -> Vec<Untested> {
     let is_made = flights.iter().any(|named| named.replay.makes_inertial_altitude());
     let mut untested: Vec<Untested> = Vec::new();

@@ -1,5 +1,6 @@
-//! What to fly to tell a law from those that it is equal to: among the manoeuvres of the diagnosis' advice, each with the columns that
-//! nobody knows held or moved in steps, the one that would bring the laws farthest apart.
+//! What to fly to tell a law from those that it is equal to: among the manoeuvres of the diagnosis' advice,
+//! each with the columns that nobody knows held or moved in steps, the one that would bring the laws farthest
+//! apart.
 
 use std::sync::Arc;
 
@@ -27,8 +28,8 @@ pub struct Equals<'a> {
     pub names: &'a [String],
 }
 
-/// What to fly, in words; empty where no manoeuvre would tell the law from any of them. The manoeuvre that tells it from most of them is
-/// taken, and of several the one that brings these farthest apart.
+/// What to fly, in words; empty where no manoeuvre would tell the law from any of them. The manoeuvre that
+/// tells it from most of them is taken, and of several the one that brings these farthest apart.
 pub fn to_separate(bench: &Bench<'_>, one: &Fitted, equals: &Equals<'_>, trim: &Trim) -> String {
     if equals.names.is_empty() {
         return String::new();
@@ -105,7 +106,8 @@ fn with_body_rates(mut ticks: Vec<TickInput>) -> Vec<TickInput> {
     ticks
 }
 
-/// The ticks' signals at every block of the advice; what no tick has is at its mean of the flights, but for the one that is moved.
+/// The ticks' signals at every block of the advice; what no tick has is at its mean of the flights, but for
+/// the one that is moved.
 fn blocks(ticks: &[TickInput], search: &Search<'_>, moved: Option<usize>) -> Blocks {
     let mut means = SignalMeans::new(0);
     let mut altitude = 0.0_f32;

@@ -56,7 +56,8 @@ pub struct NewDefinition<'a> {
     pub about: &'a str,
 }
 
-/// The range of a coefficient that was found: how far either way nature is taken to keep it. Two digits are enough for a range.
+/// The range of a coefficient that was found: how far either way nature is taken to keep it. Two digits are
+/// enough for a range.
 #[must_use]
 pub fn largest_plausible(coefficient: f64) -> f64 {
     let largest = PLAUSIBLE * coefficient.abs();

@@ -13,7 +13,8 @@ use crate::name::Name;
 pub struct Discovery {
     /// Version of what these keys mean: a new one where a key changes its meaning or goes.
     pub version: u32,
-    /// The laws, the most probable first; none where no law of the grammar explains the rest, or nothing is left to explain.
+    /// The laws, the most probable first; none where no law of the grammar explains the rest, or nothing is
+    /// left to explain.
     pub laws: Vec<FoundLaw>,
     /// How probable it is that none of the laws that were looked at acts.
     pub none: f64,
@@ -105,7 +106,8 @@ pub struct FoundLaw {
     pub bits: f64,
     /// What it gains in twice the log likelihood.
     pub evidence: f64,
-    /// What the held-out flights, or else the stretches held out in turn, gain by it in twice the log likelihood.
+    /// What the held-out flights, or else the stretches held out in turn, gain by it in twice the log
+    /// likelihood.
     pub held_out_gain: f64,
     /// How much of the residual it makes in free flight, rms, m.
     pub size_m: f64,

@@ -8,8 +8,9 @@ use super::signals::Signals;
 use crate::diagnose::parts::epochs;
 use kf_core::sensor::Sensor;
 
-/// Writes a flight's block means as CSV: a row for every block in which the barometer was read, with the columns `time_s`, `free` (0/1),
-/// `residual_m` (the barometer's) and then the signals that laws are made of, in SI units; the heading is `sin_yaw` and `cos_yaw`.
+/// Writes a flight's block means as CSV: a row for every block in which the barometer was read, with the
+/// columns `time_s`, `free` (0/1), `residual_m` (the barometer's) and then the signals that laws are made of,
+/// in SI units; the heading is `sin_yaw` and `cos_yaw`.
 ///
 /// # Errors
 /// When it can't be written.

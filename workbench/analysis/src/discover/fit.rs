@@ -14,8 +14,9 @@ use crate::diagnose::parts::{
     Trim, flights, inflation, manoeuvres, of_flights, of_folds,
 };
 
-/// Correlation (of the columns themselves) beyond which two laws are the same: all but 0.2 % of the squares of one are the other's. A
-/// formula's shape is not right to that, so the likelihood does not choose between them, and the shortest stands for all.
+/// Correlation (of the columns themselves) beyond which two laws are the same: all but 0.2 % of the squares
+/// of one are the other's. A formula's shape is not right to that, so the likelihood does not choose between
+/// them, and the shortest stands for all.
 const SAME: f64 = 0.999;
 
 /// A law with its noise.
@@ -82,8 +83,8 @@ pub struct OnHeldOut {
 }
 
 impl Bench<'_> {
-    /// The effects that stand beside a law on a subject: all that were found, and those on other subjects only. What was chosen on
-    /// this one may be no more than the nearest likeness of the law.
+    /// The effects that stand beside a law on a subject: all that were found, and those on other subjects
+    /// only. What was chosen on this one may be no more than the nearest likeness of the law.
     pub fn variants(&self, subject: Subject) -> Vec<Vec<usize>> {
         let all = self.explanation.columns.clone();
         let is_other =
@@ -113,7 +114,8 @@ impl Bench<'_> {
         Problem::new(series, self.problem.prior.clone(), self.problem.known.clone(), self.search.executor)
     }
 
-    /// The first of some laws, the best first, that are not the same as another; of the same ones the shortest.
+    /// The first of some laws, the best first, that are not the same as another; of the same ones the
+    /// shortest.
     pub fn different(&self, laws: &[Scored], most: usize) -> Vec<Scored> {
         let bits = |law: &Law| law.bits(self.search.signals.signals.len(), self.search.subjects);
         let mut kept: Vec<(Scored, Vec<f64>)> = Vec::new();
@@ -180,8 +182,9 @@ impl Bench<'_> {
         self.problem.flights.first().map_or(0, |flight| flight.columns.len())
     }
 
-    /// What the law gains with its coefficient, in twice the log likelihood, where nothing of the catalogue stands beside it on its own
-    /// subject. Two columns that take each other off can be the likeness of a third: such a law makes every flight worse for who takes it alone.
+    /// What the law gains with its coefficient, in twice the log likelihood, where nothing of the catalogue
+    /// stands beside it on its own subject. Two columns that take each other off can be the likeness of a
+    /// third: such a law makes every flight worse for who takes it alone.
     pub fn gain_alone(&self, fitted: &Fitted) -> f64 {
         let others = self.variants(fitted.subject).pop().unwrap_or_default();
         if others == fitted.beside {
@@ -195,9 +198,9 @@ impl Bench<'_> {
         fitted.coefficient * (2.0 * evidence.score - fitted.coefficient * evidence.information)
     }
 
-    /// Whether the errors of free flight about captive flight become smaller by the law with its coefficient, where nothing else is taken
-    /// off: squares in metres, as whoever adds the law sees them. The likelihood takes what is slow for wander, and is blind to what a law
-    /// does there.
+    /// Whether the errors of free flight about captive flight become smaller by the law with its coefficient,
+    /// where nothing else is taken off: squares in metres, as whoever adds the law sees them. The likelihood
+    /// takes what is slow for wander, and is blind to what a law does there.
     pub fn lessens_errors(&self, fitted: &Fitted) -> bool {
         let mut change_m2 = 0.0;
         for (series, column) in self.problem.flights.iter().zip(&fitted.column) {
@@ -269,7 +272,8 @@ fn spread(flights: &[Series], column: &Column) -> f64 {
     (squares / blocks.max(1) as f64).sqrt()
 }
 
-/// Squares of what is finite in free flight about its captive mean, or its own where there is none, summed over the blocks.
+/// Squares of what is finite in free flight about its captive mean, or its own where there is none, summed
+/// over the blocks.
 fn free_squares(series: &Series, values: impl Iterator<Item = f64>) -> f64 {
     let there: Vec<(bool, f64)> =
         series.free.iter().copied().zip(values).filter(|(_, value)| value.is_finite()).collect();

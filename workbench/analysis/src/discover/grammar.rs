@@ -1,28 +1,32 @@
 //! The laws that are searched, and how long each takes to say.
 //!
-//! A law is a product of at most three factors and at most one term. A factor is a power of a signal, or of its rate, integral, lag, low pass
-//! or deviation from its captive mean; the term is a threshold or a periodic function of a signal. What a law takes to say is the number of
-//! bits of the code below; the prior of a law is two to the power of minus that, so that a law that is longer by a bit must explain twice as
+//! A law is a product of at most three factors and at most one term. A factor is a power of a signal, or of
+//! its rate, integral, lag, low pass or deviation from its captive mean; the term is a threshold or a
+//! periodic function of a signal. What a law takes to say is the number of bits of the code below; the prior
+//! of a law is two to the power of minus that, so that a law that is longer by a bit must explain twice as
 //! much. Every choice among n equals costs log2 n bits:
 //!
 //! - what it acts on: among the sensors that are searched;
-//! - a bit before each factor and after the last, and a bit for whether there is a term. Two orders of the same factors are one law, which
-//!   gives log2 2! or log2 3! bits back;
-//! - a factor: which signal; a bit where it is the signal itself, else two bits more to name one of the four groups (deviation, rate,
-//!   integral, memory) and, for the memory, which of the delays and low passes of the grid; a bit where its power is 1, else two bits more;
+//! - a bit before each factor and after the last, and a bit for whether there is a term. Two orders of the
+//!   same factors are one law, which gives log2 2! or log2 3! bits back;
+//! - a factor: which signal; a bit where it is the signal itself, else two bits more to name one of the four
+//!   groups (deviation, rate, integral, memory) and, for the memory, which of the delays and low passes of
+//!   the grid; a bit where its power is 1, else two bits more;
 //! - a term: its kind, its signal, its constant among those of the grid;
 //! - a constant that was moved off its grid: two bits for the quarter of its cell that it ended in.
 //!
-//! The codes are prefix-free, so that the priors of all laws add up to one at most (Kraft's inequality; Rissanen, "Modeling by shortest data
-//! description", Automatica 14, 1978).
+//! The codes are prefix-free, so that the priors of all laws add up to one at most (Kraft's inequality;
+//! Rissanen, "Modeling by shortest data description", Automatica 14, 1978).
 
 use std::fmt::Write as _;
 
-/// Time constants of the low passes that are tried first, seconds: a factor of three apart, as the catalogue's.
+/// Time constants of the low passes that are tried first, seconds: a factor of three apart, as the
+/// catalogue's.
 pub const LOW_PASSES_S: [f64; 4] = [2.0, 6.0, 20.0, 60.0];
 /// Delays that are tried first, seconds.
 pub const DELAYS_S: [f64; 2] = [1.0, 3.0];
-/// Thresholds that are tried first: so many quantiles of the signal in free flight, and so many even steps of its range.
+/// Thresholds that are tried first: so many quantiles of the signal in free flight, and so many even steps of
+/// its range.
 pub const QUANTILES: usize = 9;
 /// Phases of a periodic term that are tried first, over half a turn.
 pub const PHASES: usize = 4;
@@ -361,7 +365,8 @@ mod tests {
         assert!((bits(&product) - (1.0 + 4.0 - 1.0 + factors)).abs() < 1e-12);
     }
 
-    /// The priors of all laws of up to two factors add up to one at most: no law is more probable than its length allows.
+    /// The priors of all laws of up to two factors add up to one at most: no law is more probable than its
+    /// length allows.
     #[test]
     fn the_priors_add_up_to_one_at_most() {
         let signals = 3;

@@ -29,7 +29,8 @@ pub fn judge(
 ) -> Result<(), Cancelled> {
     fitted.sort_by(|a, b| b.merit().total_cmp(&a.merit()));
     let Some(best) = fitted.first() else { return Ok(()) };
-    // What stands without a law may have ended in a worse maximum of its likelihood: start where the best law is.
+    // What stands without a law may have ended in a worse maximum of its likelihood: start where the best law
+    // is.
     let columns = &bench.explanation.columns;
     let again = bench.problem.fit_noise(&bench.problem.prior, columns, &best.fit.values);
     step(progress)?;
@@ -106,7 +107,8 @@ pub fn judge(
     let front = front(&weights);
     let correlations = correlations(bench, &standing);
     step(progress)?;
-    // One of those that are equal says what all of them say; then the best of fewer parts; where room is left, the equal ones follow.
+    // One of those that are equal says what all of them say; then the best of fewer parts; where room is
+    // left, the equal ones follow.
     let parts = |k: usize| standing[k].0.law.parts();
     let mut chosen: Vec<usize> = Vec::new();
     for (simpler, with_equals) in [(false, false), (true, true), (false, true)] {
@@ -191,7 +193,8 @@ enum Alike {
     None,
 }
 
-/// Whether an effect of the catalogue in a law's place explains as much, or the law is what the formulas of the effects found may miss.
+/// Whether an effect of the catalogue in a law's place explains as much, or the law is what the formulas of
+/// the effects found may miss.
 fn catalogue(bench: &Bench<'_>, one: &Fitted) -> Alike {
     let law = bench.law_column();
     let series = bench.with_columns(bench.problem.flights, &[(one.subject, &one.column)]);
@@ -258,7 +261,8 @@ fn effects_alike(bench: &Bench<'_>, one: &Fitted) -> (Vec<Equal>, Vec<usize>) {
     (found, columns)
 }
 
-/// Correlations of the laws' whitened columns under the best one's noise; zero for laws on different subjects.
+/// Correlations of the laws' whitened columns under the best one's noise; zero for laws on different
+/// subjects.
 fn correlations(bench: &Bench<'_>, standing: &[(Fitted, OnHeldOut)]) -> Vec<Vec<f64>> {
     let n = standing.len();
     let mut correlations = vec![vec![0.0; n]; n];

@@ -1,11 +1,13 @@
 //! How many parts a law may have: cross-validation with the choice of the law included.
 //!
-//! A law that is in nobody's grammar leaves a shape that longer and longer products fit, and beside a large misfit the bits of a part are
-//! nothing. What a part is worth shows on what it was not chosen by: each of ten stretches of free flight is left out, the law chosen and
-//! its coefficient fitted by the rest, for every greatest number of parts, and the gain in twice the log likelihood taken on the stretch
-//! (Stone, "Cross-validatory choice and assessment of statistical predictions", Journal of the Royal Statistical Society B 36, 1974). The
-//! number that gains most is taken, the smaller of equal ones. The rule that prefers a simpler one within a standard error (Breiman and
-//! others, 1984) is not used: what a law does is often in a few stretches, whose gains differ by more than what the right law is better by.
+//! A law that is in nobody's grammar leaves a shape that longer and longer products fit, and beside a large
+//! misfit the bits of a part are nothing. What a part is worth shows on what it was not chosen by: each of
+//! ten stretches of free flight is left out, the law chosen and its coefficient fitted by the rest, for every
+//! greatest number of parts, and the gain in twice the log likelihood taken on the stretch (Stone,
+//! "Cross-validatory choice and assessment of statistical predictions", Journal of the Royal Statistical
+//! Society B 36, 1974). The number that gains most is taken, the smaller of equal ones. The rule that prefers
+//! a simpler one within a standard error (Breiman and others, 1984) is not used: what a law does is often in
+//! a few stretches, whose gains differ by more than what the right law is better by.
 
 use super::screen::{ByStretch, STRETCHES};
 
@@ -64,7 +66,8 @@ mod tests {
         all
     }
 
-    /// Nine of ten stretches speak for each of ten long laws, each time another nine: whoever chooses by all ten thinks well of them.
+    /// Nine of ten stretches speak for each of ten long laws, each time another nine: whoever chooses by all
+    /// ten thinks well of them.
     #[test]
     fn a_part_must_pay_where_it_was_not_chosen() {
         let simple = stretches(40.0, [1.0; STRETCHES]);

@@ -9,7 +9,8 @@ use crate::diagnose::parts::own_coefficients;
 pub struct Picture {
     /// What the law makes of its sensor, metres.
     pub law_m: Vec<f64>,
-    /// What is measured of it: the residual less biases and all effects beside the law, metres. The wander is in it.
+    /// What is measured of it: the residual less biases and all effects beside the law, metres. The wander is
+    /// in it.
     pub measured_m: Vec<f64>,
     /// The signals of the law.
     pub signals: Vec<PictureSignal>,

@@ -1,4 +1,5 @@
-//! Many columns scored at once, the noise held: what each would gain in twice the log likelihood, alone beside what is known.
+//! Many columns scored at once, the noise held: what each would gain in twice the log likelihood, alone
+//! beside what is known.
 
 use executor::Executor;
 use kf_core::sensor::SENSORS;
@@ -43,9 +44,9 @@ pub struct Score {
 /// Column of one candidate by flight and block.
 pub type Column = Vec<Vec<f64>>;
 
-/// Stretches of free flight that are left out in turn when a law's length is chosen. Ten is what cross-validation is usually done with:
-/// with fewer the laws of the rest differ too much from those of all (Hastie, Tibshirani and Friedman, "The Elements of Statistical
-/// Learning", 2009, 7.10).
+/// Stretches of free flight that are left out in turn when a law's length is chosen. Ten is what
+/// cross-validation is usually done with: with fewer the laws of the rest differ too much from those of all
+/// (Hastie, Tibshirani and Friedman, "The Elements of Statistical Learning", 2009, 7.10).
 pub const STRETCHES: usize = 10;
 
 /// Score and information of one column by stretch of free flight; captive flight comes last.
@@ -57,7 +58,8 @@ pub struct Screen<'a> {
     noise: Noise,
     picks: Vec<usize>,
     subject: Subject,
-    /// Of each flight: its own columns that are there, the factor of their products, and these with residual and picks.
+    /// Of each flight: its own columns that are there, the factor of their products, and these with residual
+    /// and picks.
     flights: Vec<Own>,
     /// Factor of the picks' products, and these with the residual.
     common: Option<(Cholesky<f64, Dyn>, DVector<f64>)>,
@@ -174,7 +176,8 @@ impl<'a> Screen<'a> {
         by_chunks(columns, column, executor, &|made| self.chunk(made))
     }
 
-    /// The scores by stretch of columns that `column` makes, in order; what is known beside is taken off by all blocks.
+    /// The scores by stretch of columns that `column` makes, in order; what is known beside is taken off by
+    /// all blocks.
     pub fn by_stretch(
         &self,
         columns: usize,
@@ -217,7 +220,8 @@ impl<'a> Screen<'a> {
             let mut sums: ByStretch = [[0.0; 2]; STRETCHES + 1];
             for ((own, parts), own_cross) in self.flights.iter().zip(&parts).zip(&with_own) {
                 let known = parts.first().map_or(0, |part| part.known);
-                // Coefficients of the known columns in the candidate and in the residual; the residual itself is column 0.
+                // Coefficients of the known columns in the candidate and in the residual; the residual itself
+                // is column 0.
                 let (mut of_law, mut of_residual) = (vec![0.0; known], vec![0.0; known]);
                 let own_law = own.factor.as_ref().map(|factor| factor.solve(own_cross));
                 for (at, b) in own.present.iter().enumerate() {

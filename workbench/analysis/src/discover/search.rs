@@ -1,4 +1,5 @@
-//! Looks for laws: every single factor and term, products of the best with every other, and the constants of the best moved.
+//! Looks for laws: every single factor and term, products of the best with every other, and the constants of
+//! the best moved.
 
 use executor::Executor;
 
@@ -90,7 +91,8 @@ impl Search<'_> {
         });
         step(progress)?;
 
-        // A product may show where neither of its factors does: every signal itself is multiplied with everything, and the best with all.
+        // A product may show where neither of its factors does: every signal itself is multiplied with
+        // everything, and the best with all.
         let mut base: Vec<usize> = (0..factors.len())
             .filter(|k| {
                 let factor = factors[*k].what;

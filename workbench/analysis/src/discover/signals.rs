@@ -1,4 +1,5 @@
-//! The signals of flights as laws take them: block means in SI units, and what factors and terms make of these.
+//! The signals of flights as laws take them: block means in SI units, and what factors and terms make of
+//! these.
 
 use model::formula::Column;
 
@@ -39,8 +40,8 @@ pub struct Signal {
     source: Option<(usize, f64)>,
 }
 
-/// Where each signal of formulas stands among the signals of the blocks, its unit there, and what is added to the block's value.
-/// The altitude is not among them: it is the path, whose error the residual has too.
+/// Where each signal of formulas stands among the signals of the blocks, its unit there, and what is added to
+/// the block's value. The altitude is not among them: it is the path, whose error the residual has too.
 const KNOWN: [(usize, &str, &str, f64); 18] = [
     (0, "tas_mps", "m/s", 0.0),
     (1, "climb_rate_mps", "m/s", 0.0),
@@ -94,7 +95,8 @@ struct Source {
 }
 
 impl Signals {
-    /// Those that all flights have and that move in any of them. `signals` are the block means by flight, block and signal.
+    /// Those that all flights have and that move in any of them. `signals` are the block means by flight,
+    /// block and signal.
     #[must_use]
     pub fn new(
         flights: &[(&Series, &[Vec<f64>])],
@@ -195,8 +197,8 @@ impl Signals {
         found
     }
 
-    /// Blocks that were not flown, of block means of the known signals: what these lack is at its mean of the flights, but for one that
-    /// moves over its range, its places given as shares of it.
+    /// Blocks that were not flown, of block means of the known signals: what these lack is at its mean of the
+    /// flights, but for one that moves over its range, its places given as shares of it.
     #[must_use]
     pub fn planned(
         &self,
@@ -384,8 +386,8 @@ fn filled(mut values: Vec<f64>) -> Vec<f64> {
     values
 }
 
-/// The inner quantiles, a tenth apart, and as many places at even steps over the range: a signal that rests most of the time has its
-/// quantiles where it rests. Those that differ.
+/// The inner quantiles, a tenth apart, and as many places at even steps over the range: a signal that rests
+/// most of the time has its quantiles where it rests. Those that differ.
 fn quantiles(mut values: Vec<f64>) -> Vec<f64> {
     use super::grammar::QUANTILES;
     values.sort_by(f64::total_cmp);

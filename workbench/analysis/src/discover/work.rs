@@ -19,7 +19,8 @@ const FIRST_FITS: usize = 5;
 /// Those that it is fitted for under the best law's.
 const LAST_FITS: usize = 14;
 
-/// Looks for laws; all replays have the same model. `progress` is called once a step. What comes out is the same whatever the executor.
+/// Looks for laws; all replays have the same model. `progress` is called once a step. What comes out is the
+/// same whatever the executor.
 ///
 /// # Errors
 /// [`Cancelled`] when `progress` says so.

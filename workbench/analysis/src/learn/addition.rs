@@ -197,8 +197,8 @@ pub enum AddError {
     },
 }
 
-/// What the caller has from before. It must be of the very flights and the model of a [`Request`]: nothing comes out differently,
-/// but sooner.
+/// What the caller has from before. It must be of the very flights and the model of a [`Request`]: nothing
+/// comes out differently, but sooner.
 pub struct Remembered<'a> {
     /// The work of a diagnosis.
     pub work: Option<&'a Work>,

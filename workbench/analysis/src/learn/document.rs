@@ -184,7 +184,8 @@ fn tables<'a>(
     item.as_array_of_tables_mut().ok_or(DocumentError::NotTables(key))
 }
 
-/// Adds a table, with an empty line before it unless it is alone, after the comments that stood at the text's end.
+/// Adds a table, with an empty line before it unless it is alone, after the comments that stood at the text's
+/// end.
 fn append(tables: &mut ArrayOfTables, mut table: Table, trailing: &str, is_alone: bool) {
     let gap = if is_alone { "" } else { "\n" };
     table.decor_mut().set_prefix(format!("{}{gap}", trailing));

@@ -1,7 +1,8 @@
-//! A coefficient by the core's own filter: what the flight computer would have learned, had it known the noise.
+//! A coefficient by the core's own filter: what the flight computer would have learned, had it known the
+//! noise.
 //!
-//! The states are the reference's wander, the white noise of a block's fixes, the slow wander, each sensor's wander, the
-//! sensors' biases, the wind's two, and one coefficient a term. All of it in single precision.
+//! The states are the reference's wander, the white noise of a block's fixes, the slow wander, each sensor's
+//! wander, the sensors' biases, the wind's two, and one coefficient a term. All of it in single precision.
 
 use kf_core::error::FilterError;
 use kf_core::sensor::SENSORS;
@@ -155,8 +156,8 @@ fn fly<const STATES: usize>(
     Ok(())
 }
 
-/// The start of a flight: of its noise what is known is its size, and biases and wind are not those of the last
-/// flight.
+/// The start of a flight: of its noise what is known is its size, and biases and wind are not those of the
+/// last flight.
 fn begin<const STATES: usize>(
     filter: &mut UdFilter<0, STATES>,
     noise: &Noise,

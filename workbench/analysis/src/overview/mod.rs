@@ -31,18 +31,21 @@ pub struct Overview {
     pub vehicle: String,
     /// Rows.
     pub rows: u64,
-    /// First time of the flight's own clock, seconds: what `--calibrate` counts from is zero of that clock, not this.
+    /// First time of the flight's own clock, seconds: what `--calibrate` counts from is zero of that clock,
+    /// not this.
     pub first_s: f64,
     /// From the first row to the last, seconds.
     pub duration_s: f64,
     /// When it was launched or dropped, by its own `launch` column, seconds.
     pub launch_s: Option<f64>,
-    /// When it was dropped from a carrier, by how it falls, seconds; null where it was not, or has a `launch` column.
+    /// When it was dropped from a carrier, by how it falls, seconds; null where it was not, or has a `launch`
+    /// column.
     pub drop_s: Option<f64>,
     /// Which part of it is analysed.
     #[serde(flatten, deserialize_with = "crate::json::whole")]
     pub usage: Usage,
-    /// The share of it that a diagnosis works on, which needs no calibration; null where it cannot be analysed.
+    /// The share of it that a diagnosis works on, which needs no calibration; null where it cannot be
+    /// analysed.
     pub diagnosed_share: Option<f64>,
     /// Every time in the air.
     pub airborne: Vec<AirborneTime>,
@@ -52,7 +55,8 @@ pub struct Overview {
     pub after_landing_s: Option<f64>,
     /// Where it is calibrated, in words; null where nothing can be.
     pub calibration: Option<String>,
-    /// From when to when it is calibrated, seconds; null for a flight with a launch, or where nothing can be calibrated.
+    /// From when to when it is calibrated, seconds; null for a flight with a launch, or where nothing can be
+    /// calibrated.
     pub calibration_window_s: Option<[f64; 2]>,
     /// Why it cannot be analysed, if it cannot.
     pub refused: Option<String>,

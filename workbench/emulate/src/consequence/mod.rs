@@ -1,8 +1,8 @@
 //! What a chip's fault did to a flight, beside the same flight without it.
 //!
-//! Both are flown on the host, whose bits are the target's. What is compared is what the flight computer is for: the
-//! calibration that it latches, when it decides the launch, the flags that it raises, the altitudes that it publishes, and
-//! for how long a sensor says nothing.
+//! Both are flown on the host, whose bits are the target's. What is compared is what the flight computer is
+//! for: the calibration that it latches, when it decides the launch, the flags that it raises, the altitudes
+//! that it publishes, and for how long a sensor says nothing.
 
 mod silence;
 mod text;
@@ -118,7 +118,8 @@ pub struct AltitudeDifference {
     pub ticks: usize,
 }
 
-/// What delivers: four devices, and the altitude that is made of the inertial unit's samples or delivered by one of its own.
+/// What delivers: four devices, and the altitude that is made of the inertial unit's samples or delivered by
+/// one of its own.
 const SOURCES: [&str; 5] = ["baro", "imu", "gps", "umbilical", "imu_slave"];
 
 /// Flies the rows on chips with and without the faults.

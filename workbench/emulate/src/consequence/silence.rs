@@ -1,7 +1,7 @@
 //! For how long a source said nothing.
 
-/// Ticks at which a source was silent with the fault and was not without it; `None` for a source that never delivered without
-/// it.
+/// Ticks at which a source was silent with the fault and was not without it; `None` for a source that never
+/// delivered without it.
 pub fn ticks(clean: &[bool], with_fault: &[bool]) -> Option<usize> {
     let usual = usual_interval(clean)?;
     let (clean, with_fault) = (silent(clean, usual), silent(with_fault, usual));
@@ -21,8 +21,8 @@ fn samples(delivers: &[bool]) -> impl Iterator<Item = usize> {
     delivers.iter().enumerate().filter(|(_, delivers)| **delivers).map(|(tick, _)| tick)
 }
 
-/// The ticks of silence: from when a sample was due until it came, if that is later by more than the interval again and two
-/// ticks, by which polls and conversions may be out of step.
+/// The ticks of silence: from when a sample was due until it came, if that is later by more than the interval
+/// again and two ticks, by which polls and conversions may be out of step.
 fn silent(delivers: &[bool], usual: usize) -> Vec<bool> {
     let mut silent = vec![false; delivers.len()];
     let mut due = 0;

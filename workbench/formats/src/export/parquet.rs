@@ -1,8 +1,9 @@
 //! Apache Parquet (<https://parquet.apache.org/docs/file-format/>), which pandas, polars and DuckDB read.
 //!
-//! One row group a flight. `time_s` is a required double, every other column an optional float, of positions a double: null is an
-//! empty cell, NaN a sample that is none. The file's metadata has the flight's header (`pylon-flight`, `vehicle`, ...) and `pylon-units`, a JSON object of
-//! each column's unit. Pages are not compressed.
+//! One row group a flight. `time_s` is a required double, every other column an optional float, of positions
+//! a double: null is an empty cell, NaN a sample that is none. The file's metadata has the flight's header
+//! (`pylon-flight`, `vehicle`, ...) and `pylon-units`, a JSON object of each column's unit. Pages are not
+//! compressed.
 
 use std::io::{self, Write};
 use std::sync::Arc;

@@ -1,5 +1,5 @@
-//! AltusMetrum's flight computers (TeleMega, TeleMetrum, EasyMega with a receiver), as AltosUI exports them: CSV whose first line
-//! begins with `#version`.
+//! AltusMetrum's flight computers (TeleMega, TeleMetrum, EasyMega with a receiver), as AltosUI exports them:
+//! CSV whose first line begins with `#version`.
 //!
 //! | in the log | in the flight |
 //! |---|---|
@@ -9,7 +9,8 @@
 //! | `state`, `acceleration`, `tilt`, `accel_*`, `gyro_*` | signals `altus_*` in the log's units and axes, which are the board's |
 //! | `altitude` (the first), `height`, `speed` | left out: they are made of the pressure |
 //!
-//! A fix is repeated in every line until the next one; it is taken once, where its time or its position changes.
+//! A fix is repeated in every line until the next one; it is taken once, where its time or its position
+//! changes.
 
 use std::collections::BTreeSet;
 
@@ -125,7 +126,8 @@ impl Lines {
             self.rows.iter().filter_map(|row| row.get(time)).copied().fold(f64::INFINITY, f64::min)
         });
         let stamps_us: Vec<u64> = match self.column("time", 0) {
-            // To the log's hundredth of a second, from zero on; the greatest time that a flight may have is the most.
+            // To the log's hundredth of a second, from zero on; the greatest time that a flight may have is
+            // the most.
             Some(time) => {
                 let us = |row: &Vec<f64>| (row.get(time).copied().unwrap_or(0.0) - first_s) * 1e6;
                 self.rows.iter().map(|row| us(row).round().clamp(0.0, 9e15) as u64).collect()

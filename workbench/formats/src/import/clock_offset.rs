@@ -1,8 +1,9 @@
 //! How far the barometer's time is from the receiver's.
 //!
-//! Both show the same climb. The change of the barometer's altitude over some seconds is correlated with that of the receiver's,
-//! later and earlier; where they agree best is the offset. A barometer that lags and a clock that is behind look alike, and a
-//! receiver has a delay of its own: so the offset is shown and never applied.
+//! Both show the same climb. The change of the barometer's altitude over some seconds is correlated with that
+//! of the receiver's, later and earlier; where they agree best is the offset. A barometer that lags and a
+//! clock that is behind look alike, and a receiver has a delay of its own: so the offset is shown and never
+//! applied.
 
 use kf_core::atmosphere::pressure_altitude_m;
 
@@ -16,7 +17,8 @@ const MOST_S: f64 = 6.0;
 const STEP_S: f64 = 0.2;
 /// From the best of those, so many steps of least squares: each leaves a tenth of what is left.
 const ROUNDS: usize = 4;
-/// A change's rise is taken over so long to either side: nearer, it would be the noise of the fixes that the change itself has.
+/// A change's rise is taken over so long to either side: nearer, it would be the noise of the fixes that the
+/// change itself has.
 const RISE_S: f64 = 1.0;
 /// Samples that are farther apart than this have nothing between them.
 const GAP_S: f64 = 2.5;
@@ -61,7 +63,8 @@ impl ClockOffset {
 struct Course {
     /// Time and metres.
     points: Vec<(f64, f64)>,
-    /// Places of the points that begin a stretch, but for the first one: a number with every point would be a third of the memory.
+    /// Places of the points that begin a stretch, but for the first one: a number with every point would be a
+    /// third of the memory.
     breaks: Vec<usize>,
 }
 
@@ -102,8 +105,8 @@ impl Course {
 /// So many points further on the next moment is looked for, before it is looked for everywhere.
 const NEAR: usize = 8;
 
-/// Changes at one moment after another: each begins where the last one was found, for there are a hundred passes over ten
-/// thousand moments.
+/// Changes at one moment after another: each begins where the last one was found, for there are a hundred
+/// passes over ten thousand moments.
 struct Walk<'a> {
     points: &'a [(f64, f64)],
     breaks: &'a [usize],
@@ -172,8 +175,8 @@ pub fn estimate(flight: &Flight) -> Option<ClockOffset> {
         (None, Some(column)) => Course::of(flight, column, metres, false),
         (None, None) => return None,
     };
-    // A velocity is less noisy than the differences of an altitude; but some logs have none, or one with the wrong sign.
-    // Each is made when its turn has come, so that only one of them is in memory.
+    // A velocity is less noisy than the differences of an altitude; but some logs have none, or one with the
+    // wrong sign. Each is made when its turn has come, so that only one of them is in memory.
     let by_velocity = flight.channel(Channel::GpsVdMps).and_then(|column| {
         between(&barometer, &Course::of(flight, column, |down| Some(-f64::from(down)), true))
     });
@@ -189,8 +192,8 @@ fn between(barometer: &Course, receiver: &Course) -> Option<ClockOffset> {
     let count = ((last - first) / pace_s) as usize;
     let mut own = barometer.walk();
     let moments: Vec<(f64, f64)> = (0..count)
-        // Between two fixes an altitude has less noise than at one: at even moments the offsets between would seem the better
-        // ones. By the golden ratio they fall everywhere alike.
+        // Between two fixes an altitude has less noise than at one: at even moments the offsets between would
+        // seem the better ones. By the golden ratio they fall everywhere alike.
         .map(|k| first + (k as f64 + (k as f64 * 0.618_033_988_75).fract()) * pace_s)
         .filter_map(|time_s| Some((time_s, own.change(time_s)?)))
         .collect();
@@ -225,8 +228,8 @@ fn between(barometer: &Course, receiver: &Course) -> Option<ClockOffset> {
     })
 }
 
-/// What the residuals move an offset by, by least squares (Gauss and Newton's method), and the standard error: what each stretch of
-/// the flight moves it by, as if they were independent.
+/// What the residuals move an offset by, by least squares (Gauss and Newton's method), and the standard
+/// error: what each stretch of the flight moves it by, as if they were independent.
 fn step(moments: &[(f64, f64)], receiver: &Course, shift_s: f64) -> Option<(f64, f64)> {
     let mut walks = [receiver.walk(), receiver.walk(), receiver.walk()];
     let triple = |(time_s, own): &(f64, f64)| {
@@ -274,7 +277,8 @@ impl Line {
 mod tests {
     use super::*;
 
-    /// A flight that climbs and sinks irregularly, with a barometer at 10 Hz that is so late, and fixes at 5 Hz.
+    /// A flight that climbs and sinks irregularly, with a barometer at 10 Hz that is so late, and fixes at 5
+    /// Hz.
     fn flight(seconds: u32, climb_mps: f64, behind_s: f64, seed: u32, has_velocity: bool) -> Flight {
         let mut seed = seed;
         let mut noise = || {

@@ -92,8 +92,8 @@ impl Fixes {
         ]
     }
 
-    /// Seconds of each fix by the receiver's clock since its first; none for a time that the clocks contradict, or that is
-    /// that of the fix before, as of receivers that count whole seconds.
+    /// Seconds of each fix by the receiver's clock since its first; none for a time that the clocks
+    /// contradict, or that is that of the fix before, as of receivers that count whole seconds.
     fn times_s(&self, times_us: &[Option<u64>]) -> Vec<(u32, f32)> {
         let believed = |fix: &Fix| {
             let expected_us = self.epoch_us?.checked_add_unsigned(time(fix, times_us)?)?;

@@ -1,4 +1,5 @@
-//! Logs of other makers that are known for what they are, and of which nothing can be made here: there is no altitude of a receiver in them.
+//! Logs of other makers that are known for what they are, and of which nothing can be made here: there is no
+//! altitude of a receiver in them.
 
 /// Bits of a record's kind in a CATS log that number the sensor.
 const SENSOR: u32 = 0xf;
@@ -20,8 +21,8 @@ pub fn without_receiver(log: &[u8]) -> Option<&'static str> {
     )
 }
 
-/// A CATS log (`.cfl`): the firmware's version, a zero, and records of a time, a kind and what that kind has, without a check
-/// (<https://github.com/catsystems/cats-embedded>, `flash/recorder.hpp`).
+/// A CATS log (`.cfl`): the firmware's version, a zero, and records of a time, a kind and what that kind has,
+/// without a check (<https://github.com/catsystems/cats-embedded>, `flash/recorder.hpp`).
 fn is_cats(log: &[u8]) -> bool {
     let head = log.get(..LONGEST_VERSION).unwrap_or(log);
     let Some(end) = head.iter().position(|byte| *byte == 0) else { return false };
@@ -50,7 +51,8 @@ fn is_cats(log: &[u8]) -> bool {
     true
 }
 
-/// Its low-rate and high-rate tables, as the app exports them; with a receiver's column beside them they are a table like others.
+/// Its low-rate and high-rate tables, as the app exports them; with a receiver's column beside them they are
+/// a table like others.
 fn is_blue_raven(log: &[u8]) -> bool {
     let line = log.split(|byte| matches!(byte, b'\n' | b'\r')).next().unwrap_or_default();
     let has = |name: &[u8]| memchr::memmem::find(line, name).is_some();

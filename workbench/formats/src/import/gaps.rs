@@ -4,10 +4,11 @@ use flight_data::{Flight, Note};
 
 use super::damage::percent;
 
-/// A gap is as long as so many of the log's usual steps: of such a one it is not known any more where the vehicle went (the same as
-/// `GAP_BLOCKS` blocks of `FIXES_A_BLOCK` fixes in `replay::airborne`).
+/// A gap is as long as so many of the log's usual steps: of such a one it is not known any more where the
+/// vehicle went (the same as `GAP_BLOCKS` blocks of `FIXES_A_BLOCK` fixes in `replay::airborne`).
 const STEPS: f64 = 10.0;
-/// And as long as this, seconds: a logger of hundreds of rows a second that pauses for one has lost nothing of a flight.
+/// And as long as this, seconds: a logger of hundreds of rows a second that pauses for one has lost nothing
+/// of a flight.
 const LEAST_S: f64 = 10.0;
 
 /// What is to be said of a flight's gaps: how much is missing, and where the longest is.

@@ -2,7 +2,8 @@
 
 /// Seconds from 1970 to GPS time's first.
 const GPS_EPOCH_S: i64 = 315_964_800;
-/// UTC seconds since 1970 from which GPS time is so many seconds ahead of UTC (IERS, Bulletin C; none since 2017).
+/// UTC seconds since 1970 from which GPS time is so many seconds ahead of UTC (IERS, Bulletin C; none since
+/// 2017).
 const LEAP_SECONDS: [(i64, i64); 7] = [
     (1_483_228_800, 18),
     (1_435_708_800, 17),
@@ -42,7 +43,8 @@ mod tests {
 
     #[test]
     fn known_moments_come_out() {
-        // The second of the week in which 2017's leap second was over: 2017-01-01T00:00:00Z is week 1930, 18 s into Sunday.
+        // The second of the week in which 2017's leap second was over: 2017-01-01T00:00:00Z is week 1930, 18
+        // s into Sunday.
         let at = |week, ms| utc_text(utc_s(gps_us(week, ms).unwrap() as i64)).unwrap();
         assert_eq!(at(1930.0, 18_000.0), "2017-01-01T00:00:00Z");
         assert_eq!(at(1930.0, 16_000.0), "2016-12-31T23:59:59Z");

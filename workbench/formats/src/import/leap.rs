@@ -2,15 +2,16 @@
 
 use flight_data::{Channel, Column, Flight, Note};
 
-/// From one row to the next, seconds. The longest flights of aircraft with crews take less than three days, and none is silent for one.
+/// From one row to the next, seconds. The longest flights of aircraft with crews take less than three days,
+/// and none is silent for one.
 const LEAP_S: f64 = 86_400.0;
 /// So many rows after one decide whether it is ahead of them, most of them that is: those of `stamps.rs`.
 const WITNESSES: usize = 16;
 /// Rows within this, beside what so many rows take, belong together, seconds.
 const TOGETHER_S: f64 = 60.0;
 
-/// Leaves out the rows that are more than a day after the last one before them that is not, and those that are ahead of the rows after
-/// them, which go on from the row before; says so.
+/// Leaves out the rows that are more than a day after the last one before them that is not, and those that
+/// are ahead of the rows after them, which go on from the row before; says so.
 ///
 /// A flight whose first row is alone before the leap begins after it.
 pub fn leave_out(flight: &mut Flight) -> Vec<Note> {

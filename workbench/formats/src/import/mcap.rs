@@ -1,7 +1,7 @@
 //! MCAP that `pylon export` wrote, as the flight that it was.
 //!
-//! Every topic's JSON messages have the flight's columns as keys; messages of one time are one row. What is no finite number was
-//! written as null, and is read as NaN; rows without a sample were not written.
+//! Every topic's JSON messages have the flight's columns as keys; messages of one time are one row. What is
+//! no finite number was written as null, and is read as NaN; rows without a sample were not written.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -55,8 +55,9 @@ impl Importer for Mcap {
     }
 }
 
-/// Goes through the records (<https://mcap.dev/spec>): a byte that says what it is, its length in eight bytes, and so many bytes.
-/// The crate's own readers subtract without looking where a damaged chunk's lengths contradict each other.
+/// Goes through the records (<https://mcap.dev/spec>): a byte that says what it is, its length in eight
+/// bytes, and so many bytes. The crate's own readers subtract without looking where a damaged chunk's lengths
+/// contradict each other.
 ///
 /// What cannot be read goes to `damage`.
 fn records(mut bytes: &[u8], damage: &mut Vec<String>, take: &mut dyn FnMut(Record<'_>)) {
@@ -107,7 +108,8 @@ fn has_its_texts(kind: u8, body: &[u8]) -> bool {
     }
 }
 
-/// As [`records`], of a whole file, whose chunks hold most of them. A chunk with a wrong checksum is left out.
+/// As [`records`], of a whole file, whose chunks hold most of them. A chunk with a wrong checksum is left
+/// out.
 fn all_records(bytes: &[u8], damage: &mut Vec<String>, take: &mut dyn FnMut(Record<'_>)) {
     let mut of_chunks = Vec::new();
     records(bytes, damage, &mut |record| match record {

@@ -67,8 +67,9 @@ pub trait Importer: Sync {
     fn import(&self, log: &[u8]) -> Result<(Flight, Vec<Note>), ImportError>;
 }
 
-/// Every importer. Those whose beginning is the surest are asked first. The record is asked before the tlog: its frames
-/// have a check of 32 bits, and a MAVLink frame, whose check has 16, may be found in any long file.
+/// Every importer. Those whose beginning is the surest are asked first. The record is asked before the tlog:
+/// its frames have a check of 32 bits, and a MAVLink frame, whose check has 16, may be found in any long
+/// file.
 pub static IMPORTERS: &[&dyn Importer] = &[
     #[cfg(feature = "ulog")]
     &ulog::Ulog,
@@ -139,7 +140,8 @@ pub fn correct_and_check(
     Ok(())
 }
 
-/// Imports a log without what [`correct_and_check`] does: the checks need memory of their own, and no byte of the log.
+/// Imports a log without what [`correct_and_check`] does: the checks need memory of their own, and no byte of
+/// the log.
 ///
 /// # Errors
 /// As [`import`].
@@ -177,7 +179,8 @@ fn is_matlab(log: &[u8]) -> bool {
     [&b"MATLAB 5.0 MAT-file"[..], b"MATLAB 7.3 MAT-file"].iter().any(|text| log.starts_with(text))
 }
 
-/// Text of two bytes a letter, as some programs of Windows save it: by its mark, or by zeros in every other place.
+/// Text of two bytes a letter, as some programs of Windows save it: by its mark, or by zeros in every other
+/// place.
 fn is_utf16(log: &[u8]) -> bool {
     let head = log.get(..64).unwrap_or(log);
     let (even, odd): (Vec<_>, Vec<_>) = head.iter().enumerate().partition(|(place, _)| place % 2 == 0);
@@ -191,11 +194,12 @@ fn is_utf16(log: &[u8]) -> bool {
                 || (all(&even, is_zero) && all(&odd, is_letter))))
 }
 
-/// A flight from the bytes of its CSV, or of any log that can be imported. A long CSV is read in as many parts as the executor
-/// can do at a time. `name` is the file's, for advice.
+/// A flight from the bytes of its CSV, or of any log that can be imported. A long CSV is read in as many
+/// parts as the executor can do at a time. `name` is the file's, for advice.
 ///
 /// # Errors
-/// As [`flight_data::parse`] for a CSV, as [`import`] for a log; [`flight_data::CsvProblem::NoVersion`] for what is neither.
+/// As [`flight_data::parse`] for a CSV, as [`import`] for a log; [`flight_data::CsvProblem::NoVersion`] for
+/// what is neither.
 pub fn open(bytes: &[u8], name: &str, executor: &dyn Executor) -> Result<(Flight, Vec<Note>), OpenError> {
     let is_csv = is_flight(bytes);
     if !is_csv && is_log(bytes) {
@@ -279,7 +283,8 @@ fn is_text(bytes: &[u8]) -> bool {
     !head.contains(&0) && lost * 20 <= head.len()
 }
 
-/// Whether the beginning has the names that every flight has: what is missing then is the flight's own first line.
+/// Whether the beginning has the names that every flight has: what is missing then is the flight's own first
+/// line.
 fn has_flights_names(bytes: &[u8]) -> bool {
     let head = bytes.get(..4_096).unwrap_or(bytes);
     [&b"time_s"[..], b"gps_alt_m"].iter().all(|name| memchr::memmem::find(head, name).is_some())

@@ -1,8 +1,10 @@
-//! A flight's header and columns, as Pylon writes them into other programs' formats; a damaged file may have others.
+//! A flight's header and columns, as Pylon writes them into other programs' formats; a damaged file may have
+//! others.
 
 use flight_data::{AltitudeDatum, Channel, Column, Flight, Header, Note, unit_slip};
 
-/// The header that these keys say, in their order. A damaged file may have line ends where a flight's header can have none.
+/// The header that these keys say, in their order. A damaged file may have line ends where a flight's header
+/// can have none.
 pub fn own_header(keys: impl IntoIterator<Item = (String, String)>) -> Header {
     let clean = |text: String| text.replace(['\n', '\r'], " ");
     let mut header = Header::default();
@@ -21,7 +23,8 @@ pub fn own_header(keys: impl IntoIterator<Item = (String, String)>) -> Header {
     header
 }
 
-/// Puts a column in under its name, which may be damaged: with one that a flight's CSV cannot have, or has already, it is left out and said.
+/// Puts a column in under its name, which may be damaged: with one that a flight's CSV cannot have, or has
+/// already, it is left out and said.
 pub fn put_column(flight: &mut Flight, name: &str, column: Column) -> Option<Note> {
     let has =
         |name: &str| name == "time_s" || flight.channels.iter().any(|(channel, _)| channel.name() == name);

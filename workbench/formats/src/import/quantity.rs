@@ -128,7 +128,8 @@ pub const UNITS: &[Unit] = &[
 ];
 
 impl Quantity {
-    /// What a destination of that name holds; `None` for a signal of one's own, which has whatever unit it has.
+    /// What a destination of that name holds; `None` for a signal of one's own, which has whatever unit it
+    /// has.
     pub fn of(destination: &str) -> Option<Self> {
         if matches!(destination, "latitude_deg" | "longitude_deg") {
             return Some(Self::Position);

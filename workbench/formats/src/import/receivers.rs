@@ -1,12 +1,14 @@
 //! Several receivers in one log: one is the reference, the others are signals beside it.
 //!
-//! An altitude of two receivers is no mean of both: their errors are largely the same, and one that jumps would pull the other. So one is
-//! used as it stands, and what the others say is kept under names of their own, with how far they are from it.
+//! An altitude of two receivers is no mean of both: their errors are largely the same, and one that jumps
+//! would pull the other. So one is used as it stands, and what the others say is kept under names of their
+//! own, with how far they are from it.
 
 use super::fixes::{Fix, Fixes};
 use super::table::{Destination, Filling, Samples};
 
-/// Between fixes of the receiver that is used that are farther apart nothing is compared: what it would have said is not known.
+/// Between fixes of the receiver that is used that are farther apart nothing is compared: what it would have
+/// said is not known.
 const APART_US: u64 = 2_000_000;
 /// Of fewer fixes at common times nothing is said.
 const LEAST_COMMON: usize = 5;
@@ -53,7 +55,8 @@ impl Other {
     }
 }
 
-/// What is to be said of a receiver beside the one that is used: names, fixes as times in microseconds and altitudes in metres.
+/// What is to be said of a receiver beside the one that is used: names, fixes as times in microseconds and
+/// altitudes in metres.
 pub fn sentence(used: (&str, &mut [(u64, f64)]), other: (&str, usize, &[(u64, f64)])) -> String {
     let (used_name, used) = used;
     let (name, number, altitudes) = other;

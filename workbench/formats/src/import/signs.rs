@@ -1,19 +1,20 @@
 //! Whether a flight's velocities agree with what they are the derivatives of.
 //!
-//! Some autopilots wrote the climb rate with the sign turned. Over windows of some seconds the change of a position is
-//! compared with the integral of its velocity; a velocity whose integral runs against the position is said, and turned only by
-//! name.
+//! Some autopilots wrote the climb rate with the sign turned. Over windows of some seconds the change of a
+//! position is compared with the integral of its velocity; a velocity whose integral runs against the
+//! position is said, and turned only by name.
 
 use kf_core::atmosphere::pressure_altitude_m;
 
 use flight_data::{Channel, Column, Flight, Note};
 
-/// Windows are so long that a receiver's noise of a metre is small beside the path of a climb at some m/s, and so short that its
-/// wander over minutes is not in them.
+/// Windows are so long that a receiver's noise of a metre is small beside the path of a climb at some m/s,
+/// and so short that its wander over minutes is not in them.
 const WINDOW_S: f64 = 5.0;
 /// A window's samples are not farther from each other than this.
 const GAP_S: f64 = 2.5;
-/// How many sigmas a correlation is beyond chance, by Fisher's transformation: 5 leave 3 in 10 million to chance.
+/// How many sigmas a correlation is beyond chance, by Fisher's transformation: 5 leave 3 in 10 million to
+/// chance.
 const SIGMAS: f64 = 5.0;
 /// Metres of a degree of latitude.
 pub(super) const DEGREE_M: f64 = 111_195.0;
@@ -75,8 +76,9 @@ fn samples(flight: &Flight, name: &str) -> Vec<(f64, f64)> {
     timed
 }
 
-/// The integral of a velocity and the change of a position over each window that both fill. Samples are in order of time; of others, or of
-/// times too great for seconds to be told apart, what comes after the first such is not looked at.
+/// The integral of a velocity and the change of a position over each window that both fill. Samples are in
+/// order of time; of others, or of times too great for seconds to be told apart, what comes after the first
+/// such is not looked at.
 pub(super) fn windows(velocity: &[(f64, f64)], position: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut found = Vec::new();
     let Some((mut start_s, _)) = velocity.first().copied() else { return found };
@@ -86,7 +88,8 @@ pub(super) fn windows(velocity: &[(f64, f64)], position: &[(f64, f64)]) -> Vec<(
         let until_s = start_s + WINDOW_S;
         let first = velocity.partition_point(|sample| sample.0 < start_s);
         let last = velocity.partition_point(|sample| sample.0 <= until_s);
-        // Each window has a sample more than those before it: the next one is not farther off than a gap, or the window begins there.
+        // Each window has a sample more than those before it: the next one is not farther off than a gap, or
+        // the window begins there.
         if last <= looked_at {
             break;
         }
@@ -154,7 +157,8 @@ pub fn contradictions(flight: &Flight) -> Vec<Contradiction> {
         let mut windows = windows(&velocity, &samples(flight, name));
         windows.iter_mut().for_each(|(integral, _)| *integral *= pair.sense);
         let (correlation, count) = (correlation(&windows), windows.len());
-        // The correlation of n pairs out of nothing has a sigma of one over the root of n - 3, after that transformation.
+        // The correlation of n pairs out of nothing has a sigma of one over the root of n - 3, after that
+        // transformation.
         let sigmas =
             correlation.clamp(-0.999_999, 0.999_999).atanh() * (count.saturating_sub(3) as f64).sqrt();
         if sigmas < -SIGMAS {
@@ -215,7 +219,8 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 mod tests {
     use super::*;
 
-    /// A flight that climbs and sinks by a sine of 60 s, with noise in its altitude; its vd is right times `sign`.
+    /// A flight that climbs and sinks by a sine of 60 s, with noise in its altitude; its vd is right times
+    /// `sign`.
     fn flight(seconds: usize, amplitude_mps: f64, sign: f64) -> Flight {
         let mut flight = Flight::default();
         let (mut altitude, mut down, mut latitude) =
@@ -242,7 +247,8 @@ mod tests {
         flight
     }
 
-    /// A damaged clock may say anything; the windows of five seconds up to there would be looked for for years.
+    /// A damaged clock may say anything; the windows of five seconds up to there would be looked for for
+    /// years.
     #[test]
     fn times_that_are_none_end_the_windows() {
         let position = [(0.0, 0.0), (1e17, 1.0)];

@@ -1,7 +1,8 @@
 //! Which times of a log are to be believed.
 //!
-//! A logger's clock runs forward, and most logs have no check of single messages: one flipped bit gives a message a time
-//! of years from now, or of some seconds ago. Such a time contradicts those of the messages around it, before and after.
+//! A logger's clock runs forward, and most logs have no check of single messages: one flipped bit gives a
+//! message a time of years from now, or of some seconds ago. Such a time contradicts those of the messages
+//! around it, before and after.
 
 use super::damage::percent;
 
@@ -11,7 +12,8 @@ pub const NO_TIME: u64 = u64::MAX;
 const DISORDER_US: u64 = 1_000_000;
 /// A clock that goes back by more, and stays there, has started anew.
 const RESTART_US: u64 = 5_000_000;
-/// A logger writes many messages a second. One that is farther from every other one than this has a wrong time.
+/// A logger writes many messages a second. One that is farther from every other one than this has a wrong
+/// time.
 const LONELY_US: u64 = 5_000_000;
 /// From one message to the next, for which the times above are.
 const BRISK_US: u64 = 200_000;
@@ -67,8 +69,8 @@ pub struct Believed {
     pub stamped: usize,
 }
 
-/// Which of a log's stamps are to be believed. `groups` are the stamps of each kind of message, in the log's order; `described`
-/// says where in the file a stamp is.
+/// Which of a log's stamps are to be believed. `groups` are the stamps of each kind of message, in the log's
+/// order; `described` says where in the file a stamp is.
 pub fn believe<'a>(
     stamps_us: &[u64],
     groups: impl Iterator<Item = &'a [u32]>,
@@ -77,8 +79,8 @@ pub fn believe<'a>(
     believe_paced(stamps_us, 0, groups, described)
 }
 
-/// As [`believe`], for a log whose usual time from one row to the next is `pace_us`: of one that writes a row a minute, a gap of
-/// five seconds says nothing.
+/// As [`believe`], for a log whose usual time from one row to the next is `pace_us`: of one that writes a row
+/// a minute, a gap of five seconds says nothing.
 pub fn believe_paced<'a>(
     stamps_us: &[u64],
     pace_us: u64,
@@ -127,8 +129,8 @@ pub fn believe_paced<'a>(
     Believed { times_us, notes, stamped: known.len() }
 }
 
-/// Takes away the times of messages of one kind that go back: a logger writes those of one kind in order. `stamps` says which of
-/// `times_us` they have. Returns which were taken away.
+/// Takes away the times of messages of one kind that go back: a logger writes those of one kind in order.
+/// `stamps` says which of `times_us` they have. Returns which were taken away.
 fn leave_out_of_order(stamps: &[u32], times_us: &mut [Option<u64>]) -> Vec<usize> {
     let timed = |stamp: &u32| Some((*stamp as usize, times_us.get(*stamp as usize).copied().flatten()?));
     let found: Vec<(usize, u64)> = stamps.iter().filter_map(timed).collect();
@@ -152,7 +154,8 @@ fn leave_out_of_order(stamps: &[u32], times_us: &mut [Option<u64>]) -> Vec<usize
     left_out
 }
 
-/// The stamps that contradict those around them, in a recording whose clock may have been set anew on the way: every run counts.
+/// The stamps that contradict those around them, in a recording whose clock may have been set anew on the
+/// way: every run counts.
 pub fn contradicting_of_runs(stamps_us: &[u64]) -> Vec<usize> {
     let starts = starts(stamps_us);
     let ends = starts.iter().skip(1).copied().chain([stamps_us.len()]);
@@ -291,7 +294,8 @@ mod tests {
                 if is_inner || off > LONELY_US {
                     assert_eq!(judged.contradicting, [place], "bit {bit} of {place}");
                 } else {
-                    // At an end of the log, some seconds off: it may be the one beside it that is wrong, or none.
+                    // At an end of the log, some seconds off: it may be the one beside it that is wrong, or
+                    // none.
                     let (found, count) = (&judged.contradicting, judged.contradicting.len());
                     assert!(count <= 1 && found.iter().all(|at| at.abs_diff(place) <= 1), "{place} {bit}");
                 }

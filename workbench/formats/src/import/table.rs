@@ -142,8 +142,8 @@ fn rows_of(times_us: &[Option<u64>], is_used: &[bool], rows_us: &[u64]) -> Vec<u
     times_us.iter().zip(is_used).map(of).map(|row| row.unwrap_or(NO_ROW)).collect()
 }
 
-/// Puts columns together. `times_us` has the time of each stamp, or none for a stamp that is not to be believed; what
-/// has such a stamp is left out.
+/// Puts columns together. `times_us` has the time of each stamp, or none for a stamp that is not to be
+/// believed; what has such a stamp is left out.
 pub fn assemble(header: Header, times_us: &[Option<u64>], fillings: Vec<Filling<'_>>) -> Table {
     let mut is_used = vec![false; times_us.len()];
     for filling in &fillings {

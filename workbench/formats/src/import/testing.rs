@@ -48,8 +48,8 @@ pub fn assert_channels(flight: &Flight, expected: &[(Channel, usize, f32)]) {
     }
 }
 
-/// Cost and message of damage, for each byte of a log whose messages begin at `places`, and whose data begin at `first`: pressures
-/// about 950 hPa.
+/// Cost and message of damage, for each byte of a log whose messages begin at `places`, and whose data begin
+/// at `first`: pressures about 950 hPa.
 pub fn assert_any_byte_costs_its_message(
     log: &[u8],
     places: impl Fn(usize) -> (usize, String),
@@ -70,7 +70,8 @@ pub fn assert_any_byte_costs_its_message(
             }
             let (start, name) = places(at);
             let what = format!("byte {} of {name} ^ {flip:#x}", at - start);
-            // The last message of all has none behind it; one within seconds of the others' times may be its own.
+            // The last message of all has none behind it; one within seconds of the others' times may be its
+            // own.
             assert!(flight.time_s.last().unwrap() - clean.time_s.last().unwrap() <= 5.0, "{what}");
             let found = samples(&flight, Channel::BaroPa);
             assert!(found.len() + 2 >= all, "{what}: {} of {all}", found.len());

@@ -6,7 +6,8 @@ use flight_data::{AltitudeDatum, Channel, Column, Flight, is_altitude};
 
 use super::error::ImportError;
 
-/// Heights of the geoid above the WGS-84 ellipsoid, metres: EGM2008 has -107 m south of India and 86 m by New Guinea.
+/// Heights of the geoid above the WGS-84 ellipsoid, metres: EGM2008 has -107 m south of India and 86 m by New
+/// Guinea.
 const GEOID_HEIGHTS_M: std::ops::RangeInclusive<f64> = -108.0..=87.0;
 
 /// A column to convert: `COLUMN=METRES`.
@@ -40,7 +41,8 @@ impl FromStr for ToMsl {
 /// Converts a column, and says so in the header.
 ///
 /// # Errors
-/// [`ImportError::NoSuchAltitude`] without the column; [`ImportError::NotAboveEllipsoid`] if it is not above the ellipsoid.
+/// [`ImportError::NoSuchAltitude`] without the column; [`ImportError::NotAboveEllipsoid`] if it is not above
+/// the ellipsoid.
 pub fn to_msl(flight: &mut Flight, conversion: &ToMsl) -> Result<(), ImportError> {
     let ToMsl { column: name, geoid_height_m } = conversion;
     let column = match Channel::from_name(name) {

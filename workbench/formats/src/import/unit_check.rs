@@ -1,7 +1,7 @@
 //! Whether a column's values can be in the unit that its name says.
 //!
-//! A pressure of 950 Pa is a pressure of 950 hPa that somebody wrote down without a thought of its name. Nothing is converted here:
-//! what contradicts is said, with the unit that would fit.
+//! A pressure of 950 Pa is a pressure of 950 hPa that somebody wrote down without a thought of its name.
+//! Nothing is converted here: what contradicts is said, with the unit that would fit.
 
 use flight_data::{Channel, Column, Flight, Note};
 use kf_core::atmosphere::pressure_altitude_m;

@@ -47,9 +47,9 @@ fn velocity_mps(from: TimedPosition, to: TimedPosition) -> Option<(f32, f32)> {
     (speed_mps <= FASTEST_MPS).then_some(((north_m / seconds) as f32, (east_m / seconds) as f32))
 }
 
-/// North and east velocity at each position, m/s: central differences, one-sided at the ends and beside gaps. `None` where
-/// neither neighbour is near enough in time, or a position has jumped. Of positions whose time is not after the last one's,
-/// only the first has a velocity.
+/// North and east velocity at each position, m/s: central differences, one-sided at the ends and beside gaps.
+/// `None` where neither neighbour is near enough in time, or a position has jumped. Of positions whose time
+/// is not after the last one's, only the first has a velocity.
 pub fn velocities(
     positions: impl Iterator<Item = TimedPosition> + Clone,
 ) -> impl Iterator<Item = Option<(f32, f32)>> {

@@ -3,7 +3,8 @@
 /// So many kinds of message are named of those that are not used.
 const NAMED: usize = 8;
 
-/// What a log has most of, each with its count, and how many kinds there are beside; nothing for an empty list.
+/// What a log has most of, each with its count, and how many kinds there are beside; nothing for an empty
+/// list.
 pub fn most_of(mut kinds: Vec<(String, usize)>) -> Option<String> {
     kinds.sort_by(|one, other| (other.1, &one.0).cmp(&(one.1, &other.0)));
     let rest = kinds.len().saturating_sub(NAMED);

@@ -10,9 +10,11 @@ const SHORTEST_S: f64 = 1.0;
 const FIXES_A_BLOCK: f64 = 2.5;
 /// An airspeed below this may be wind on a parked aircraft, m/s.
 const WIND_MPS: f64 = 8.0;
-/// A barometer is not believed if it moves over less than this share of what the receiver moves over: it is stuck.
+/// A barometer is not believed if it moves over less than this share of what the receiver moves over: it is
+/// stuck.
 const STUCK_SHARE: f64 = 0.2;
-/// Blocks farther apart than this many of their lengths have a gap between them: where the vehicle went meanwhile is not known.
+/// Blocks farther apart than this many of their lengths have a gap between them: where the vehicle went
+/// meanwhile is not known.
 const GAP_BLOCKS: f64 = 4.0;
 
 /// Where the heights come from.
@@ -148,7 +150,8 @@ impl Blocks {
     }
 }
 
-/// Row, time and metres of every altitude of the sensor that shows heights best: the barometer, if there is one that is not stuck.
+/// Row, time and metres of every altitude of the sensor that shows heights best: the barometer, if there is
+/// one that is not stuck.
 pub(super) fn altitudes(flight: &Flight) -> Option<(Vec<Sample>, Heights)> {
     let of = |column: Option<&Column>, metres: &dyn Fn(f32) -> Option<f32>| -> Vec<Sample> {
         let samples = column.into_iter().flat_map(Column::samples);
@@ -269,7 +272,8 @@ impl Gatherer {
     }
 }
 
-/// Height and speed of each block as the median of three: where a block has only two samples, one wild one would be half of it.
+/// Height and speed of each block as the median of three: where a block has only two samples, one wild one
+/// would be half of it.
 fn smoothed(blocks: Vec<Block>) -> Vec<Block> {
     let of = |place: usize, value: &dyn Fn(&Block) -> Option<f64>| {
         let around = blocks.get(place.saturating_sub(1)..(place + 2).min(blocks.len())).unwrap_or_default();

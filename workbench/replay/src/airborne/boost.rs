@@ -1,9 +1,9 @@
 //! The launch of a rocket: from standing it rises faster than anything that flies by its wings or propellers.
 //!
-//! Within [`RISE_S`] of the launch a rocket with the least thrust that clubs let fly, three times its weight (Tripoli Rocketry
-//! Association, "Safety Code for High Power Rocketry", 2024), rises by 39 m: half of two g times four seconds squared. A
-//! multicopter with twice its weight of thrust, which few have, rises by 20 m. The limit is their geometric middle. An aircraft
-//! that pulls up rises as fast, but is fast before it does.
+//! Within [`RISE_S`] of the launch a rocket with the least thrust that clubs let fly, three times its weight
+//! (Tripoli Rocketry Association, "Safety Code for High Power Rocketry", 2024), rises by 39 m: half of two g
+//! times four seconds squared. A multicopter with twice its weight of thrust, which few have, rises by 20 m.
+//! The limit is their geometric middle. An aircraft that pulls up rises as fast, but is fast before it does.
 
 use flight_data::{Channel, Column, Flight};
 
@@ -13,8 +13,9 @@ use super::blocks::{Heights, altitudes, median_interval_s};
 const RISE_S: f64 = 2.0;
 /// What it must come to, metres.
 const LEAST_RISE_M: f64 = 28.0;
-/// From standing, the second half of a steady acceleration has three times the rise of the first, and a steady climb the same.
-/// With this ratio and that rise the acceleration is 1.2 g or more: what a multicopter does not have that is climbing already.
+/// From standing, the second half of a steady acceleration has three times the rise of the first, and a
+/// steady climb the same. With this ratio and that rise the acceleration is 1.2 g or more: what a multicopter
+/// does not have that is climbing already.
 const LEAST_RATIO: f64 = 2.5;
 /// It stands as long as it is within this of where the rise begins, metres.
 const STANDING_M: f64 = 1.0;
@@ -22,7 +23,8 @@ const STANDING_M: f64 = 1.0;
 const AROUND_S: f64 = 0.15;
 /// Of a barometer that is slower than this the beginning of a boost cannot be seen, seconds between samples.
 const SLOWEST_S: f64 = 0.1;
-/// Faster over ground than this it did not stand, m/s: the receiver of a vehicle on its rail shows the wind's swaying and its noise.
+/// Faster over ground than this it did not stand, m/s: the receiver of a vehicle on its rail shows the wind's
+/// swaying and its noise.
 const STANDING_MPS: f64 = 10.0;
 /// The speed that is asked for is at most so far from the launch, seconds.
 const NEAR_S: f64 = 1.5;
@@ -36,7 +38,8 @@ pub struct Boost {
     pub rise_m: f64,
 }
 
-/// The first launch by a rocket motor, if there is one that a barometer with ten samples a second or more shows.
+/// The first launch by a rocket motor, if there is one that a barometer with ten samples a second or more
+/// shows.
 #[must_use]
 pub fn boost(flight: &Flight) -> Option<Boost> {
     let (samples, heights) = altitudes(flight)?;

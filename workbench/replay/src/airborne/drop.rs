@@ -1,11 +1,14 @@
-//! The drop from a carrier: out of steady flight the vehicle falls as nothing does that is carried by its own wings or propellers.
+//! The drop from a carrier: out of steady flight the vehicle falls as nothing does that is carried by its own
+//! wings or propellers.
 //!
-//! Within [`FALL_S`] a body that nothing carries falls 19.6 m below where it would have gone on to, half of g times two seconds
-//! squared; an aircraft that is pushed over to half a g falls 9.8 m below. The limit is their geometric middle. A rocket that coasts over
-//! its apogee falls as freely, but did before; a multicopter whose motors fail does too, so its motors must be off, where that is
-//! recorded. An aerobatic aircraft that is pushed over to weightlessness looks the same.
+//! Within [`FALL_S`] a body that nothing carries falls 19.6 m below where it would have gone on to, half of g
+//! times two seconds squared; an aircraft that is pushed over to half a g falls 9.8 m below. The limit is
+//! their geometric middle. A rocket that coasts over its apogee falls as freely, but did before; a
+//! multicopter whose motors fail does too, so its motors must be off, where that is recorded. An aerobatic
+//! aircraft that is pushed over to weightlessness looks the same.
 //!
-//! What this cannot find: a winged vehicle that its wings carry by a third or more from the first second on. It needs a `launch` column.
+//! What this cannot find: a winged vehicle that its wings carry by a third or more from the first second on.
+//! It needs a `launch` column.
 
 use flight_data::{Channel, Column, Flight};
 
@@ -17,18 +20,20 @@ const FALL_S: f64 = 2.0;
 const LEAST_FALL_M: f64 = 14.0;
 /// A free fall, and twice what steady flight may be off its line: more is no fall, but a sensor's jump.
 const MOST_FALL_M: f64 = 19.6 + 2.0 * STEADY_M;
-/// The second half of a fall has three times the way of the first; of a descent that was there before, the same.
+/// The second half of a fall has three times the way of the first; of a descent that was there before, the
+/// same.
 const LEAST_RATIO: f64 = 2.5;
 /// Steady for so long before, seconds.
 const STEADY_S: f64 = 5.0;
-/// Steady flight is within this of a straight line, metres: the waves of turbulence and of a barometer's noise. An apogee's parabola is
-/// up to 15 m from one.
+/// Steady flight is within this of a straight line, metres: the waves of turbulence and of a barometer's
+/// noise. An apogee's parabola is up to 15 m from one.
 const STEADY_M: f64 = 2.0;
-/// The fall has begun where it is this far below the line, metres, and so much earlier: what a fall by four fifths of g takes to come so far.
+/// The fall has begun where it is this far below the line, metres, and so much earlier: what a fall by four
+/// fifths of g takes to come so far.
 const BEGUN_M: f64 = 1.0;
 const BEGUN_S: f64 = 0.5;
-/// As [`LEAST_RATIO`], from there on. A descent that is there at once has at most 1.8 (its speed is at most that of [`MOST_FALL_M`] in 1.5 s), a
-/// fall 3: the geometric middle.
+/// As [`LEAST_RATIO`], from there on. A descent that is there at once has at most 1.8 (its speed is at most
+/// that of [`MOST_FALL_M`] in 1.5 s), a fall 3: the geometric middle.
 const BEGUN_RATIO: f64 = 2.3;
 /// Heights at either end of the fall are medians over this much around, seconds: single wild ones are none.
 const AROUND_S: f64 = 0.15;
@@ -36,7 +41,8 @@ const AROUND_S: f64 = 0.15;
 const SLOWEST_S: f64 = 0.1;
 /// A motor that turns without carrying: autopilots' arming speeds are up to a tenth.
 const IDLE: f64 = 0.1;
-/// Specific force during the fall's first second, m/s2, where it is measured: a third of g, which the limit above leaves to wings and drag.
+/// Specific force during the fall's first second, m/s2, where it is measured: a third of g, which the limit
+/// above leaves to wings and drag.
 const MOST_CARRIED_MPS2: f64 = 0.34 * 9.806_65;
 
 /// A drop from a carrier.
@@ -109,14 +115,16 @@ fn fall(track: &Track, place: usize) -> Option<Drop> {
     let mut during = during.take_while(|time_s| *time_s <= at_s + FALL_S);
     let begun_s = during.find(|time_s| below_m(*time_s).is_some_and(|metres| metres > BEGUN_M))?;
     let from_s = (begun_s - BEGUN_S).max(at_s);
-    // A descent that begins at once looks like a fall only from before its beginning, and what is faster than a fall is none.
+    // A descent that begins at once looks like a fall only from before its beginning, and what is faster than
+    // a fall is none.
     let (middle_m, fall_m) = (below_m(from_s + FALL_S / 2.0)?, below_m(from_s + FALL_S)?);
     let is_fall =
         (LEAST_FALL_M..=MOST_FALL_M).contains(&fall_m) && fall_m - middle_m >= BEGUN_RATIO * middle_m;
     is_fall.then_some(Drop { from_s, fall_m })
 }
 
-/// Height at the end and climb rate, m and m/s, of the straight line through the seconds before, if the flight was steady.
+/// Height at the end and climb rate, m and m/s, of the straight line through the seconds before, if the
+/// flight was steady.
 fn steady_line(track: &Track, at_s: f64) -> Option<(f64, f64)> {
     let first = track.partition_point(|(time_s, _)| *time_s < at_s - STEADY_S);
     let before = track.get(first..)?;
@@ -142,7 +150,8 @@ fn steady_line(track: &Track, at_s: f64) -> Option<(f64, f64)> {
     (off * 20 <= before.len()).then(|| (straight_m(at_s), climb_mps))
 }
 
-/// Whether neither motors nor, by the accelerometer, anything else carried the vehicle, where that is recorded.
+/// Whether neither motors nor, by the accelerometer, anything else carried the vehicle, where that is
+/// recorded.
 fn is_free(flight: &Flight, from_s: f64) -> bool {
     let values = |channel: Channel, from_s: f64, to_s: f64| {
         let samples = flight.channel(channel).into_iter().flat_map(Column::samples);

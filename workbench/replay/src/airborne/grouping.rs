@@ -5,9 +5,11 @@ use std::ops::Range;
 use super::AirborneInterval;
 use super::blocks::{Block, Blocks, median};
 
-/// Faster than this nobody walks or runs with a parked vehicle, m/s: the 15 km/h by which scoring programs tell a flight.
+/// Faster than this nobody walks or runs with a parked vehicle, m/s: the 15 km/h by which scoring programs
+/// tell a flight.
 const FAST_MPS: f64 = 4.0;
-/// A vehicle that stands moves slower than this, m/s: the noise of a receiver's velocity, and a pilot who walks.
+/// A vehicle that stands moves slower than this, m/s: the noise of a receiver's velocity, and a pilot who
+/// walks.
 const SLOW_MPS: f64 = 2.0;
 /// Height is looked at so far to either side, seconds: what happens now.
 const NEAR_S: f64 = 5.0;
@@ -23,7 +25,8 @@ pub const EDGE_S: f64 = 3.0;
 const STANDING_WITHOUT_SPEED_S: f64 = 60.0;
 /// The ground's height is the median over so long of standing, seconds.
 const GROUND_S: f64 = 30.0;
-/// A flight moves fast for so long, or is off the ground for [`OFF_GROUND_S`]; else it was a bump of the sensor, or a taxi.
+/// A flight moves fast for so long, or is off the ground for [`OFF_GROUND_S`]; else it was a bump of the
+/// sensor, or a taxi.
 const FAST_S: f64 = 10.0;
 /// See [`FAST_S`], seconds.
 const OFF_GROUND_S: f64 = 15.0;
@@ -33,7 +36,8 @@ const LOST_S: f64 = 600.0;
 const STEEPEST: f64 = 1.0;
 /// A hover lower than this is not told from the drift of a parked barometer, metres.
 const LEAST_HOVER_M: f64 = 4.0;
-/// Air below a hover is looked for so long before and after it, seconds: later, a velocity's drift has moved the place.
+/// Air below a hover is looked for so long before and after it, seconds: later, a velocity's drift has moved
+/// the place.
 const NEARBY_S: f64 = 180.0;
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -108,12 +112,14 @@ fn grounds(blocks: &Blocks, kinds: &[Kind]) -> Vec<Range<usize>> {
             continue;
         }
         let is_up = if run.is_edge && run.seconds >= STANDING_S {
-            // Nobody's log begins or ends with a minute's hover; but a parked barometer drifts, and leaps when a cockpit is opened.
+            // Nobody's log begins or ends with a minute's hover; but a parked barometer drifts, and leaps
+            // when a cockpit is opened.
             false
         } else if run.has_speed {
             is_above_air(blocks, &run) || hover.as_ref().is_some_and(|hover| hovers_on(blocks, hover, &run))
         } else {
-            // Without a speed there is no place either: what lies high in the middle of a log is level flight.
+            // Without a speed there is no place either: what lies high in the middle of a log is level
+            // flight.
             !run.is_edge && run.height_m > lowest_m + 5.0 * blocks.tolerance_m
         };
         if is_up {
@@ -155,7 +161,8 @@ impl Run {
     }
 }
 
-/// Runs of standing blocks without gaps in them; one block between two runs that is not clear does not part them.
+/// Runs of standing blocks without gaps in them; one block between two runs that is not clear does not part
+/// them.
 fn runs(blocks: &Blocks, kinds: &[Kind]) -> Vec<Range<usize>> {
     let all = &blocks.blocks;
     let mut runs: Vec<Range<usize>> = Vec::new();
@@ -195,7 +202,8 @@ fn is_above_air(blocks: &Blocks, run: &Run) -> bool {
         || after.take_while(|block| block.time_s - last.time_s < NEARBY_S).any(|block| is_below(last, block))
 }
 
-/// Whether a vehicle that hovered is hovering again: it has not been lower meanwhile, which it must be to land.
+/// Whether a vehicle that hovered is hovering again: it has not been lower meanwhile, which it must be to
+/// land.
 fn hovers_on(blocks: &Blocks, hover: &Run, run: &Run) -> bool {
     let between = blocks.blocks.get(hover.range.end..run.range.end).unwrap_or_default();
     let least_m = hover.height_m - 2.0 * blocks.tolerance_m;

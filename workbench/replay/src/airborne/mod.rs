@@ -1,14 +1,15 @@
 //! When a vehicle was in the air: take-offs and landings, from what the flight itself recorded.
 //!
-//! Heights, their changes and the speed over ground are looked at in blocks of a second or more (`blocks.rs`). A block shows flight
-//! when the vehicle moves fast while its height changes, or when its height changes faster than ground allows; it shows standing
-//! when it is slow and its height does not change. A landing is where flight ends in a stretch of standing, a take-off where it
-//! begins after one. Standing in the air (a hover) is told from standing on the ground by the ground: where the vehicle has been
-//! lower at the same place, there is air below it.
+//! Heights, their changes and the speed over ground are looked at in blocks of a second or more
+//! (`blocks.rs`). A block shows flight when the vehicle moves fast while its height changes, or when its
+//! height changes faster than ground allows; it shows standing when it is slow and its height does not
+//! change. A landing is where flight ends in a stretch of standing, a take-off where it begins after one.
+//! Standing in the air (a hover) is told from standing on the ground by the ground: where the vehicle has
+//! been lower at the same place, there is air below it.
 //!
-//! What this cannot tell: a car that drives up and down hills after the landing looks like one more, low flight; the flight that is
-//! used is the longest, so that it does no harm. A log that begins less than [`EDGE_S`] before the take-off is said to begin in the
-//! air.
+//! What this cannot tell: a car that drives up and down hills after the landing looks like one more, low
+//! flight; the flight that is used is the longest, so that it does no harm. A log that begins less than
+//! [`EDGE_S`] before the take-off is said to begin in the air.
 
 mod blocks;
 mod boost;
@@ -27,7 +28,8 @@ pub use grouping::EDGE_S;
 /// One time in the air, by the flight's own clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AirborneInterval {
-    /// When it took off, seconds; `None`: it was in the air already when the log began, or (in a log with a long gap) went on.
+    /// When it took off, seconds; `None`: it was in the air already when the log began, or (in a log with a
+    /// long gap) went on.
     pub take_off_s: Option<f64>,
     /// When it landed, seconds; `None`: it was still in the air when the log ended.
     pub landing_s: Option<f64>,
@@ -35,8 +37,8 @@ pub struct AirborneInterval {
     pub from_s: f64,
     /// Last one, seconds.
     pub to_s: f64,
-    /// From when on it stood on the ground before the take-off, seconds: the landing before it, or the log's beginning. `None`
-    /// without a take-off.
+    /// From when on it stood on the ground before the take-off, seconds: the landing before it, or the log's
+    /// beginning. `None` without a take-off.
     pub ground_from_s: Option<f64>,
 }
 
@@ -68,7 +70,8 @@ impl Outings {
         all.rev().max_by(|one, other| one.1.duration_s().total_cmp(&other.1.duration_s()))
     }
 
-    /// The one that a moment belongs to: on the ground before it, or in the air. `None` after the last landing.
+    /// The one that a moment belongs to: on the ground before it, or in the air. `None` after the last
+    /// landing.
     #[must_use]
     pub fn around(&self, time_s: f64) -> Option<(usize, AirborneInterval)> {
         let landed_later = |interval: &AirborneInterval| {

@@ -41,8 +41,8 @@ impl Track {
     }
 }
 
-/// A glider: a minute on the ground, a tow, a glide, a minute on the ground. It rolls from 60 s, lifts off at 80 s, and touches
-/// down at 680 s.
+/// A glider: a minute on the ground, a tow, a glide, a minute on the ground. It rolls from 60 s, lifts off at
+/// 80 s, and touches down at 680 s.
 fn glider() -> Track {
     Track::at(300.0)
         .then(60, 0.0, 0.0)
@@ -207,7 +207,8 @@ fn a_barometer_that_leaps_on_the_ground_is_no_flight() {
 
 #[test]
 fn a_receiver_that_settles_is_no_flight() {
-    // Its position runs and its altitude falls while the barometer stands still, as it does after a cold start.
+    // Its position runs and its altitude falls while the barometer stands still, as it does after a cold
+    // start.
     let mut flight = glider().flight();
     for row in 0..25 {
         flight.channels[0].1.set(row, Some(340.0 - 1.6 * row as f32));

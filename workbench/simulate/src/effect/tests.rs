@@ -179,8 +179,8 @@ fn twice_integrated(truth: &[TruthSample], input: impl Fn(&TruthSample) -> f64) 
     integral
 }
 
-/// Largest difference of two integration rules: at most one sixth of the input's jumps, summed, times dt^2, and
-/// half a step of the integral's slope. Both shrink with the step; here they are far below a percent.
+/// Largest difference of two integration rules: at most one sixth of the input's jumps, summed, times dt^2,
+/// and half a step of the integral's slope. Both shrink with the step; here they are far below a percent.
 const INTEGRATION: f64 = 2e-3;
 
 fn assert_integrates(id: &str, input: impl Fn(&TruthSample) -> f64) {
@@ -231,8 +231,8 @@ fn the_double_integral_is_exact_for_what_is_linear_between_rows() {
 
 #[test]
 fn an_accelerometers_scale_error_shows_as_the_height_that_was_gained() {
-    // The double integral of upward acceleration is height minus what the first climb rate would have given: a
-    // closed form that needs no integration.
+    // The double integral of upward acceleration is height minus what the first climb rate would have given:
+    // a closed form that needs no integration.
     let (added, truth) = added(Channel::ImuSlaveAltM, &injection("imu.accel_scale", 1.0, "phase = \"free\""));
     let release = truth[RELEASE];
     for (row, added) in added.iter().enumerate().skip(RELEASE) {

@@ -301,7 +301,8 @@ fn smoothing_is_a_first_order_low_pass() {
     let sensor = Gps { smoothing_s: 3.0, ..silent_gps(5.0) };
     let fixes = gps(&sensor, &flight, &vec![0.0; flight.len()], ROW_RATE, 1);
     for (row, altitude) in series(&fixes, Channel::GpsAltM) {
-        // The step is first seen by the fix at 20 s, one interval (0.2 s) of filtering after the last old one.
+        // The step is first seen by the fix at 20 s, one interval (0.2 s) of filtering after the last old
+        // one.
         let since = flight[*row].time_s - 19.8;
         let expected = if since < 0.1 { 100.0 } else { 110.0 - 10.0 * (-since / 3.0).exp() };
         assert!((altitude - expected).abs() < 1e-9, "{row}: {altitude} {expected}");

@@ -1,5 +1,5 @@
-//! The ziggurat of 256 equal areas under the normal density: `rand_distr`'s tables (The Rand Project Developers, MIT or
-//! Apache-2.0).
+//! The ziggurat of 256 equal areas under the normal density: `rand_distr`'s tables (The Rand Project
+//! Developers, MIT or Apache-2.0).
 
 /// Where the right-most area begins, and the tail.
 pub const TAIL: f64 = 3.654_152_885_361_009;

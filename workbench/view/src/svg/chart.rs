@@ -31,7 +31,8 @@ pub fn stack(charts: &[Chart], legends: Legends) -> Vec<Panel<'_>> {
 }
 
 impl<'a> Panel<'a> {
-    /// What a description says, drawn in this order: bands, limits, curves, sigmas (a dense curve would hide them), moments.
+    /// What a description says, drawn in this order: bands, limits, curves, sigmas (a dense curve would hide
+    /// them), moments.
     #[must_use]
     pub fn of(chart: &'a Chart) -> Self {
         let levels = |is_wanted: fn(Role) -> bool| {

@@ -39,7 +39,8 @@ pub(super) const DOT: i32 = 2 * SCALE;
 
 type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
-/// What is drawn, in this order, bands below everything else. Names stand in the legend; what has an empty name does not.
+/// What is drawn, in this order, bands below everything else. Names stand in the legend; what has an empty
+/// name does not.
 #[derive(Clone, Debug)]
 pub enum Layer<'a> {
     /// A filled area between two curves.

@@ -7,8 +7,8 @@ use crate::chart::Chart;
 /// Letters of a picture, across; each has two by four dots.
 const ACROSS: usize = 64;
 
-/// The first curve of each chart, that many letters high; the axis, with its moments, is the last one's. Two charts make a text of
-/// their heights and four lines. A chart without values is left empty.
+/// The first curve of each chart, that many letters high; the axis, with its moments, is the last one's. Two
+/// charts make a text of their heights and four lines. A chart without values is left empty.
 #[must_use]
 pub fn stack(charts: &[(&Chart, usize)]) -> String {
     let mut text = String::new();

@@ -1,4 +1,5 @@
-//! Tables and charts as strings, for a terminal. Whether there is one, and whether it takes colours, only the caller knows.
+//! Tables and charts as strings, for a terminal. Whether there is one, and whether it takes colours, only the
+//! caller knows.
 
 mod curve;
 mod printable;

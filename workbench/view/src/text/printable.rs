@@ -1,4 +1,5 @@
-//! Text from files, made safe to print: a header may hold escape sequences that move a terminal's cursor or set its title.
+//! Text from files, made safe to print: a header may hold escape sequences that move a terminal's cursor or
+//! set its title.
 
 use std::borrow::Cow;
 

@@ -10,9 +10,9 @@ use crate::table::{Align, Row, Table, Tone};
 /// Bold.
 const BOLD: &str = "1";
 
-/// The table's lines, without a line break at the end: the headings, a rule, the rows. With `colour` headings are bold and cells
-/// have the colours of their tones, by ANSI codes (ECMA-48, SGR); the letters are the same without. Control characters are spelled
-/// out, line breaks and tabs too, so that a row is a line.
+/// The table's lines, without a line break at the end: the headings, a rule, the rows. With `colour` headings
+/// are bold and cells have the colours of their tones, by ANSI codes (ECMA-48, SGR); the letters are the same
+/// without. Control characters are spelled out, line breaks and tabs too, so that a row is a line.
 #[must_use]
 pub fn table(table: &Table, colour: bool) -> String {
     let style = |code: &'static str| if colour { code } else { "" };

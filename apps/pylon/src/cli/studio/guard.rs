@@ -1,7 +1,7 @@
 //! Who is served: pages that this start of the server gave out itself, to this machine.
 //!
-//! Any page that a user has open may send requests to a loopback port. What it cannot do is read the token of this start, or choose the
-//! `Host` and `Origin` that its browser sends.
+//! Any page that a user has open may send requests to a loopback port. What it cannot do is read the token of
+//! this start, or choose the `Host` and `Origin` that its browser sends.
 
 use std::fmt::Write as _;
 use std::net::SocketAddr;
@@ -44,7 +44,8 @@ impl Guard {
         &self.token
     }
 
-    /// Whether a request is from a page of this server. The page itself has the token in its address, everything else in a header.
+    /// Whether a request is from a page of this server. The page itself has the token in its address,
+    /// everything else in a header.
     pub fn check(&self, request: &Request) -> Result<(), Refusal> {
         if !header(request, "Host").is_some_and(|host| self.is_host(host)) {
             return Err(Refusal::Host);

@@ -1,5 +1,6 @@
-//! The loopback server: the page, the flights that were named, and the model that may be written. Nothing else is read or written, whatever is
-//! asked for: a file is asked for by its place on the command line, never by a path.
+//! The loopback server: the page, the flights that were named, and the model that may be written. Nothing
+//! else is read or written, whatever is asked for: a file is asked for by its place on the command line,
+//! never by a path.
 
 use std::fs::File;
 use std::io::{self, Cursor, Read as _};
@@ -256,7 +257,8 @@ impl Served {
     }
 }
 
-/// What a request's address says of the flight's times, as the command line has it: `?calibrate=10..80&airborne=12..640`.
+/// What a request's address says of the flight's times, as the command line has it:
+/// `?calibrate=10..80&airborne=12..640`.
 fn times(url: &str) -> Result<GivenTimes, String> {
     let mut times = GivenTimes::default();
     let query = url.split_once('?').map_or("", |(_, query)| query);

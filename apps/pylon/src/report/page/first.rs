@@ -32,7 +32,8 @@ pub(super) fn section(report: &Report<'_>) -> Markup {
     }
 }
 
-/// The errors of a sensor, or else of another, after the calibration; of a flight without, what was left over in it.
+/// The errors of a sensor, or else of another, after the calibration; of a flight without, what was left over
+/// in it.
 fn error<'a>(flight: &'a FlightReport, sensor: Option<&str>) -> Option<&'a Chart> {
     let of_sensor = |chart: &&Chart| sensor.is_some_and(|sensor| chart.id.ends_with(&format!("-{sensor}")));
     flight

@@ -1,4 +1,5 @@
-//! Planning the next flight: it is simulated as its scenario has it, and what it would tell is added to what the flights tell.
+//! Planning the next flight: it is simulated as its scenario has it, and what it would tell is added to what
+//! the flights tell.
 
 mod circumstances;
 mod manoeuvres;

@@ -6,7 +6,8 @@ use super::circumstances::{Circumstances, ROWS_HZ};
 use super::manoeuvres::segments;
 use crate::protocol::FlightPlan;
 
-/// The simulated airframe's own trim near the ground (`simulate::scenario::Airframe`): m/s, and its wing area, m^2.
+/// The simulated airframe's own trim near the ground (`simulate::scenario::Airframe`): m/s, and its wing
+/// area, m^2.
 const TRIM_MPS: f64 = 28.0;
 const WING_M2: f64 = 0.8;
 

@@ -15,7 +15,8 @@ pub struct Window {
     pub end_s: f64,
 }
 
-/// Take-off and landing, seconds of the flight's own clock; null: in the air already when the log begins, or still when it ends.
+/// Take-off and landing, seconds of the flight's own clock; null: in the air already when the log begins, or
+/// still when it ends.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Airborne {
@@ -38,7 +39,8 @@ pub struct Times {
 /// What the user says of flights' times, by the flight; of one that is not there nothing is said.
 pub type TimesByFlight = BTreeMap<String, Times>;
 
-/// Opens the log whose bytes come with the request: any format that Pylon imports, told by its content. An error is the importer's own line.
+/// Opens the log whose bytes come with the request: any format that Pylon imports, told by its content. An
+/// error is the importer's own line.
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct OpenRequest {
@@ -78,8 +80,9 @@ pub struct Closed {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Opened {
-    /// What `pylon open --json` says: the format, take-off, landing, launch, what is used and what not and why, the sensors,
-    /// the notes of the importer; `refused` says why it cannot be analysed, where it cannot.
+    /// What `pylon open --json` says: the format, take-off, landing, launch, what is used and what not and
+    /// why, the sensors, the notes of the importer; `refused` says why it cannot be analysed, where it
+    /// cannot.
     pub overview: Overview,
     /// The vehicle, with what tells it from another of its type: flights are grouped by it.
     pub vehicle: String,

@@ -17,7 +17,8 @@ pub struct FormulaRequest {
     pub on: String,
     /// The formula.
     pub regressor: String,
-    /// The largest plausible coefficient, either way; null: three times the one that fits, as `pylon discover` has it.
+    /// The largest plausible coefficient, either way; null: three times the one that fits, as `pylon
+    /// discover` has it.
     pub largest: Option<f64>,
     /// What it is, in words; may be empty.
     pub about: String,
@@ -63,8 +64,9 @@ pub struct Defined {
     pub unit: String,
     /// The largest plausible coefficient, either way.
     pub largest: f64,
-    /// The coefficient that fits the error by least squares, with a constant beside it. The filter, the other effects and the noise's
-    /// colour are not in it: it is for the eye. `add` learns the coefficient that counts.
+    /// The coefficient that fits the error by least squares, with a constant beside it. The filter, the other
+    /// effects and the noise's colour are not in it: it is for the eye. `add` learns the coefficient that
+    /// counts.
     pub coefficient: f64,
     /// Share of the error's variance that it explains there, from 0 to 1.
     pub explained: f64,

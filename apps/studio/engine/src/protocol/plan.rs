@@ -22,7 +22,8 @@ pub enum PlannedManoeuvre {
     Level,
     /// One long climb at a path of the amount, degrees, level, and back down.
     LongClimb,
-    /// Straight legs with acceleration and braking by the amount, m/s, each turned by 90 degrees from the last.
+    /// Straight legs with acceleration and braking by the amount, m/s, each turned by 90 degrees from the
+    /// last.
     Legs,
 }
 
@@ -74,11 +75,13 @@ pub struct PlanRequest {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Gain {
-    /// The probability that it would give the effect of a set that acts, the mean over the sets; null where there is no set.
+    /// The probability that it would give the effect of a set that acts, the mean over the sets; null where
+    /// there is no set.
     pub tells_apart: Option<f64>,
     /// Effects that it would show and that no flight has.
     pub shows: u32,
-    /// What an effect's interval would shrink to, as a share: the mean over the effects that the flights show.
+    /// What an effect's interval would shrink to, as a share: the mean over the effects that the flights
+    /// show.
     pub narrows_to: f64,
 }
 

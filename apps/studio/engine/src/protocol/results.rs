@@ -84,18 +84,20 @@ pub struct AddRequest {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Added {
-    /// What `pylon add --json` prints. Where it has `concerns`, the command line would not write it without being told to.
+    /// What `pylon add --json` prints. Where it has `concerns`, the command line would not write it without
+    /// being told to.
     pub addition: Addition,
     /// The model with it: the next revision, under the same name.
     pub model: ModelText,
     /// In one sentence: what was learned, and how the error falls.
     pub headline: Headline,
-    /// Every revision of that model on the flights, those to learn from first: what [`LadderRequest`] is answered by. Null where a flight
-    /// has nothing to calibrate on.
+    /// Every revision of that model on the flights, those to learn from first: what [`LadderRequest`] is
+    /// answered by. Null where a flight has nothing to calibrate on.
     pub ladder: Option<Ladder>,
 }
 
-/// Flies every revision of a model over flights: `pylon ladder`. Answered by what `pylon ladder --json` prints.
+/// Flies every revision of a model over flights: `pylon ladder`. Answered by what `pylon ladder --json`
+/// prints.
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct LadderRequest {

@@ -43,7 +43,8 @@ pub enum Signal {
         /// The sensor.
         sensor: String,
     },
-    /// The sensor's error (eq. 16): reading less bias, effects and reference, m. The reference's own wander is in it.
+    /// The sensor's error (eq. 16): reading less bias, effects and reference, m. The reference's own wander
+    /// is in it.
     Error {
         /// The sensor.
         sensor: String,
@@ -53,8 +54,8 @@ pub enum Signal {
         /// The sensor.
         sensor: String,
     },
-    /// The error beyond the reference, m: what of the error is not the reference's own wander, estimated from all sensors with the noise
-    /// that a diagnosis found. It has a `sigma`.
+    /// The error beyond the reference, m: what of the error is not the reference's own wander, estimated from
+    /// all sensors with the noise that a diagnosis found. It has a `sigma`.
     BeyondReference {
         /// The sensor.
         sensor: String,
@@ -63,8 +64,9 @@ pub enum Signal {
         /// The effects that it found and that the model lacks: they are no wander of the reference's either.
         found: Vec<Acting>,
     },
-    /// What an effect adds to its sensor's error, m: coefficient times regressor, whether the model has it or not, less its mean over captive
-    /// flight, which the calibration takes for bias. One of the reference is in every sensor's error, with the other sign.
+    /// What an effect adds to its sensor's error, m: coefficient times regressor, whether the model has it or
+    /// not, less its mean over captive flight, which the calibration takes for bias. One of the reference is
+    /// in every sensor's error, with the other sign.
     Effect {
         /// The effect.
         of: Acting,
@@ -105,7 +107,8 @@ pub struct SeriesRequest {
 pub struct Series {
     /// The axis, seconds, increasing: a row's time each, or the middle of a pixel's slot.
     pub time_s: Numbers,
-    /// Whether a point is a pixel's slot, with least and greatest value; otherwise it is a row, and these are the same array.
+    /// Whether a point is a pixel's slot, with least and greatest value; otherwise it is a row, and these are
+    /// the same array.
     pub is_thinned: bool,
     /// The curves, in the request's order.
     pub curves: Vec<Drawn>,
@@ -119,13 +122,15 @@ pub struct Drawn {
     pub signal: Signal,
     /// Its unit; empty where it has none or the flight does not say.
     pub unit: String,
-    /// Least value at each point of the axis; NaN where there is no value: the curve is drawn through, but not over a gap.
+    /// Least value at each point of the axis; NaN where there is no value: the curve is drawn through, but
+    /// not over a gap.
     pub least: Numbers,
     /// Greatest value.
     pub greatest: Numbers,
     /// Standard deviation at each point, where the signal has one.
     pub sigma: Option<Numbers>,
-    /// From when to when the record has a gap, over which no line is drawn: pairs of seconds, one after the other.
+    /// From when to when the record has a gap, over which no line is drawn: pairs of seconds, one after the
+    /// other.
     pub gaps_s: Numbers,
     /// Values that lie in the asked for time.
     pub values: u32,

@@ -47,7 +47,8 @@ impl Judge<'_> {
         }
     }
 
-    /// What an identified effect is conditional on: that what no column of the flight tells from it does not act.
+    /// What an identified effect is conditional on: that what no column of the flight tells from it does not
+    /// act.
     fn untestable(&self, findings: &Findings, diagnosis: &SensorDiagnosis) -> String {
         let is_slow = |effect: &EffectId| matches!(effect, EffectId::BaroDrift | EffectId::BaroWarmUp);
         let slow = diagnosis.missing.iter().filter_map(|id| EffectId::from_name(id)).find(is_slow);

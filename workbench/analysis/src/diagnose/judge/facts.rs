@@ -137,7 +137,8 @@ impl Judge<'_> {
         })
     }
 
-    /// The probability that an effect acts: by the sets of effects, or else as one of those that may stand in a chosen one's place.
+    /// The probability that an effect acts: by the sets of effects, or else as one of those that may stand in
+    /// a chosen one's place.
     fn probability(&self, findings: &Findings, effect: EffectId) -> Option<f64> {
         if let Some(posterior) = &findings.posterior {
             return Some(posterior.inclusion(effect));

@@ -33,8 +33,8 @@ impl Judge<'_> {
         self.problem_of(&findings, column)
     }
 
-    /// The problem for an effect with the best of its columns beside every other suspect, the noise fitted from `start`. `None` where no
-    /// column of it moves, or is possible.
+    /// The problem for an effect with the best of its columns beside every other suspect, the noise fitted
+    /// from `start`. `None` where no column of it moves, or is possible.
     ///
     /// # Errors
     /// [`Cancelled`] when `progress` says so.
@@ -50,7 +50,8 @@ impl Judge<'_> {
         let mut noise = self.problem.prior.noise(start);
         let mut values = start.to_vec();
         let mut found: Option<(usize, Explanation)> = None;
-        // Which column is best depends on the noise, and the noise on the column; both settle at once, or nearly so.
+        // Which column is best depends on the noise, and the noise on the column; both settle at once, or
+        // nearly so.
         for _ in 0..REFINEMENTS {
             let Some(best) = self.best_beside(&noise, &own, &others) else { return Ok(None) };
             if found.as_ref().is_some_and(|(column, _)| *column == best) {

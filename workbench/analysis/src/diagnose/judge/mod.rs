@@ -35,9 +35,10 @@ const UNEVEN: f64 = 5.0;
 /// What remains unexplained makes the verdict when it is more than this share of what was explained.
 const REST: f64 = 0.25;
 
-/// Effects that look alike by the laws of flight, so that the one stands in for the other when its own
-/// signal was not recorded: lift makes the load factor of the angle of attack times the dynamic pressure; thrust and the angle of attack follow the
-/// airspeed; a sensor's temperature follows its warming up, and slowly the time; a steady vibration is a bias.
+/// Effects that look alike by the laws of flight, so that the one stands in for the other when its own signal
+/// was not recorded: lift makes the load factor of the angle of attack times the dynamic pressure; thrust and
+/// the angle of attack follow the airspeed; a sensor's temperature follows its warming up, and slowly the
+/// time; a steady vibration is a bias.
 const STAND_INS: [(EffectId, EffectId); 6] = [
     (EffectId::BaroAngleOfAttack, EffectId::BaroDynamicPressure),
     (EffectId::BaroPropwash, EffectId::BaroDynamicPressure),
@@ -47,8 +48,8 @@ const STAND_INS: [(EffectId, EffectId); 6] = [
     (EffectId::ImuAccelBias, EffectId::ImuVibration),
 ];
 
-/// Whether a set is a load factor and an angle of attack alone. Where the load factor fits better, no flight separates them: it is measured at
-/// once, and a vane late.
+/// Whether a set is a load factor and an angle of attack alone. Where the load factor fits better, no flight
+/// separates them: it is measured at once, and a vane late.
 pub(super) fn is_lift(set: &[EffectId]) -> bool {
     set.len() == 2
         && [EffectId::BaroAcceleration, EffectId::BaroAngleOfAttack].iter().all(|effect| set.contains(effect))
@@ -57,8 +58,9 @@ pub(super) fn is_lift(set: &[EffectId]) -> bool {
 /// The least probability at which an effect is a suspect: odds of 19 to 1.
 pub(super) const SUSPECT: f64 = 0.05;
 
-/// The probability from which on an effect is identified: all others together are less than one suspect. Of what is said with 95 to 99 %
-/// 45 of 48 act, of what is said with more all but one in a hundred (docs/blind-trials.md).
+/// The probability from which on an effect is identified: all others together are less than one suspect. Of
+/// what is said with 95 to 99 % 45 of 48 act, of what is said with more all but one in a hundred
+/// (docs/blind-trials.md).
 const IDENTIFIED: f64 = 0.95;
 
 pub(crate) struct Judge<'a> {
@@ -113,7 +115,8 @@ impl Judge<'_> {
                 explanation.columns.iter().copied().filter(|column| *column != left_out).collect()
             };
             let columns = if let Some(posterior) = &posterior {
-                // Of sets with probabilities no more goes than what most probably is nothing, and what was held out objects to.
+                // Of sets with probabilities no more goes than what most probably is nothing, and what was
+                // held out objects to.
                 match self.doubtful(posterior, &explanation).or_else(|| self.vetoed(&explanation)) {
                     Some(column) => without(column),
                     None => break,
@@ -296,9 +299,10 @@ impl Judge<'_> {
         (diagnosis, misfit_m)
     }
 
-    /// The effects of a set that can't be told apart, the most probable first: the chosen one, its rivals, and those that
-    /// lack their signal and would look like one of them, and so are as probable as it. Those below [`SUSPECT`] are not
-    /// listed, but for the second: what more than one could have made is never one's alone for that.
+    /// The effects of a set that can't be told apart, the most probable first: the chosen one, its rivals,
+    /// and those that lack their signal and would look like one of them, and so are as probable as it. Those
+    /// below [`SUSPECT`] are not listed, but for the second: what more than one could have made is never
+    /// one's alone for that.
     pub(super) fn set(&self, rivals: &Rivals) -> Vec<(EffectId, f64)> {
         let own = self.candidates[rivals.column].effect();
         let mut set = vec![(own, 1.0)];
@@ -309,11 +313,13 @@ impl Judge<'_> {
             }
         }
         for (seen, hidden) in STAND_INS {
-            // Without a thermometer every drift may be the temperature's, which is said, and no set that a flight could resolve.
+            // Without a thermometer every drift may be the temperature's, which is said, and no set that a
+            // flight could resolve.
             if rivals.acts.is_some() && hidden == EffectId::BaroTemperature {
                 continue;
             }
-            // The accelerometer is prompt and a vane is not: that the load factor fits better than the angle of attack says nothing of the cause.
+            // The accelerometer is prompt and a vane is not: that the load factor fits better than the angle
+            // of attack says nothing of the cause.
             let is_told_worse = seen == EffectId::BaroAcceleration;
             let lacks_airspeed =
                 hidden == EffectId::BaroDynamicPressure && lacks_airspeed(self.epochs, hidden);
@@ -345,7 +351,8 @@ impl Judge<'_> {
         set
     }
 
-    /// Whether no more than one sensor flies free: what moves it against the reference may then be the reference's own.
+    /// Whether no more than one sensor flies free: what moves it against the reference may then be the
+    /// reference's own.
     fn is_alone(&self) -> bool {
         let flying = |sensor: &&Sensor| {
             sensor.flies_free() && self.epochs.iter().any(|epochs| epochs.series.has(sensor.index()))

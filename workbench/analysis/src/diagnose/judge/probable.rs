@@ -11,7 +11,8 @@ use crate::diagnose::search::Explanation;
 const OFFERED: f64 = 0.9;
 
 impl Judge<'_> {
-    /// Whether a chosen coefficient is none that nature makes, by the sigma that is reported of it: it is then not the effect that it looks like.
+    /// Whether a chosen coefficient is none that nature makes, by the sigma that is reported of it: it is
+    /// then not the effect that it looks like.
     pub(super) fn is_beyond(&self, findings: &Findings, k: usize) -> bool {
         if findings.posterior.is_none() {
             return false;

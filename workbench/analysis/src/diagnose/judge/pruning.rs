@@ -59,7 +59,8 @@ impl Judge<'_> {
         (best.1 < HARMFUL * with_all).then_some(best.0)
     }
 
-    /// The chosen column whose coefficient lies outside of what nature allows: beside the noise that goes with it in the end.
+    /// The chosen column whose coefficient lies outside of what nature allows: beside the noise that goes
+    /// with it in the end.
     pub(super) fn impossible(&self, explanation: &Explanation) -> Option<usize> {
         let information = self.suspects.information(self.problem, &explanation.fit.noise);
         let solution = information.solve(&self.suspects.positions(&explanation.columns))?;
@@ -74,9 +75,10 @@ impl Judge<'_> {
         (!self.suspects.is_possible(&explanation.columns, &solution)).then_some(worst.0)
     }
 
-    /// The chosen column that makes what was held out less likely, beyond chance, if there is one: the flights that were,
-    /// or else stretches of the flights, each predicted from the others. Where the climb rate is measured `harmful` decides by the
-    /// errors, as the blind trials have it, and `pylon add` asks the likelihood.
+    /// The chosen column that makes what was held out less likely, beyond chance, if there is one: the
+    /// flights that were, or else stretches of the flights, each predicted from the others. Where the climb
+    /// rate is measured `harmful` decides by the errors, as the blind trials have it, and `pylon add` asks
+    /// the likelihood.
     pub(super) fn vetoed(&self, explanation: &Explanation) -> Option<usize> {
         let repeat = repeatability(self.problem, &explanation.fit.noise, &explanation.columns);
         let inflation = self.inflation(explanation, &repeat);

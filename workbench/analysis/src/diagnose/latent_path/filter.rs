@@ -1,8 +1,9 @@
 //! The Kalman filter of a path, its likelihood, and the smoother that goes back over it.
 //!
-//! The smoother is the one that needs no inverse (Durbin and Koopman, "Time Series Analysis by State Space Methods", 2nd edition, sections
-//! 4.4 and 6.4, with the measurements of an instant taken one after the other): `r' = Z e / S + (I - k Z)^T r` back over each
-//! measurement, `r' = F^T r` back over each interval, and the state is `x + P r` with what was predicted for the instant.
+//! The smoother is the one that needs no inverse (Durbin and Koopman, "Time Series Analysis by State Space
+//! Methods", 2nd edition, sections 4.4 and 6.4, with the measurements of an instant taken one after the
+//! other): `r' = Z e / S + (I - k Z)^T r` back over each measurement, `r' = F^T r` back over each interval,
+//! and the state is `x + P r` with what was predicted for the instant.
 
 use super::path_model::{PathModel, STATES, State, Transition};
 

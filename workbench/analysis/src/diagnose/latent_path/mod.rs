@@ -1,20 +1,24 @@
 //! The true path, where no receiver measures the climb rate.
 //!
-//! A delay moves an altitude by its time times the climb rate, a scale by its part of the height. The receiver's own altitude and its
-//! slope are those with a noise, which the residual has too. A regressor with noise makes its coefficient too small, and a noise that both share
-//! draws a scale towards -1; what whitens a slow wander amplifies fast noise, so that of a delay of 2 s 0.4 s were found, and scales of half
-//! the height. The expectation of height and climb rate given all altitudes of the flight has no such share. What it is off by goes
-//! with none of the data it is made of, the residual included, so that a regression on it is not drawn anywhere ("regression calibration":
-//! Carroll, Ruppert, Stefanski and Crainiceanu, "Measurement Error in Nonlinear Models", 2nd edition, chapter 4).
+//! A delay moves an altitude by its time times the climb rate, a scale by its part of the height. The
+//! receiver's own altitude and its slope are those with a noise, which the residual has too. A regressor with
+//! noise makes its coefficient too small, and a noise that both share draws a scale towards -1; what whitens
+//! a slow wander amplifies fast noise, so that of a delay of 2 s 0.4 s were found, and scales of half the
+//! height. The expectation of height and climb rate given all altitudes of the flight has no such share. What
+//! it is off by goes with none of the data it is made of, the residual included, so that a regression on it
+//! is not drawn anywhere ("regression calibration": Carroll, Ruppert, Stefanski and Crainiceanu, "Measurement
+//! Error in Nonlinear Models", 2nd edition, chapter 4).
 //!
-//! So the path is a state (`path_model`), receiver and barometer both measure it, and a smoother goes over the whole flight. Before
-//! and after an instant it weighs alike: its climb rate is odd in time, and what it shares with the noise of a residual before an
-//! instant it takes back after it. A flight without a delay gets none from it.
+//! So the path is a state (`path_model`), receiver and barometer both measure it, and a smoother goes over
+//! the whole flight. Before and after an instant it weighs alike: its climb rate is odd in time, and what it
+//! shares with the noise of a residual before an instant it takes back after it. A flight without a delay
+//! gets none from it.
 //!
-//! A delay of seconds is no multiple of the climb rate where a path turns within seconds, and two altitudes that are seconds apart show
-//! no one path; what is left over looks like the dynamic pressure, for which height is exchanged. So they are moved against each other
-//! first, by the delay with which one path explains both best, and the climb rate is the mean over that delay: of a pure delay d,
-//! `h(t - d) - h(t)` is -d times the mean climb rate between the two, exactly.
+//! A delay of seconds is no multiple of the climb rate where a path turns within seconds, and two altitudes
+//! that are seconds apart show no one path; what is left over looks like the dynamic pressure, for which
+//! height is exchanged. So they are moved against each other first, by the delay with which one path explains
+//! both best, and the climb rate is the mean over that delay: of a pure delay d, `h(t - d) - h(t)` is -d
+//! times the mean climb rate between the two, exactly.
 
 mod filter;
 mod path_model;
@@ -37,15 +41,16 @@ const FEW: usize = 60;
 /// Twice the log likelihood that an iteration of the model's fit must gain to go on.
 const GAIN: f64 = 0.1;
 
-/// Longest delay that is looked for, either way, seconds: beyond what nature allows of one (5 s), so that it is not taken for one of that.
+/// Longest delay that is looked for, either way, seconds: beyond what nature allows of one (5 s), so that it
+/// is not taken for one of that.
 const LONGEST_DELAY_S: f64 = 8.0;
 /// Shortest step between delays, seconds: within it a delay is as good as straight.
 const DELAY_STEP_S: f64 = 0.5;
 /// Twice the log likelihood that a delay must gain: as an effect in the search does.
 const DELAY_GAIN: f64 = 16.0;
 
-/// The path at every fix by the fixes and one sensor's readings (time in microseconds, metres): its altitude, and the climb rate to
-/// which the difference of both altitudes is proportional if one is late.
+/// The path at every fix by the fixes and one sensor's readings (time in microseconds, metres): its altitude,
+/// and the climb rate to which the difference of both altitudes is proportional if one is late.
 ///
 /// `None` where there is too little of either to say.
 #[must_use]
@@ -74,8 +79,8 @@ pub fn path(
     Some(points)
 }
 
-/// The delay of the sensor against the receiver with which one path explains both altitudes best, in steps, seconds; 0 where none
-/// is clearly better than none.
+/// The delay of the sensor against the receiver with which one path explains both altitudes best, in steps,
+/// seconds; 0 where none is clearly better than none.
 fn delay_s(
     fixes: &[Fix],
     readings: &[(u64, f64)],

@@ -5,8 +5,8 @@
 //! receiver = h + u + white(r_g)                  u: Gauss-Markov, what a receiver's own filter makes of its noise
 //! sensor   = h + d + white(r_s)                  d: a random walk, the bias and all that is slow
 //! ```
-//! R. A. Singer, "Estimating optimal tracking filter performance for manned maneuvering targets", IEEE Transactions on
-//! Aerospace and Electronic Systems 6, 1970.
+//! R. A. Singer, "Estimating optimal tracking filter performance for manned maneuvering targets", IEEE
+//! Transactions on Aerospace and Electronic Systems 6, 1970.
 
 /// Altitude, climb rate, acceleration, the receiver's error, the sensor's offset.
 pub const STATES: usize = 5;
@@ -15,8 +15,9 @@ pub type State = [f64; STATES];
 /// Numbers of the model that are fitted.
 pub const PARAMETERS: usize = 7;
 
-/// Where each of the model's numbers is looked for, in the order of [`PathModel::of`], and the sigma of its logarithm: orders of magnitude,
-/// from gliders to multicopters, and from altitudes in whole metres to filtered ones.
+/// Where each of the model's numbers is looked for, in the order of [`PathModel::of`], and the sigma of its
+/// logarithm: orders of magnitude, from gliders to multicopters, and from altitudes in whole metres to
+/// filtered ones.
 const CENTRES: [f64; PARAMETERS] = [1.0, 5.0, 1.0, 0.5, 0.05, 1.0, 8.0];
 const ORDERS: [f64; PARAMETERS] = [1.0, 0.7, 1.0, 1.0, 1.4, 1.0, 0.7];
 
@@ -125,8 +126,8 @@ impl PathModel {
         Transition { elapsed_s, matrix, noise }
     }
 
-    /// Parts of a time that the rule of five points does: it is exact to ten digits over one time constant, and where an acceleration has died
-    /// away what it leaves is straight. Start and length, seconds.
+    /// Parts of a time that the rule of five points does: it is exact to ten digits over one time constant,
+    /// and where an acceleration has died away what it leaves is straight. Start and length, seconds.
     fn panels(&self, elapsed_s: f64) -> impl Iterator<Item = (f64, f64)> {
         let time_s = self.acceleration_s;
         let bent = f64::from(BENT).min((elapsed_s / time_s).floor()) as u32;

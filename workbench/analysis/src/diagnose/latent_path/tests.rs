@@ -107,7 +107,8 @@ fn path(time_s: f64) -> (f64, f64) {
     parts.iter().fold((1500.0, 0.0), |(metres, mps), part| (metres + part.0, mps + part.1))
 }
 
-/// An hour of a fix a second in whole metres, barometer and receiver late by so many seconds; the receiver wanders and filters its noise.
+/// An hour of a fix a second in whole metres, barometer and receiver late by so many seconds; the receiver
+/// wanders and filters its noise.
 fn log(seed: u64, sensor_s: f64, receiver_s: f64) -> (Vec<Fix>, Vec<(u64, f64)>) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };
@@ -138,8 +139,8 @@ fn regressed(fixes: &[Fix], of: &dyn Fn(usize) -> f64, truth: &dyn Fn(f64) -> f6
     (products / squares, (off / inner.len() as f64).sqrt())
 }
 
-/// The slope of what is true on what comes out is one: what it is off by does not go with it, whichever of the two is late. The slope of the
-/// fixes' own altitudes is off with what it is made of.
+/// The slope of what is true on what comes out is one: what it is off by does not go with it, whichever of
+/// the two is late. The slope of the fixes' own altitudes is off with what it is made of.
 #[test]
 fn what_comes_out_is_off_by_nothing_that_goes_with_it() {
     for (sensor_s, receiver_s) in [(0.0, 0.0), (2.0, 0.0), (5.0, 0.0), (0.0, 3.0)] {
@@ -155,14 +156,16 @@ fn what_comes_out_is_off_by_nothing_that_goes_with_it() {
         let (slope, off_mps) = regressed(&fixes, &|k| points[k].climb_mps, &truth);
         let own = |k: usize| 0.5 * (fixes[k + 1].altitude_m - fixes[k - 1].altitude_m);
         let (rough, rough_mps) = regressed(&fixes, &own, &truth);
-        // Some 4000 s of errors that last for some 10 s, a quarter of the climb rate in size: 0.25 / sqrt(400) is one sigma.
+        // Some 4000 s of errors that last for some 10 s, a quarter of the climb rate in size: 0.25 /
+        // sqrt(400) is one sigma.
         assert!((slope - 1.0).abs() < 0.04, "{sensor_s} {receiver_s}: {slope}");
         assert!(rough < 0.92 && off_mps < 0.5 * rough_mps, "{rough} {off_mps} {rough_mps}");
     }
 }
 
-/// A barometer that reads a twentieth too much, within a few tens of metres: of the path that is what the difference of both altitudes is. Of the
-/// fixes' own, averaged over four seconds, it is drawn towards -1 by their noise.
+/// A barometer that reads a twentieth too much, within a few tens of metres: of the path that is what the
+/// difference of both altitudes is. Of the fixes' own, averaged over four seconds, it is drawn towards -1 by
+/// their noise.
 #[test]
 fn of_the_paths_altitude_a_scale_has_its_size() {
     let mut random = ChaCha8Rng::seed_from_u64(4);

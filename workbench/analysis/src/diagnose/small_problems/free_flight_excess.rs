@@ -25,7 +25,8 @@ fn steady_noise_has_no_excess() {
 fn only_noise_of_many_times_the_size_is_an_excess() {
     assert_eq!(excess(2.0, 0.0, 80), None);
     let gain = excess(8.0, 0.0, 80).unwrap();
-    // Held at a factor of one, 150 blocks of each half have one sigma: each half's logarithm and squares, up to the prior's part.
+    // Held at a factor of one, 150 blocks of each half have one sigma: each half's logarithm and squares, up
+    // to the prior's part.
     let one = (0.5_f64 * (1.0 + 64.0)).ln();
     let two = 0.5 * 64.0_f64.ln();
     let expected = 300.0 * (one - two);

@@ -91,8 +91,8 @@ fn lift(seed: u64, error: impl Fn(usize) -> f64) -> SensorDiagnosis {
     of_baro(&small)
 }
 
-/// A load factor is measured at once and an angle of attack late, so that the load factor's better fit is no word against the angle; and no
-/// manoeuvre is advised, for none would change that.
+/// A load factor is measured at once and an angle of attack late, so that the load factor's better fit is no
+/// word against the angle; and no manoeuvre is advised, for none would change that.
 #[test]
 fn a_load_factor_that_fits_better_is_a_set_with_the_angle_of_attack() {
     let found = lift(5, |block| 4.0 * (sine(2, block) + sine(3, block)));
@@ -108,7 +108,8 @@ fn an_angle_of_attack_that_fits_better_is_identified() {
     assert_eq!((found.verdict, found.missing), (Verdict::Identified, vec!["baro.angle_of_attack".into()]));
 }
 
-/// A warming up of twice its own range is there for what else warms, though the thermometer's words fit worse; one within it is itself.
+/// A warming up of twice its own range is there for what else warms, though the thermometer's words fit
+/// worse; one within it is itself.
 #[test]
 fn a_warming_up_beyond_its_own_range_is_a_set_with_the_temperature() {
     let of = |metres: f64| {
@@ -125,7 +126,8 @@ fn a_warming_up_beyond_its_own_range_is_a_set_with_the_temperature() {
     assert_eq!(of(40.0).missing, ["baro.warm_up"]);
 }
 
-/// A rest of 4 % beside a large effect may be an error of that one's shape; one of 40 % is an effect of its own.
+/// A rest of 4 % beside a large effect may be an error of that one's shape; one of 40 % is an effect of its
+/// own.
 #[test]
 fn a_small_rest_beside_a_large_effect_is_its_shapes() {
     let named = |share: f64| {

@@ -1,5 +1,5 @@
-//! Small problems whose answers are known by algebra: one flight of one or two sensors, regressors that are sines, coefficients that
-//! were chosen. One file for each part of the diagnosis that they test.
+//! Small problems whose answers are known by algebra: one flight of one or two sensors, regressors that are
+//! sines, coefficients that were chosen. One file for each part of the diagnosis that they test.
 
 mod free_flight_excess;
 mod judge;
@@ -67,7 +67,8 @@ pub(super) fn sine(k: usize, block: usize) -> f64 {
 }
 
 impl Small {
-    /// A flight of so many seconds in which nothing acts: a bias of 7 m, white noise and the reference's wander.
+    /// A flight of so many seconds in which nothing acts: a bias of 7 m, white noise and the reference's
+    /// wander.
     pub(super) fn new(blocks: usize, seed: u64) -> Self {
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
         let mut normal = move || -> f64 { StandardNormal.sample(&mut generator) };

@@ -34,8 +34,8 @@ fn the_means_are_the_models_noise() {
     assert_eq!(noise.slow.sigma_m, 0.0);
 }
 
-/// The reference has three numbers, a sensor two of its wander, and the white noise of each phase that it was flown in; of both,
-/// their ratio and that of the wanders.
+/// The reference has three numbers, a sensor two of its wander, and the white noise of each phase that it was
+/// flown in; of both, their ratio and that of the wanders.
 #[test]
 fn only_what_a_flight_shows_is_estimated() {
     for (captive, free, count) in [(false, false, 3), (true, false, 6), (false, true, 6), (true, true, 8)] {

@@ -21,8 +21,9 @@ fn a_coefficient_that_is_the_same_everywhere_repeats_exactly() {
     assert!(found.unevenness < 1e-9, "{found:?}");
 }
 
-/// Noise as the likelihood takes it for: the deviations are what they should be. Their mean square over nine degrees of freedom is
-/// below 3.1 in 999 of 1000 flights, and over the mean of forty flights within 4 sigmas, sqrt(2 / 9 / 40) each, of one.
+/// Noise as the likelihood takes it for: the deviations are what they should be. Their mean square over nine
+/// degrees of freedom is below 3.1 in 999 of 1000 flights, and over the mean of forty flights within 4
+/// sigmas, sqrt(2 / 9 / 40) each, of one.
 #[test]
 fn noise_alone_makes_deviations_of_the_size_that_they_should_have() {
     let count = 40.0;

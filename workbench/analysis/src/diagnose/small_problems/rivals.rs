@@ -79,8 +79,8 @@ fn an_effect_is_no_rival_of_itself() {
     assert_eq!(of_first(lag(3).candidate(EffectId::BaroLag, alike)).others, [0; 0]);
 }
 
-/// Exactly the same regressor: nothing says which. A range says how far an effect can reach, not how large it is, and is no evidence where the
-/// likelihood is tempered.
+/// Exactly the same regressor: nothing says which. A range says how far an effect can reach, not how large it
+/// is, and is no evidence where the likelihood is tempered.
 #[test]
 fn odds_are_even_where_the_shapes_are_the_same_whatever_the_ranges() {
     let odds = |range| {

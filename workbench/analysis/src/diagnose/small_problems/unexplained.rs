@@ -38,7 +38,8 @@ fn a_rest_that_follows_a_signal_says_which_and_how_large_it_is() {
     assert!(!found.is_better, "nothing was chosen that it could be better than");
 }
 
-/// The same shape in the catalogue: it is a candidate's, and the candidate was not strong enough to be chosen.
+/// The same shape in the catalogue: it is a candidate's, and the candidate was not strong enough to be
+/// chosen.
 #[test]
 fn what_a_candidate_explains_is_no_unknown_effect() {
     let small = Small::new(BLOCKS, 11)

@@ -25,7 +25,8 @@ pub struct GpsMessage {
 /// All that a log has of use.
 #[derive(Debug, Default)]
 pub struct Collected {
-    /// Time of each used message, microseconds of the autopilot's clock, in the log's order; [`NO_TIME`] where it says none.
+    /// Time of each used message, microseconds of the autopilot's clock, in the log's order; [`NO_TIME`]
+    /// where it says none.
     pub stamps_us: Vec<u64>,
     /// Byte or line of each used message.
     pub places: Vec<usize>,

@@ -1,6 +1,7 @@
 //! What a log's messages look like, as its FMT messages define them.
 //!
-//! Source: ArduPilot, `libraries/AP_Logger/LogStructure.h` (letters) and pymavlink's `DFReader` for those of old logs.
+//! Source: ArduPilot, `libraries/AP_Logger/LogStructure.h` (letters) and pymavlink's `DFReader` for those of
+//! old logs.
 
 /// A message's type, in binary logs.
 pub const FMT: u8 = 128;
@@ -72,8 +73,8 @@ pub fn text(bytes: &[u8]) -> String {
 }
 
 impl Layout {
-    /// Of the parts of a definition; `None` if they contradict each other. `length` has the header in it, and is not there in
-    /// some text logs.
+    /// Of the parts of a definition; `None` if they contradict each other. `length` has the header in it, and
+    /// is not there in some text logs.
     pub fn new(kind: u8, length: Option<usize>, name: &str, letters: &str, columns: &str) -> Option<Self> {
         let is_name = |name: &str| {
             !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
@@ -131,8 +132,8 @@ pub struct Message<'a> {
 }
 
 impl Message<'_> {
-    /// The number in a field, by its place among the layout's, in the unit of its letter; `None` for text and what cannot
-    /// be read.
+    /// The number in a field, by its place among the layout's, in the unit of its letter; `None` for text and
+    /// what cannot be read.
     pub fn number(&self, layout: &Layout, index: usize) -> Option<f64> {
         let field = layout.fields.get(index)?;
         match self.body {

@@ -1,7 +1,8 @@
 //! ArduPilot's DataFlash logs, binary (`.bin`) and as text (`.log`), of copters, planes and rovers.
 //!
-//! A log defines its own messages (FMT) and their units (FMTU, UNIT, MULT). Messages have no check: what is damaged is found by
-//! the header that must follow each message, and by times that contradict those around them.
+//! A log defines its own messages (FMT) and their units (FMTU, UNIT, MULT). Messages have no check: what is
+//! damaged is found by the header that must follow each message, and by times that contradict those around
+//! them.
 //!
 //! | in the log | in the flight |
 //! |---|---|
@@ -17,7 +18,8 @@
 //! | RCOU, VIBE | signals `output_*`, `vibration_*` |
 //! | PARM | `parameter NAME` in the header |
 //!
-//! Times are the autopilot's since its start: `TimeUS`, `TimeMS`, or between those of the receiver where there is no other.
+//! Times are the autopilot's since its start: `TimeUS`, `TimeMS`, or between those of the receiver where
+//! there is no other.
 
 mod binary;
 mod collect;

@@ -196,7 +196,8 @@ fn a_copters_log_is_the_same_flight_in_both_forms() {
     assert_eq!(notes, text_notes);
     assert_eq!(flight.header.vehicle, "ArduCopter V4.5.1 (2cb2a5ae), made");
     assert!(flight.header.other.contains(&("parameter BARO_PRIMARY".into(), "0".into())));
-    // Week 2100 began on 2020-04-05; 100 s into it, less 18 leap seconds, less the 0.4 ms before the first fix.
+    // Week 2100 began on 2020-04-05; 100 s into it, less 18 leap seconds, less the 0.4 ms before the first
+    // fix.
     assert!(
         flight.header.other.contains(&("start_utc".into(), "2020-04-05T00:01:21Z".into())),
         "{:?}",
@@ -347,7 +348,8 @@ fn a_second_receiver_is_kept_beside_the_one_with_most_fixes() {
     }
 }
 
-/// A plane of 2014: times in milliseconds, the receiver's by its own field, throttle in per cent, no instances.
+/// A plane of 2014: times in milliseconds, the receiver's by its own field, throttle in per cent, no
+/// instances.
 #[test]
 fn a_log_of_milliseconds_has_the_receivers_own_time_beside_the_autopilots() {
     let mut writer = Writer::default();

@@ -134,8 +134,8 @@ impl Units {
         Scale::By(factor * multiplier)
     }
 
-    /// A multiplier's value: the one that ArduPilot has under that identifier, else the log's. A single flipped bit in the log's
-    /// own would scale a whole flight.
+    /// A multiplier's value: the one that ArduPilot has under that identifier, else the log's. A single
+    /// flipped bit in the log's own would scale a whole flight.
     fn value(&self, id: char) -> f64 {
         let known = MULTIPLIERS.iter().find_map(|(known, value)| (*known == id).then_some(*value));
         let given = self.multipliers.get(&id).copied().filter(|value| value.is_finite() && *value > 0.0);

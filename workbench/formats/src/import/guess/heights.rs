@@ -13,7 +13,8 @@ use crate::import::mapping::quantity::Quantity;
 const PRESSURE_PA: std::ops::RangeInclusive<f64> = 16_000.0..=108_000.0;
 /// The weather moves the standard atmosphere's altitude by less, metres: 70 hPa at the ground.
 const WEATHER_M: f64 = 600.0;
-/// An altitude that is this near to a line through the pressure's is made of it, metres (1 sigma): rounded to the metre.
+/// An altitude that is this near to a line through the pressure's is made of it, metres (1 sigma): rounded to
+/// the metre.
 const MADE_OF_M: f64 = 0.4;
 /// Samples of two sensors that are this far from each other are of one moment, seconds.
 const HOLD_S: f64 = 1.5;

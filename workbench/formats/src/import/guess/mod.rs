@@ -1,8 +1,9 @@
 //! Drafts the mapping of a table whose columns nobody has said the meaning of.
 //!
-//! A guess comes from a column's name, from its values and from physics: what is the derivative of what, what follows the
-//! standard atmosphere, what is one g long. Each says its reason. A guess that rests on one name alone, or that its values
-//! contradict, is doubtful and commented out in the draft. Nothing is applied here: a mapping file is what comes out.
+//! A guess comes from a column's name, from its values and from physics: what is the derivative of what, what
+//! follows the standard atmosphere, what is one g long. Each says its reason. A guess that rests on one name
+//! alone, or that its values contradict, is doubtful and commented out in the draft. Nothing is applied here:
+//! a mapping file is what comes out.
 
 mod board;
 mod draft;
@@ -100,8 +101,8 @@ fn find_held(board: &mut Board<'_>) {
     }
 }
 
-/// Over how many rows each value is repeated, if it is over about the same number each time: a value that was rounded stays the
-/// same for now a short, now a long time.
+/// Over how many rows each value is repeated, if it is over about the same number each time: a value that was
+/// rounded stays the same for now a short, now a long time.
 fn repeats_evenly(values: &[f64]) -> Option<f64> {
     let known: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
     let places: Vec<usize> =

@@ -7,7 +7,8 @@ use super::relate::{Line, quantile};
 use crate::import::mapping::middle;
 use crate::import::mapping::quantity::Quantity;
 
-/// Wind, and climb, leave the ratio of airspeed to speed over ground within these bounds, over a whole flight.
+/// Wind, and climb, leave the ratio of airspeed to speed over ground within these bounds, over a whole
+/// flight.
 const RATIO: std::ops::RangeInclusive<f64> = 0.65..=1.5;
 
 /// Finds them.

@@ -113,8 +113,8 @@ impl Board<'_> {
         rows
     }
 
-    /// Whether a column is new only in rows in which the receiver's position is; none if that says nothing, as where it is new in
-    /// every row.
+    /// Whether a column is new only in rows in which the receiver's position is; none if that says nothing,
+    /// as where it is new in every row.
     pub fn moves_with_fix(&self, column: usize) -> Option<bool> {
         let fixes = self.fix_rows()?;
         let count = fixes.iter().filter(|is_fix| **is_fix).count();
@@ -142,8 +142,8 @@ pub fn find_horizontal(board: &mut Board<'_>) {
     confirm_unnamed_position(board);
 }
 
-/// Finds the receiver's vertical velocity, by the altitude that it is the derivative of: the receiver's, or any other's if that
-/// has none.
+/// Finds the receiver's vertical velocity, by the altitude that it is the derivative of: the receiver's, or
+/// any other's if that has none.
 pub fn find_vertical(board: &mut Board<'_>) {
     let is_known = |name: &str| board.guess(name).is_some_and(|guess| guess.is_sure);
     if is_known("gps_vn_mps")
@@ -159,7 +159,8 @@ pub fn find_vertical(board: &mut Board<'_>) {
     find_velocity(board, &[Role::Down, Role::Climb], "gps_vd_mps", &down, "altitude");
 }
 
-/// Beside velocities over ground: the column whose change is another column's integral is the receiver's altitude.
+/// Beside velocities over ground: the column whose change is another column's integral is the receiver's
+/// altitude.
 fn unnamed_altitude(board: &mut Board<'_>) {
     let unnamed: Vec<usize> = board
         .free()

@@ -3,7 +3,8 @@
 /// A straight line through pairs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
-    /// Change of the second for one of the first. Both may be noisy: the ratio of their spreads, with the correlation's sign.
+    /// Change of the second for one of the first. Both may be noisy: the ratio of their spreads, with the
+    /// correlation's sign.
     pub slope: f64,
     /// The second where the first is zero.
     pub offset: f64,
@@ -36,7 +37,8 @@ impl Line {
         Some(Self { slope, offset: mean_y - slope * mean_x, correlation, count: pairs.len() })
     }
 
-    /// Whether it is more than chance, and tight enough for its slope to be told from one that is twice as steep.
+    /// Whether it is more than chance, and tight enough for its slope to be told from one that is twice as
+    /// steep.
     pub fn is_sound(&self) -> bool {
         let sigmas =
             self.correlation.abs().min(0.999_999).atanh() * (self.count.saturating_sub(3) as f64).sqrt();

@@ -32,7 +32,8 @@ struct Clock {
 pub fn find(board: &mut Board<'_>) {
     let mut clocks: Vec<Clock> =
         (0..board.table.columns.len()).filter_map(|column| clock(board, column)).collect();
-    // A name that says time, and is of no receiver, goes first; then what steps in every row; then what is finest.
+    // A name that says time, and is of no receiver, goes first; then what steps in every row; then what is
+    // finest.
     let rank = |board: &Board<'_>, clock: &Clock| {
         let role = board.role(clock.column);
         let named = if role == Some(Role::Time) { 2 } else { i32::from(clock.is_written) };
@@ -85,7 +86,8 @@ fn clock(board: &Board<'_>, column: usize) -> Option<Clock> {
     let span = quantile(values.iter().copied(), 0.99)? - quantile(values.iter().copied(), 0.01)?;
     let forward = share(|step| *step > 0.0);
     let is_counter = share(|step| *step == 1.0) > 0.999 && board.role(column) != Some(Role::Time);
-    // What climbs through the whole flight runs forward too, but by steps of every size, and mostly it also rests.
+    // What climbs through the whole flight runs forward too, but by steps of every size, and mostly it also
+    // rests.
     let is_regular = steps.iter().filter(|own| (**own / step - 1.0).abs() < 0.5 || **own == 0.0).count() * 10
         > steps.len() * 7;
     let is_named = matches!(board.role(column), Some(Role::Time));
@@ -177,7 +179,8 @@ fn counted(board: &Board<'_>, clock: &Clock) -> TimeGuess {
     }
 }
 
-/// Whether altitude or pressure change as fast as those of aircraft if time has that unit; none if there are none.
+/// Whether altitude or pressure change as fast as those of aircraft if time has that unit; none if there are
+/// none.
 fn climbs_as_aircraft_do(board: &Board<'_>, time: usize, factor: f64) -> Option<bool> {
     let is_height = |role: Role| {
         matches!(

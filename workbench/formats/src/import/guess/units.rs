@@ -21,7 +21,8 @@ pub struct Meant {
     pub is_as_named: Option<bool>,
 }
 
-/// The unit of a column of which one is worth `slope` of Pylon's unit, whatever its sign; none that has such a factor.
+/// The unit of a column of which one is worth `slope` of Pylon's unit, whatever its sign; none that has such
+/// a factor.
 pub fn meant(quantity: Quantity, slope: f64, hint: &Hint) -> Option<Meant> {
     let off = |factor: f64| (slope.abs() / factor).ln().abs();
     let mut near: Vec<_> = quantity.units().filter(|unit| off(unit.factor) < NEAR.ln()).collect();

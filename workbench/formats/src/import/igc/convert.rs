@@ -28,7 +28,8 @@ const SIGNALS: [(&str, &str); 7] = [
 ];
 
 struct Converter {
-    /// What is left of the log: each column is taken out when its turn has come, so that nothing is in memory twice.
+    /// What is left of the log: each column is taken out when its turn has come, so that nothing is in memory
+    /// twice.
     log: Log,
     flight: Flight,
     notes: Vec<Note>,

@@ -40,8 +40,8 @@ pub struct Losses {
     pub times: Judged,
 }
 
-/// A log as read: one cell a row in each column, because a row of its own on the heap takes several times its line.
-/// Rows are in file order; those of K records are at their time.
+/// A log as read: one cell a row in each column, because a row of its own on the heap takes several times its
+/// line. Rows are in file order; those of K records are at their time.
 #[derive(Clone, Debug, Default)]
 pub struct Log {
     /// Seconds since the first fix.
@@ -50,7 +50,8 @@ pub struct Log {
     pub fixes: Vec<Option<Altitudes>>,
     /// Positions with every digit that the log has; not a number where there is no fix.
     pub positions: Vec<Position>,
-    /// Additional values by their three-letter code, the numbers as they stand. Whole numbers of up to seven digits are exact.
+    /// Additional values by their three-letter code, the numbers as they stand. Whole numbers of up to seven
+    /// digits are exact.
     pub values: Vec<(String, Column)>,
     /// Values of H records by their code, and of the A record by `A`, in file order.
     pub headers: Vec<(String, String)>,

@@ -124,7 +124,8 @@ pub fn extensions(line: &[u8]) -> (Vec<Extension>, bool) {
         if first < 8 || last < first {
             return (found, false);
         }
-        // Three-letter codes are capitals (FAI technical specification, A7): one in other letters is the same.
+        // Three-letter codes are capitals (FAI technical specification, A7): one in other letters is the
+        // same.
         let code = code.iter().map(|byte| char::from(byte.to_ascii_uppercase())).collect();
         found.push(Extension { code, first, last });
         rest = rest.get(count + 3..).unwrap_or_default();

@@ -134,7 +134,8 @@ fn repeated_and_lost_records_are_noted() {
     assert!(has_note(&notes, "before the first fix's, left out: 1"));
 }
 
-/// One wrong digit moves a record by hours; what follows is in its place all the same. Hours that really passed are said.
+/// One wrong digit moves a record by hours; what follows is in its place all the same. Hours that really
+/// passed are said.
 #[test]
 fn a_wrong_hour_costs_its_record_and_hours_without_any_are_said() {
     let text = log("HFALG:ELL\n", &[(500, 560, 'A'); 50]);

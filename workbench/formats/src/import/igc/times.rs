@@ -1,14 +1,16 @@
 //! Which records of an IGC log have a time that contradicts those around them.
 //!
-//! No line of the format has a check of its own. One wrong digit of an hour makes a record hours early or late, and everything after a late
-//! one seems to go back in time, which an estimator ignores; half a day late it even counts as a midnight.
+//! No line of the format has a check of its own. One wrong digit of an hour makes a record hours early or
+//! late, and everything after a late one seems to go back in time, which an estimator ignores; half a day
+//! late it even counts as a midnight.
 
 use super::log::lines;
 use super::records;
 
 /// As many records after one decide whether the clock went on from it, most of them that is.
 const WITNESSES: usize = 16;
-/// Records within this, beside what so many records take, belong together, seconds: `TOGETHER_US` of the other logs.
+/// Records within this, beside what so many records take, belong together, seconds: `TOGETHER_US` of the
+/// other logs.
 const TOGETHER_S: u32 = 60;
 const DAY_S: u32 = 86_400;
 /// A clock that goes back further has passed midnight.

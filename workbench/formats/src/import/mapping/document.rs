@@ -86,7 +86,8 @@ pub struct Signal {
     pub offset: Option<f64>,
     /// What an altitude is measured from, if not from what `[flight]` says: `msl`, `ellipsoid` or `pressure`.
     datum: Option<String>,
-    /// Whether the column repeats a sample until the next one; then only what differs from the row before is a sample.
+    /// Whether the column repeats a sample until the next one; then only what differs from the row before is
+    /// a sample.
     #[serde(default)]
     pub held: bool,
 }

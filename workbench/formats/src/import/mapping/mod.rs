@@ -1,7 +1,7 @@
 //! Any table of numbers as a flight, by a mapping file that says which column is what.
 //!
-//! The format is in docs/workbench.md. A value is the cell times `scale` plus `offset`, in `unit`; `held` columns repeat a sample in
-//! every row until the next one.
+//! The format is in docs/workbench.md. A value is the cell times `scale` plus `offset`, in `unit`; `held`
+//! columns repeat a sample in every row until the next one.
 
 mod apply;
 pub(super) mod cell;

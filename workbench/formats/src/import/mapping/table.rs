@@ -164,7 +164,8 @@ fn census(cells: &[&[u8]], decimal_comma: bool) -> (usize, usize) {
 }
 
 impl Layout {
-    /// Finds out how a text is laid out; `None` if it is no table of at least two columns with numbers in them.
+    /// Finds out how a text is laid out; `None` if it is no table of at least two columns with numbers in
+    /// them.
     pub fn find(text: &[u8]) -> Option<Self> {
         // A table of numbers has no control characters beside tabs and line ends.
         let head = text.get(..65_536).unwrap_or(text);
@@ -209,7 +210,8 @@ fn usual_width(rows: &[(usize, Vec<&[u8]>)]) -> Option<usize> {
     ((2..=MOST_COLUMNS).contains(&width) && count * 2 >= rows.len()).then_some(width)
 }
 
-/// The line of names above the first values: of several (names, then units) the upper one. A remark may hold them.
+/// The line of names above the first values: of several (names, then units) the upper one. A remark may hold
+/// them.
 fn names_line(
     head: &[(usize, &[u8])],
     first_line: usize,

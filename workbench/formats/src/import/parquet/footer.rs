@@ -9,7 +9,8 @@ pub const MAGIC: &[u8] = b"PAR1";
 const ENCRYPTED: &[u8] = b"PARE";
 /// Columns that a table may have: as in tables of text.
 const MOST_COLUMNS: usize = crate::import::mapping::MOST_COLUMNS;
-/// Cells that a byte can hold: a run of equal values, or of none, takes next to nothing, but a time of each row does not.
+/// Cells that a byte can hold: a run of equal values, or of none, takes next to nothing, but a time of each
+/// row does not.
 const CELLS_PER_BYTE: usize = 32;
 /// Cells that any file may have, however short: 8 MB as doubles.
 const FEW_CELLS: usize = 1 << 20;

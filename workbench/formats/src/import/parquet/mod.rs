@@ -1,8 +1,8 @@
-//! Apache Parquet (<https://parquet.apache.org/docs/file-format/>): a flight that `pylon export` wrote, as it was; of anybody else a
-//! table that a mapping says the meaning of ([`super::mapping`]).
+//! Apache Parquet (<https://parquet.apache.org/docs/file-format/>): a flight that `pylon export` wrote, as it
+//! was; of anybody else a table that a mapping says the meaning of ([`super::mapping`]).
 //!
-//! The `parquet` crate decodes the pages. It trusts a file's sizes, and panics on some that are wrong: what it takes room for is
-//! checked before, and what it panics on costs one column of one group of rows.
+//! The `parquet` crate decodes the pages. It trusts a file's sizes, and panics on some that are wrong: what
+//! it takes room for is checked before, and what it panics on costs one column of one group of rows.
 
 mod cells;
 mod error;

@@ -4,12 +4,13 @@ use super::error::ChunkError;
 use super::footer::{Chunk, Leaf};
 use super::thrift::Reader;
 
-/// How a page can be compressed, by the format's numbers: of these the crate takes no more room than the page says.
+/// How a page can be compressed, by the format's numbers: of these the crate takes no more room than the page
+/// says.
 const CODECS: [(i64, &str); 4] = [(0, "none"), (1, "snappy"), (6, "zstd"), (7, "lz4")];
 /// All of the format's, for telling.
 const CODEC_NAMES: [&str; 8] = ["none", "snappy", "gzip", "lzo", "brotli", "lz4 (old)", "zstd", "lz4"];
-/// Encodings that are read, by the format's numbers: plain, dictionaries (old and new), runs, differences of whole numbers, split
-/// bytes. Those of texts by their common beginnings can grow without a bound.
+/// Encodings that are read, by the format's numbers: plain, dictionaries (old and new), runs, differences of
+/// whole numbers, split bytes. Those of texts by their common beginnings can grow without a bound.
 const ENCODINGS: [i64; 6] = [0, 2, 3, 5, 8, 9];
 /// Bytes that a page's words may have each, on the average.
 const WORD: usize = 64;

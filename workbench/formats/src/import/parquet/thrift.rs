@@ -1,8 +1,10 @@
-//! Thrift's compact protocol (<https://github.com/apache/thrift/blob/master/doc/specs/thrift-compact-protocol.md>), in which Parquet
+//! Thrift's compact protocol
+//! (<https://github.com/apache/thrift/blob/master/doc/specs/thrift-compact-protocol.md>), in which Parquet
 //! says what is where, as a tree of values.
 //!
-//! The `parquet` crate reads it too, but takes room for as many things as a list says that it has. Here a list has at most as many
-//! things as there are bytes left, so the tree is bounded by the bytes that it is made of.
+//! The `parquet` crate reads it too, but takes room for as many things as a list says that it has. Here a
+//! list has at most as many things as there are bytes left, so the tree is bounded by the bytes that it is
+//! made of.
 
 /// Structures within structures. Parquet's own go seven deep.
 const DEEPEST: usize = 16;

@@ -1,16 +1,17 @@
 //! The frames of a recorded line, whatever lies between them.
 //!
-//! A line is recorded as it comes: from its middle on, with bytes lost and flipped, and over resets of its sender, which
-//! tear the frame that was being sent. So frames are looked for between zeros one by one, and how they follow each other is
-//! judged here, where the decoder of a whole stream would refuse all that comes after a header that was lost.
+//! A line is recorded as it comes: from its middle on, with bytes lost and flipped, and over resets of its
+//! sender, which tear the frame that was being sent. So frames are looked for between zeros one by one, and
+//! how they follow each other is judged here, where the decoder of a whole stream would refuse all that comes
+//! after a header that was lost.
 
 use flight_record::{Decoder, FORMAT_VERSION, Frame, FrameError, Header, Kind, MAGIC, Summary, TickRecord};
 use kf_core::input::TickInput;
 use kf_core::latch::LatchRecord;
 use survival::RestartReport;
 
-/// What a header's frame is stuffed to up to its magic: kind 1 and the number 0, whose zeros are replaced, and the code of what
-/// follows.
+/// What a header's frame is stuffed to up to its magic: kind 1 and the number 0, whose zeros are replaced,
+/// and the code of what follows.
 const BEFORE_MAGIC: usize = 6;
 
 /// What a line says.
@@ -86,7 +87,8 @@ fn stretches(log: &[u8]) -> impl Iterator<Item = &[u8]> {
     log.split_inclusive(|byte| *byte == 0).filter(|stretch| *stretch != [0])
 }
 
-/// Calls `take` with the frame that a stretch is. A decoder of its own for each: what came before is no concern of it.
+/// Calls `take` with the frame that a stretch is. A decoder of its own for each: what came before is no
+/// concern of it.
 fn with_frame<T>(stretch: &[u8], take: impl FnOnce(&Frame<'_>) -> T) -> Result<T, FrameError> {
     let mut decoder = Decoder::new();
     let (last, bytes) = stretch.split_last().ok_or(FrameError::TooShort)?;

@@ -1,5 +1,5 @@
-//! Flight records: what a flight computer sends on its results' line (docs/bring-up.md says how to record it), and what
-//! `pylon fly` gives one to fly.
+//! Flight records: what a flight computer sends on its results' line (docs/bring-up.md says how to record
+//! it), and what `pylon fly` gives one to fly.
 //!
 //! | in the record | in the flight |
 //! |---|---|
@@ -10,10 +10,11 @@
 //! | the latched calibration, the launch, the flags | header keys `flown_*`, beside which `compare` can be held |
 //! | everything else that was estimated | nothing: a flight is what was measured |
 //!
-//! Every number is written with the digits that give the same `f32` back, and times to the microsecond, so that a mission of
-//! the same model makes of the flight what the flight computer made of it, to the bit: same biases, same flags at the same
-//! ticks. It does not where the flight computer was reset: `compare` flies through, and what differs is said in a note. Only the
-//! times of fixes have less resolution than the record's (24 bits), and serve to tell a held fix from a new one alone.
+//! Every number is written with the digits that give the same `f32` back, and times to the microsecond, so
+//! that a mission of the same model makes of the flight what the flight computer made of it, to the bit: same
+//! biases, same flags at the same ticks. It does not where the flight computer was reset: `compare` flies
+//! through, and what differs is said in a note. Only the times of fixes have less resolution than the
+//! record's (24 bits), and serve to tell a held fix from a new one alone.
 
 mod convert;
 mod frames;

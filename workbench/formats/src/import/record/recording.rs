@@ -40,8 +40,8 @@ pub const CHANNELS: [Channel; 26] = [
     Channel::GpsTimeS,
 ];
 
-/// Receiver's times are kept as `f32`, which holds the 0.05 s between two fixes up to here, seconds; the flight's file refuses
-/// larger ones.
+/// Receiver's times are kept as `f32`, which holds the 0.05 s between two fixes up to here, seconds; the
+/// flight's file refuses larger ones.
 const MAX_FIX_TIME_S: f64 = 1_048_576.0;
 
 /// A start of the flight computer within a flight, or at its beginning.
@@ -108,7 +108,8 @@ pub const fn doubt_number(doubt: LaunchDoubt) -> f32 {
     }
 }
 
-/// Every cell of a tick but the time of its fix. The patterns name every field, so that a new one cannot be forgotten here.
+/// Every cell of a tick but the time of its fix. The patterns name every field, so that a new one cannot be
+/// forgotten here.
 fn cells(input: &TickInput) -> [Option<f32>; CHANNELS.len() - 1] {
     let TickInput {
         time_us: _,

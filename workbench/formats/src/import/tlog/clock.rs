@@ -4,8 +4,8 @@ use super::value::{Stamp, Timed};
 
 /// Times in microseconds beyond this are since 1970 (it is the year 2001), not since the sender started.
 pub const EPOCH_US: u64 = 1_000_000_000_000_000;
-/// A clock that goes back by more has started anew: messages of one sender come in a slightly other order than
-/// their times.
+/// A clock that goes back by more has started anew: messages of one sender come in a slightly other order
+/// than their times.
 const RESTART_US: u64 = 5_000_000;
 /// A message's time that is farther from when it was received is not by this clock.
 const FAR_US: u64 = 60_000_000;
@@ -51,8 +51,8 @@ pub fn longest_run(values: Vec<Timed>) -> (Vec<Timed>, usize) {
 
 /// From the receiver's clock to the sender's.
 pub struct Clock {
-    /// What the receiver's clock is ahead, with the least delay that was seen, but for one in a hundred: a receiver's time that is
-    /// wrong by less than a second is not found, and must not move all others.
+    /// What the receiver's clock is ahead, with the least delay that was seen, but for one in a hundred: a
+    /// receiver's time that is wrong by less than a second is not found, and must not move all others.
     ahead_us: Option<u64>,
 }
 

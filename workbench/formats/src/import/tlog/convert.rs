@@ -64,7 +64,8 @@ pub fn convert(
     converter.signals();
     converter.launch();
     let Converter { mut flight, mut notes, .. } = converter;
-    // Where nothing has a time of the sender, there is nothing that a wrong stamp of the receiver contradicts.
+    // Where nothing has a time of the sender, there is nothing that a wrong stamp of the receiver
+    // contradicts.
     notes.extend(leap::leave_out(&mut flight));
     let first_s = flight.time_s.first().copied().unwrap_or(0.0);
     flight.time_s.iter_mut().for_each(|time_s| *time_s -= first_s);
@@ -342,7 +343,8 @@ impl Converter {
         }
     }
 
-    /// VFR_HUD's airspeed is the calibrated one; an autopilot without airspeed sensor sends zero, or its estimate.
+    /// VFR_HUD's airspeed is the calibrated one; an autopilot without airspeed sensor sends zero, or its
+    /// estimate.
     fn true_airspeed(&mut self) {
         let calibrated = self.picked(|value| match value {
             Value::CalibratedAirspeedMps(mps) if mps.is_finite() => Some(f64::from(*mps)),

@@ -170,7 +170,8 @@ impl Iterator for Packets<'_> {
                 }
                 Found::Skipped(len) => self.at += len,
                 Found::Cut => {
-                    // A marker in garbage near the end looks the same; if there are frames after it, it was that.
+                    // A marker in garbage near the end looks the same; if there are frames after it, it was
+                    // that.
                     let mut rest = Packets::new(self.log.get(self.at + 1..).unwrap_or_default(), self.stamp);
                     rest.losses.cut = true;
                     if self.losses.cut || rest.next().is_none() {
@@ -187,8 +188,8 @@ impl Iterator for Packets<'_> {
     }
 }
 
-/// Bytes before each frame of a log, by what its beginning has more of; `None` where it has no frame at all. A stream without stamps
-/// read as one with them would give every other frame, with a time of nothing.
+/// Bytes before each frame of a log, by what its beginning has more of; `None` where it has no frame at all.
+/// A stream without stamps read as one with them would give every other frame, with a time of nothing.
 pub fn stamp_length(beginning: &[u8]) -> Option<usize> {
     let frames = |stamp| Packets::new(beginning, stamp).count();
     let (stamped, unstamped) = (frames(STAMP), frames(NO_STAMP));

@@ -6,16 +6,18 @@ use super::value::{self, Stamp, Timed};
 use crate::import::gps_time::utc_text;
 use crate::import::stamps;
 
-/// A frame's time that is no farther from what its message's own clock makes it, is right however it stands among the others.
+/// A frame's time that is no farther from what its message's own clock makes it, is right however it stands
+/// among the others.
 const AGREES_US: u64 = 1_000_000;
 
 /// What was received from a sender.
 #[derive(Default)]
 pub struct Received {
-    /// Whether the stream has no receiver's times: each frame counts as received at the latest time that its sender said.
+    /// Whether the stream has no receiver's times: each frame counts as received at the latest time that its
+    /// sender said.
     is_unstamped: bool,
-    /// That time, and whether it is of a clock that counts milliseconds since the start, as all of a sender's messages but the
-    /// receiver's and the sensors' do.
+    /// That time, and whether it is of a clock that counts milliseconds since the start, as all of a sender's
+    /// messages but the receiver's and the sensors' do.
     latest: Option<(u64, bool)>,
     values: Vec<Timed>,
     /// Each frame's number, receiver's time, and the end of its values.

@@ -12,8 +12,8 @@ pub struct Rows {
 }
 
 impl Rows {
-    /// A row for each time. A time that is known to the millisecond only joins the first row of that millisecond:
-    /// a flight computer's messages of one tick are one row again.
+    /// A row for each time. A time that is known to the millisecond only joins the first row of that
+    /// millisecond: a flight computer's messages of one tick are one row again.
     pub fn new(times: &[Time]) -> Self {
         let mut rows = Self::default();
         for time in times {

@@ -177,8 +177,8 @@ fn first_step(path: &'static str) -> &'static str {
     path.split(['[', '.']).next().unwrap_or(path)
 }
 
-/// Fields of a topic that are missing by one letter: a definition has no check, and a flipped bit of it would cost a column
-/// without a word.
+/// Fields of a topic that are missing by one letter: a definition has no check, and a flipped bit of it would
+/// cost a column without a word.
 fn misspelt(reader: &Reader<'_>, id: u16, values: &Values) -> Vec<(String, &'static str, String)> {
     let (Some(subscription), Some(rule)) = (reader.subscriptions.get(&id), RULES.get(values.rule)) else {
         return Vec::new();

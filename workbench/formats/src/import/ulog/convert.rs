@@ -13,7 +13,8 @@ use crate::import::table::{Destination, Filling, Group, Table, assemble};
 use crate::import::words::most_of;
 use flight_data::{Channel, Flight, Header, Note};
 
-/// Pressures below this are hectopascals: no aircraft flies where there are 2 kPa, and no weather makes 2000 hPa.
+/// Pressures below this are hectopascals: no aircraft flies where there are 2 kPa, and no weather makes 2000
+/// hPa.
 const LEAST_PA: f32 = 2_000.0;
 
 struct Converter<'a> {
@@ -233,7 +234,8 @@ impl<'a> Converter<'a> {
         }
     }
 
-    /// The pressures of the sensors themselves, as signals; the first one's in a channel where there is nothing better.
+    /// The pressures of the sensors themselves, as signals; the first one's in a channel where there is
+    /// nothing better.
     fn other_barometers(&mut self, first: Option<Channel>) {
         let instances: Vec<(u8, Vec<(u32, f32)>)> = self
             .instances("sensor_baro")

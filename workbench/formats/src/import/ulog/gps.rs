@@ -37,7 +37,8 @@ pub struct Receiver {
     pub without: usize,
     /// Other receivers.
     pub others: Vec<Other>,
-    /// What is no receiver of its own: without a 3D fix, or where the reference itself comes from; and how many 3D fixes it has.
+    /// What is no receiver of its own: without a 3D fix, or where the reference itself comes from; and how
+    /// many 3D fixes it has.
     pub left_out: Vec<(&'static str, u8, usize)>,
 }
 

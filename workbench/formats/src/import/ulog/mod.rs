@@ -1,8 +1,8 @@
 //! PX4's ULog (`.ulg`).
 //!
-//! A log defines its own messages, and nothing in it is checked by a CRC: what is damaged is found by the message that must
-//! follow each message, and by times that contradict those around them. The crates `yule_log` and `px4-ulog` stop at damage, the
-//! latter by a panic on some files, so this reader is our own.
+//! A log defines its own messages, and nothing in it is checked by a CRC: what is damaged is found by the
+//! message that must follow each message, and by times that contradict those around them. The crates
+//! `yule_log` and `px4-ulog` stop at damage, the latter by a panic on some files, so this reader is our own.
 //!
 //! | in the log | in the flight |
 //! |---|---|

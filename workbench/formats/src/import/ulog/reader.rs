@@ -59,9 +59,11 @@ pub struct Reader<'a> {
     pub formats: Formats,
     /// Topics by message id.
     pub subscriptions: BTreeMap<u16, Subscription>,
-    /// Bytes of the data by message id, and how many of them may be missing: what every message is asked for twice.
+    /// Bytes of the data by message id, and how many of them may be missing: what every message is asked for
+    /// twice.
     lengths: Vec<Option<(usize, usize)>>,
-    /// Place and end of the message that vouches for the one before it: the next one to be read, whose end is known.
+    /// Place and end of the message that vouches for the one before it: the next one to be read, whose end is
+    /// known.
     ahead: Option<(usize, usize)>,
     /// What was left out.
     pub damage: Damage,
@@ -69,7 +71,8 @@ pub struct Reader<'a> {
     pub interrupted: usize,
     /// Definitions that are none or contradict an earlier one.
     pub bad_definitions: usize,
-    /// Data that cannot be read, by id: nothing subscribes it, or its format is not defined or of another length.
+    /// Data that cannot be read, by id: nothing subscribes it, or its format is not defined or of another
+    /// length.
     pub unsubscribed: BTreeMap<u16, usize>,
     /// Flags that this reader does not know, if there are any.
     pub unknown_flags: bool,
@@ -145,7 +148,8 @@ impl<'a> Reader<'a> {
                         payload.get(3..).is_some_and(|name| name.iter().all(u8::is_ascii_graphic))
                     })
             }
-            // Only the first message may be this one: another would be a damaged definition that changes how all is read.
+            // Only the first message may be this one: another would be a damaged definition that changes how
+            // all is read.
             b'B' => at == FILE_HEADER && length >= 40,
             b'L' => {
                 length >= 9
@@ -180,7 +184,8 @@ impl<'a> Reader<'a> {
         (from..to.min(self.log.len())).find(|at| self.is_vouched_for(*at))
     }
 
-    /// Whether a message with some header is there, of a topic that nothing subscribes, and another message behind it.
+    /// Whether a message with some header is there, of a topic that nothing subscribes, and another message
+    /// behind it.
     fn skip_unsubscribed(&mut self) -> bool {
         let Some((b'D', start, end)) = self.header(self.at) else { return false };
         let Some(id) = self.log.get(start..).and_then(|data| data.first_chunk()) else { return false };

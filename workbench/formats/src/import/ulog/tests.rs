@@ -513,7 +513,8 @@ fn what_is_of_no_use_is_refused_with_what_was_read() {
     assert!(Ulog.import(&MAGIC).is_err());
 }
 
-/// Formats within formats, each many times: sizes that would be found anew at each place took longer than a flight.
+/// Formats within formats, each many times: sizes that would be found anew at each place took longer than a
+/// flight.
 #[test]
 fn formats_that_name_each_other_many_times_do_not_hang() {
     let mut log = header();
