@@ -69,7 +69,8 @@ date: string, };
  */
 export type Added = { 
 /**
- * What `pylon add --json` prints. Where it has `concerns`, the command line would not write it without being told to.
+ * What `pylon add --json` prints. Where it has `concerns`, the command line would not write it without
+ * being told to.
  */
 addition: Addition, 
 /**
@@ -81,8 +82,8 @@ model: ModelText,
  */
 headline: Headline, 
 /**
- * Every revision of that model on the flights, those to learn from first: what [`LadderRequest`] is answered by. Null where a flight
- * has nothing to calibrate on.
+ * Every revision of that model on the flights, those to learn from first: what [`LadderRequest`] is
+ * answered by. Null where a flight has nothing to calibrate on.
  */
 ladder: Ladder | null, };
 
@@ -176,7 +177,8 @@ concerns: Array<string>,
 warnings: Array<string>, };
 
 /**
- * Take-off and landing, seconds of the flight's own clock; null: in the air already when the log begins, or still when it ends.
+ * Take-off and landing, seconds of the flight's own clock; null: in the air already when the log begins, or
+ * still when it ends.
  */
 export type Airborne = { 
 /**
@@ -260,8 +262,9 @@ sigma: number,
  */
 unit: string, 
 /**
- * The probability that it acts, beside what else may: of the sets of effects that explain the flights, those that have it. Where
- * the climb rate is measured only what is identified and the members of a set have one: in that place.
+ * The probability that it acts, beside what else may: of the sets of effects that explain the flights,
+ * those that have it. Where the climb rate is measured only what is identified and the members of a set
+ * have one: in that place.
  */
 probability: number | null, 
 /**
@@ -273,7 +276,8 @@ p_value: number,
  */
 rms_before_m: number | null, 
 /**
- * With it beside those, m; neither is there where most of the error would be the coefficient's own, which what is held out alone shows.
+ * With it beside those, m; neither is there where most of the error would be the coefficient's own,
+ * which what is held out alone shows.
  */
 rms_after_m: number | null, 
 /**
@@ -285,7 +289,8 @@ chosen: boolean,
  */
 time_constant_s: number | null, 
 /**
- * Time constant of the low pass that fits a lag better than a shift of the slope does, seconds, if one does.
+ * Time constant of the low pass that fits a lag better than a shift of the slope does, seconds, if one
+ * does.
  */
 smoothing_s: number | null, 
 /**
@@ -493,7 +498,8 @@ effective_count: number, };
  */
 export type Correlated = { 
 /**
- * Lags, seconds; of a cross-correlation on both sides of zero, positive where the signal is behind the other.
+ * Lags, seconds; of a cross-correlation on both sides of zero, positive where the signal is behind the
+ * other.
  */
 lag_s: Numbers, 
 /**
@@ -501,8 +507,9 @@ lag_s: Numbers,
  */
 correlation: Numbers, 
 /**
- * Half the width of the band that 99 of 100 correlations at a lag lie in where there is none, as MATLAB's `resid` draws it: of
- * white noise for an autocorrelation, by Bartlett's formula, from both autocorrelations, for a cross-correlation.
+ * Half the width of the band that 99 of 100 correlations at a lag lie in where there is none, as
+ * MATLAB's `resid` draws it: of white noise for an autocorrelation, by Bartlett's formula, from both
+ * autocorrelations, for a cross-correlation.
  */
 band: number, 
 /**
@@ -514,7 +521,8 @@ block_s: number,
  */
 blocks: number, 
 /**
- * Whether the time asked for was too short, or the signal has too many gaps, for lags that long; they end sooner.
+ * Whether the time asked for was too short, or the signal has too many gaps, for lags that long; they
+ * end sooner.
  */
 is_cut: boolean, };
 
@@ -597,8 +605,9 @@ unit: string,
  */
 largest: number, 
 /**
- * The coefficient that fits the error by least squares, with a constant beside it. The filter, the other effects and the noise's
- * colour are not in it: it is for the eye. `add` learns the coefficient that counts.
+ * The coefficient that fits the error by least squares, with a constant beside it. The filter, the other
+ * effects and the noise's colour are not in it: it is for the eye. `add` learns the coefficient that
+ * counts.
  */
 coefficient: number, 
 /**
@@ -702,11 +711,13 @@ glitches: Array<Glitch>,
  */
 unreferenced_readings: number, 
 /**
- * Readings that are no measurements, to the mission neither: not finite, implausible, or of a sensor that is stuck.
+ * Readings that are no measurements, to the mission neither: not finite, implausible, or of a sensor
+ * that is stuck.
  */
 refused_readings?: number, 
 /**
- * What is wrong with a sensor for the whole flight, which was left out for it: one that is stuck, or a copy of the receiver.
+ * What is wrong with a sensor for the whole flight, which was left out for it: one that is stuck, or a
+ * copy of the receiver.
  */
 fault: string | null, 
 /**
@@ -830,7 +841,8 @@ export type Discovery = {
  */
 version: number, 
 /**
- * The laws, the most probable first; none where no law of the grammar explains the rest, or nothing is left to explain.
+ * The laws, the most probable first; none where no law of the grammar explains the rest, or nothing is
+ * left to explain.
  */
 laws: Array<FoundLaw>, 
 /**
@@ -899,7 +911,8 @@ signal: Signal,
  */
 unit: string, 
 /**
- * Least value at each point of the axis; NaN where there is no value: the curve is drawn through, but not over a gap.
+ * Least value at each point of the axis; NaN where there is no value: the curve is drawn through, but
+ * not over a gap.
  */
 least: Numbers, 
 /**
@@ -911,7 +924,8 @@ greatest: Numbers,
  */
 sigma: Numbers | null, 
 /**
- * From when to when the record has a gap, over which no line is drawn: pairs of seconds, one after the other.
+ * From when to when the record has a gap, over which no line is drawn: pairs of seconds, one after the
+ * other.
  */
 gaps_s: Numbers, 
 /**
@@ -1022,7 +1036,8 @@ unit: string,
  */
 is_found: boolean, 
 /**
- * The coefficient as the flights have it, beside the effects that were found; null where they do not show it.
+ * The coefficient as the flights have it, beside the effects that were found; null where they do not
+ * show it.
  */
 coefficient: number | null, 
 /**
@@ -1384,7 +1399,8 @@ on: string,
  */
 regressor: string, 
 /**
- * The largest plausible coefficient, either way; null: three times the one that fits, as `pylon discover` has it.
+ * The largest plausible coefficient, either way; null: three times the one that fits, as `pylon
+ * discover` has it.
  */
 largest: number | null, 
 /**
@@ -1457,7 +1473,8 @@ bits: number,
  */
 evidence: number, 
 /**
- * What the held-out flights, or else the stretches held out in turn, gain by it in twice the log likelihood.
+ * What the held-out flights, or else the stretches held out in turn, gain by it in twice the log
+ * likelihood.
  */
 held_out_gain: number, 
 /**
@@ -1482,7 +1499,8 @@ advice: string, };
  */
 export type Gain = { 
 /**
- * The probability that it would give the effect of a set that acts, the mean over the sets; null where there is no set.
+ * The probability that it would give the effect of a set that acts, the mean over the sets; null where
+ * there is no set.
  */
 tells_apart: number | null, 
 /**
@@ -1490,7 +1508,8 @@ tells_apart: number | null,
  */
 shows: number, 
 /**
- * What an effect's interval would shrink to, as a share: the mean over the effects that the flights show.
+ * What an effect's interval would shrink to, as a share: the mean over the effects that the flights
+ * show.
  */
 narrows_to: number, };
 
@@ -1572,7 +1591,8 @@ model: string,
 revisions: Array<LadderRevision>, };
 
 /**
- * Flies every revision of a model over flights: `pylon ladder`. Answered by what `pylon ladder --json` prints.
+ * Flies every revision of a model over flights: `pylon ladder`. Answered by what `pylon ladder --json`
+ * prints.
  */
 export type LadderRequest = { 
 /**
@@ -1652,8 +1672,8 @@ effect: string,
  */
 probability: number, 
 /**
- * The probability that it would be given with the planned flight, if it is the one: the median over that flight's noise. Null for
- * one whose signal the flights lack.
+ * The probability that it would be given with the planned flight, if it is the one: the median over that
+ * flight's noise. Null for one whose signal the flights lack.
  */
 probability_then: number | null, 
 /**
@@ -1822,8 +1842,8 @@ reference_wander_m: number,
  */
 reference_time_s: number, 
 /**
- * A second, slower wander of the difference of the altitudes, the reference's or a sensor's: sigma, m; 0 where the climb rate is
- * measured, which needs none.
+ * A second, slower wander of the difference of the altitudes, the reference's or a sensor's: sigma, m; 0
+ * where the climb rate is measured, which needs none.
  */
 slow_wander_m: number, 
 /**
@@ -1901,7 +1921,8 @@ most: number,
 gain: Gain | null, };
 
 /**
- * Opens the log whose bytes come with the request: any format that Pylon imports, told by its content. An error is the importer's own line.
+ * Opens the log whose bytes come with the request: any format that Pylon imports, told by its content. An
+ * error is the importer's own line.
  */
 export type OpenRequest = { 
 /**
@@ -1931,8 +1952,9 @@ sample: string, };
  */
 export type Opened = { 
 /**
- * What `pylon open --json` says: the format, take-off, landing, launch, what is used and what not and why, the sensors,
- * the notes of the importer; `refused` says why it cannot be analysed, where it cannot.
+ * What `pylon open --json` says: the format, take-off, landing, launch, what is used and what not and
+ * why, the sensors, the notes of the importer; `refused` says why it cannot be analysed, where it
+ * cannot.
  */
 overview: Overview, 
 /**
@@ -1994,7 +2016,8 @@ vehicle: string,
  */
 rows: number, 
 /**
- * First time of the flight's own clock, seconds: what `--calibrate` counts from is zero of that clock, not this.
+ * First time of the flight's own clock, seconds: what `--calibrate` counts from is zero of that clock,
+ * not this.
  */
 first_s: number, 
 /**
@@ -2006,11 +2029,13 @@ duration_s: number,
  */
 launch_s: number | null, 
 /**
- * When it was dropped from a carrier, by how it falls, seconds; null where it was not, or has a `launch` column.
+ * When it was dropped from a carrier, by how it falls, seconds; null where it was not, or has a `launch`
+ * column.
  */
 drop_s: number | null, 
 /**
- * The share of it that a diagnosis works on, which needs no calibration; null where it cannot be analysed.
+ * The share of it that a diagnosis works on, which needs no calibration; null where it cannot be
+ * analysed.
  */
 diagnosed_share: number | null, 
 /**
@@ -2030,7 +2055,8 @@ after_landing_s: number | null,
  */
 calibration: string | null, 
 /**
- * From when to when it is calibrated, seconds; null for a flight with a launch, or where nothing can be calibrated.
+ * From when to when it is calibrated, seconds; null for a flight with a launch, or where nothing can be
+ * calibrated.
  */
 calibration_window_s: [number, number] | null, 
 /**
@@ -2732,13 +2758,13 @@ verdict: Verdict,
  */
 missing: Array<string>, 
 /**
- * Sets of ids: of each set, one acts, and the flights can't tell which. The most probable comes first; those
- * below 5 % are not listed, but for the second.
+ * Sets of ids: of each set, one acts, and the flights can't tell which. The most probable comes first;
+ * those below 5 % are not listed, but for the second.
  */
 indistinguishable: Array<Array<string>>, 
 /**
- * How probable each of a set is to be the one that acts, in the order of `indistinguishable`; what they lack
- * to one is of those that are not listed.
+ * How probable each of a set is to be the one that acts, in the order of `indistinguishable`; what they
+ * lack to one is of those that are not listed.
  */
 probabilities: Array<Array<number>>, 
 /**
@@ -2861,7 +2887,8 @@ export type Series = {
  */
 time_s: Numbers, 
 /**
- * Whether a point is a pixel's slot, with least and greatest value; otherwise it is a row, and these are the same array.
+ * Whether a point is a pixel's slot, with least and greatest value; otherwise it is a row, and these are
+ * the same array.
  */
 is_thinned: boolean, 
 /**
