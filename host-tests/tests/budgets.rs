@@ -1,7 +1,7 @@
 //! The firmware keeps its budgets (`firmware/budgets.toml`).
 //!
-//! Needs qemu-system-arm and the Rust target; without them the tests fail and say what to install (`cargo
-//! xtask test` installs it). `cargo test -p host-tests --test budgets -- --show-output` says what was
+//! Needs qemu-system-arm and the Rust target; without them the tests fail and say what to install
+//! (`cargo xtask test` installs it). `cargo test -p host-tests --test budgets -- --show-output` says what was
 //! measured.
 #![allow(clippy::unwrap_used, clippy::panic)]
 

@@ -39,8 +39,8 @@ pub fn drift_variance_factor(span_s: f32, correlation_time_s: f32) -> f32 {
     144.0 * integral
 }
 
-/// Variance of what is left of it after its exponential mean of that memory is taken off: `memory / (memory +
-/// tau)`. 1 for white noise, of which a mean knows nothing.
+/// Variance of what is left of it after its exponential mean of that memory is taken off:
+/// `memory / (memory + tau)`. 1 for white noise, of which a mean knows nothing.
 #[must_use]
 pub fn recent_variance_factor(memory_s: f32, correlation_time_s: f32) -> f32 {
     memory_s / (memory_s + correlation_time_s)

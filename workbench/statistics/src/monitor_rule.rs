@@ -111,9 +111,9 @@ pub struct RuleQuality {
 }
 
 impl RuleQuality {
-    /// The same where the error must besides have been beyond the threshold for so long, seconds (`[monitor]
-    /// persistence_s`): no delay is shorter than that and what the fault alone takes to the threshold. False
-    /// alarms are left as they were: at most so many.
+    /// The same where the error must besides have been beyond the threshold for so long, seconds
+    /// (`[monitor] persistence_s`): no delay is shorter than that and what the fault alone takes to the
+    /// threshold. False alarms are left as they were: at most so many.
     #[must_use]
     pub fn with_persistence(mut self, persistence_s: f64) -> Self {
         for delay in &mut self.delays {

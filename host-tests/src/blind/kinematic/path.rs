@@ -1,8 +1,8 @@
 //! The true motion: flown by what the path is to be, not by forces.
 //!
 //! Flight path, bank and airspeed follow their commands as second-order systems; load factor, turn rate,
-//! angle of attack, throttle and body rates follow from them by the laws of flight. Nothing of `pylon
-//! simulate` is used but the record of the truth.
+//! angle of attack, throttle and body rates follow from them by the laws of flight. Nothing of
+//! `pylon simulate` is used but the record of the truth.
 
 use std::f64::consts::{PI, TAU};
 

@@ -11,8 +11,8 @@
 //! - minus that where it does not act.
 //!
 //! The test is one-sided at 5 %: an effect is called harmful below z = -1.645. A true one, whatever its size,
-//! is called so in at most 5 %, and in `P(z < -1.645 - |c| i / (2 sqrt(V)))`; one that does not act in `P(z <
-//! -1.645 + |c| i / (2 sqrt(V)))`. Where that is less than 95 % the test cannot tell, and says so.
+//! is called so in at most 5 %, and in `P(z < -1.645 - |c| i / (2 sqrt(V)))`; one that does not act in
+//! `P(z < -1.645 + |c| i / (2 sqrt(V)))`. Where that is less than 95 % the test cannot tell, and says so.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -2,9 +2,9 @@
 //!
 //! What lags hardly ever does it by a pure delay: a tube with a volume behind it, or a receiver that filters,
 //! is a low pass, `y + tau y' = x`. Then `y = x - tau LP(x')`, exactly, with the same low pass LP: the
-//! coefficient is still the lag in seconds, and the regressor the smoothed climb rate. A pure delay d is `x -
-//! d` times the mean climb rate of the last d seconds, which a low pass of about d/2 comes near to. Without
-//! this, a lag's misfit at sharp turns of the path goes to whatever effect happens to look like it.
+//! coefficient is still the lag in seconds, and the regressor the smoothed climb rate. A pure delay d is
+//! `x - d` times the mean climb rate of the last d seconds, which a low pass of about d/2 comes near to.
+//! Without this, a lag's misfit at sharp turns of the path goes to whatever effect happens to look like it.
 
 /// Time constants of the low passes that lags are tried with, seconds. 0: as the catalogue has it.
 pub const SMOOTHINGS_S: [f32; 5] = [0.0, 0.5, 1.0, 2.0, 4.0];

@@ -17,8 +17,8 @@ pub struct FormulaRequest {
     pub on: String,
     /// The formula.
     pub regressor: String,
-    /// The largest plausible coefficient, either way; null: three times the one that fits, as `pylon
-    /// discover` has it.
+    /// The largest plausible coefficient, either way; null: three times the one that fits, as
+    /// `pylon discover` has it.
     pub largest: Option<f64>,
     /// What it is, in words; may be empty.
     pub about: String,

@@ -154,8 +154,8 @@ mod tests {
         std::array::from_fn(|i| std::array::from_fn(|j| matrix[j][i]))
     }
 
-    /// What a time does is what its parts do one after the other: `F(a + b) = F(b) F(a)` and `Q(a + b) = F(b)
-    /// Q(a) F(b)' + Q(b)`, below a time constant of the acceleration and beyond many.
+    /// What a time does is what its parts do one after the other: `F(a + b) = F(b) F(a)` and
+    /// `Q(a + b) = F(b) Q(a) F(b)' + Q(b)`, below a time constant of the acceleration and beyond many.
     #[test]
     fn a_time_does_what_its_parts_do() {
         for values in [[0.0; 7], [0.3, -0.5, 0.2, 0.1, -0.4, 0.6, -0.2]] {
