@@ -25,7 +25,7 @@ use flight_record::{ExitStatus, OUTPUT_FILE};
 use super::emulator::Emulation;
 use super::error::FlyError;
 use super::image::Image;
-use super::name;
+use super::run::name;
 
 /// OpenOCD's own configuration of the microcontroller.
 const MICROCONTROLLER: &str = "target/stm32f4x.cfg";
