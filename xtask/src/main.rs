@@ -14,6 +14,7 @@ mod hil;
 mod improvement;
 mod monitor_curves;
 mod mutants;
+mod packages;
 #[path = "../../workbench/emulate/src/registry_paths.rs"]
 mod registry_paths;
 mod schemas;

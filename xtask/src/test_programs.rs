@@ -16,6 +16,7 @@ use anyhow::Context;
 use serde::Deserialize;
 
 use crate::child::{self, ChildOutput};
+use crate::packages::{self, Target};
 use crate::site;
 use crate::test_report::Kind;
 use crate::workspace;
@@ -58,26 +59,6 @@ pub struct Ended {
     pub took: Duration,
 }
 
-#[derive(Deserialize)]
-struct Metadata {
-    packages: Vec<Package>,
-}
-
-#[derive(Deserialize)]
-struct Package {
-    name: String,
-    manifest_path: PathBuf,
-    targets: Vec<Target>,
-}
-
-#[derive(Deserialize)]
-struct Target {
-    name: String,
-    kind: Vec<String>,
-    src_path: PathBuf,
-    test: bool,
-}
-
 /// A line of cargo's with what it has built.
 #[derive(Deserialize)]
 struct Artifact {
@@ -91,30 +72,27 @@ struct Profile {
     test: bool,
 }
 
-impl Target {
-    fn program(self, manifest: &Path) -> anyhow::Result<TestProgram> {
-        let folder = manifest.parent().context("a manifest has no folder")?;
-        let is_integration = self.kind.iter().any(|kind| kind == "test");
-        let kind = match self.name.as_str() {
-            _ if !is_integration => Kind::Unit,
-            "budgets" => Kind::Budgets,
-            name if name.starts_with("qemu") => Kind::Emulated,
-            _ => Kind::Integration,
-        };
-        let source = Some(Source { file: self.src_path, folder: folder.to_owned() });
-        Ok(TestProgram { name: self.name.replace('-', "_"), kind, source })
-    }
+/// The program that has a target's tests.
+fn program(target: Target, manifest: &Path) -> anyhow::Result<TestProgram> {
+    let folder = manifest.parent().context("a manifest has no folder")?;
+    let is_integration = target.kind.iter().any(|kind| kind == "test");
+    let kind = match target.name.as_str() {
+        _ if !is_integration => Kind::Unit,
+        "budgets" => Kind::Budgets,
+        name if name.starts_with("qemu") => Kind::Emulated,
+        _ => Kind::Integration,
+    };
+    let source = Some(Source { file: target.src_path, folder: folder.to_owned() });
+    Ok(TestProgram { name: target.name.replace('-', "_"), kind, source })
 }
 
 /// Every program, in the order in which they are started, without building any: those that use few processors
 /// for long come first, so that none of them is left alone in the end.
 pub fn all() -> anyhow::Result<Vec<TestProgram>> {
-    let mut metadata = workspace::cargo(["metadata", "--format-version", "1", "--no-deps", "--offline"]);
-    let Metadata { packages } = serde_json::from_str(&child::run(&mut metadata, false)?.stdout)?;
     let mut programs = Vec::new();
-    for package in packages.into_iter().filter(|package| package.name != workspace::UNTESTED) {
+    for package in packages::all()?.into_iter().filter(|package| package.name != workspace::UNTESTED) {
         for target in package.targets.into_iter().filter(|target| target.test) {
-            programs.push(target.program(&package.manifest_path)?);
+            programs.push(program(target, &package.manifest_path)?);
         }
     }
     programs.push(TestProgram { name: "studio".into(), kind: Kind::Browser, source: None });

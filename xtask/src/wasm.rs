@@ -1,8 +1,7 @@
 //! The workbench's crates for a browser: that they build for it, and that they say there what they say here.
 
-use serde::Deserialize;
-
 use crate::child;
+use crate::packages;
 use crate::steps::Done;
 use crate::workspace;
 
@@ -14,23 +13,10 @@ const WORKBENCH: &str = "workbench";
 /// The one of them that runs programs and talks to boards.
 const NATIVE: &str = "emulate";
 
-#[derive(Deserialize)]
-struct Metadata {
-    packages: Vec<Package>,
-}
-
-#[derive(Deserialize)]
-struct Package {
-    name: String,
-    manifest_path: std::path::PathBuf,
-}
-
 /// The crates that must build for a browser.
 fn portable() -> anyhow::Result<Vec<String>> {
-    let mut metadata = workspace::cargo(["metadata", "--format-version", "1", "--no-deps", "--offline"]);
-    let Metadata { packages } = serde_json::from_str(&child::run(&mut metadata, false)?.stdout)?;
     let folder = workspace::root().join(WORKBENCH);
-    let ours = packages.into_iter().filter(|package| package.manifest_path.starts_with(&folder));
+    let ours = packages::all()?.into_iter().filter(|package| package.manifest_path.starts_with(&folder));
     Ok(ours.map(|package| package.name).filter(|name| name != NATIVE).collect())
 }
 
