@@ -1399,8 +1399,8 @@ on: string,
  */
 regressor: string, 
 /**
- * The largest plausible coefficient, either way; null: three times the one that fits, as `pylon
- * discover` has it.
+ * The largest plausible coefficient, either way; null: three times the one that fits, as
+ * `pylon discover` has it.
  */
 largest: number | null, 
 /**
