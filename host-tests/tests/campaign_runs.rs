@@ -125,3 +125,27 @@ fn a_receiver_that_is_off_as_the_calibration_begins_costs_no_sensor() {
 fn a_release_while_the_unit_reads_free_fall_is_seen() {
     assert_eq!(violations(7036, 2266), [""; 0]);
 }
+
+/// Fixes are 14 m off as the settling time ends: at 5 Hz the last of them begins the calibration anew; at
+/// 10 Hz they are too few to be a level.
+#[test]
+fn fixes_that_are_off_as_the_calibration_begins_cost_no_sensor() {
+    assert_eq!(violations(7031, 791), [""; 0]);
+    assert_eq!(violations(7037, 1306), [""; 0]);
+}
+
+/// The inertial unit repeats itself, for 14 s of the calibration and from the first seconds on: what is
+/// integrated of that widens no bound.
+#[test]
+fn an_altitude_of_a_unit_that_stands_still_is_not_calibrated() {
+    assert_eq!(violations(7030, 269), [""; 0]);
+    assert_eq!(violations(7031, 2150), [""; 0]);
+}
+
+/// The inertial unit repeats itself, or is silent, and the cable tears: two faults that say nothing of a
+/// release, which the receiver's climb rate does not show either.
+#[test]
+fn a_torn_cable_is_no_launch_when_the_unit_has_died() {
+    assert_eq!(violations(7026, 186), [""; 0]);
+    assert_eq!(violations(7018, 922), [""; 0]);
+}

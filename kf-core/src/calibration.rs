@@ -570,12 +570,17 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
     ) {
         let counts = has_settled || tracker.last_fix().is_some_and(|fix| config.quality.accepts(fix));
         let had_jumped = self.reference_level.has_jumped();
-        self.reference_level.follow(&config.reference, fix, counts);
         // Everything is measured against the first fix's level. One that ends within the memory that it is
-        // judged by was none.
+        // judged by was none: of some fixes that were off as the calibration began, or began anew.
+        if has_settled && !self.has_fix {
+            self.reference_level.begin_anew();
+        }
+        let is_apart = self.reference_level.follow(&config.reference, fix, counts);
         let is_young = |start_us| seconds_between(start_us, time_us) < reference_level::BEFORE_S;
-        if !had_jumped && self.reference_level.has_jumped() && self.start_us.is_some_and(is_young) {
+        if is_apart && self.start_us.is_some_and(is_young) {
             self.restart(time_us);
+            self.reference_level = ReferenceLevel::new(had_jumped);
+            self.reference_level.follow(&config.reference, fix, counts);
         }
     }
 

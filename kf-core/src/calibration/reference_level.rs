@@ -32,18 +32,31 @@ pub(super) struct ReferenceLevel {
 impl ReferenceLevel {
     pub(super) const NEW: Self = Self { now_m: 0.0, before_m: f32::NAN, has_jumped: false };
 
+    /// Of nothing yet; whether it has jumped before that is known.
+    pub(super) const fn new(has_jumped: bool) -> Self {
+        Self { has_jumped, ..Self::NEW }
+    }
+
     pub(super) const fn has_jumped(&self) -> bool {
         self.has_jumped
     }
 
-    /// Takes a fix. `counts`: it has no excuse to move. One that has makes no level.
+    /// Makes the next fix the level. What was seen of others stays.
+    pub(super) const fn begin_anew(&mut self) {
+        self.before_m = f32::NAN;
+    }
+
+    /// Takes a fix; whether the level is not what it was. `counts`: it has no excuse to move. One that has
+    /// makes no level.
     #[inline(never)]
-    pub(super) fn follow(&mut self, config: &ReferenceConfig, fix: &AcceptedFix, counts: bool) {
-        let (Some(climb), Some(level_m)) = (&config.climb_rate, fix.altitude_minus_climb_m) else { return };
+    pub(super) fn follow(&mut self, config: &ReferenceConfig, fix: &AcceptedFix, counts: bool) -> bool {
+        let (Some(climb), Some(level_m)) = (&config.climb_rate, fix.altitude_minus_climb_m) else {
+            return false;
+        };
         let (Some(seconds), false, true) = (fix.interval_s, self.before_m.is_nan(), counts) else {
             // Where the altitude was meanwhile, nobody knows.
             (self.now_m, self.before_m) = (level_m, if counts { level_m } else { f32::NAN });
-            return;
+            return false;
         };
         let share = |memory_s: f32| if seconds < memory_s { seconds / memory_s } else { 1.0 };
         let longest_m = CLIPPED_SIGMAS * config.sigma_m;
@@ -60,6 +73,8 @@ impl ReferenceLevel {
             config.sigma_m * config.sigma_m * recent_variance_factor(BEFORE_S, config.correlation_time_s)
                 + climb.sigma_mps * climb.sigma_mps * climb.correlation_time_s * BEFORE_S;
         let apart_m = self.now_m - self.before_m;
-        self.has_jumped |= apart_m * apart_m > JUMP_SIGMAS * JUMP_SIGMAS * variance_m2;
+        let is_apart = apart_m * apart_m > JUMP_SIGMAS * JUMP_SIGMAS * variance_m2;
+        self.has_jumped |= is_apart;
+        is_apart
     }
 }

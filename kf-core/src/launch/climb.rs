@@ -4,6 +4,10 @@
 /// to 0.83 g, which she does not begin, with a vehicle under her, in the moment in which its cable tears.
 /// Near free fall takes 0.7 s for it.
 const FALL_MPS: f32 = 5.0;
+/// Who leaves with a share of its weight on its own wings loses some metres a second before it has levelled
+/// out, and whoever carries itself climbs or sinks otherwise as soon as it is steered, m/s. Gusts and swings
+/// of a mother ship move her by half of this.
+const OWN_MPS: f32 = 2.0;
 /// A fix older than this says nothing, microseconds: of 1 Hz, one may be late.
 const FRESH_US: u64 = 1_500_000;
 /// No aircraft of this class climbs or sinks faster, m/s.
@@ -35,6 +39,12 @@ impl Climb {
     /// Whether it has fallen since the suspicion that began then.
     pub(super) fn has_fallen(&self, since_us: u64) -> bool {
         self.was_known(since_us) && self.captive_mps - self.last_mps >= FALL_MPS
+    }
+
+    /// Whether it is not what it was when the suspicion began: weak evidence, for where nothing else on board
+    /// can show a release.
+    pub(super) fn is_another(&self) -> bool {
+        (self.captive_mps - self.last_mps).abs() >= OWN_MPS
     }
 
     /// Whether a fall would have been seen.

@@ -37,7 +37,8 @@
 //! | open within 10 s of a cold start | none, or silent | no change | suspected; at the limit `broken`, captive |
 //! | open less than 5 s after the start | none, or silent | known, does not depart within the window | suspected; then `broken`, captive |
 //! | open | none, or silent | departs without a change, or not known | suspected; at the limit launched, [`Confirmation::Unconfirmed`] |
-//! | open | none, or silent | low since longer before `e` than the window, and the fixes' climb rate has not fallen | suspected; at the limit launched, [`Confirmation::Unconfirmed`] |
+//! | open | none, or silent | the unit has died, fixes go on | suspected; at the limit or later launched, [`Confirmation::Unconfirmed`], once the climb rate is another by 2 m/s, or a minute has passed |
+//! | open | none, or silent | low since longer before `e` than the window, and the fixes' climb rate has not fallen | as with a unit that has died |
 //! | broken or unreadable | silent from the departure on | departs | launched, [`Confirmation::ForceAndSilence`] |
 //! | broken | fall silent | changes | launched, [`Confirmation::ForceAndSilence`] |
 //! | broken | fall silent | known, no change | suspected; at the limit captive |
@@ -77,9 +78,12 @@
 //! What cannot be told apart is a release that changes neither mean, roughness nor climb rate in 3 s, from a
 //! torn cable. Such a vehicle hangs within 2 m of the pylon still (below the 0.06 g that shows in still air),
 //! and its launch is then seen, unconfirmed, when it first falls. Of two faults, one of them the cable, and
-//! the accelerometer gone with it, a release is the likelier reading, for it is to happen in every flight: a
-//! launch, and `launch_confirmed` fails. Were the climb rate waited for, a single fault, that of the unit,
-//! would leave a vehicle that carries itself unwatched.
+//! the accelerometer gone with it, the receiver's climb rate decides: one who leaves with less than three
+//! quarters of its weight on its wings has lost 2 m/s at the limit. One that carries itself is seen when it
+//! first climbs or sinks otherwise than under the pylon, after [`UNSHOWN_S`] at the latest: nothing is
+//! calibrated meanwhile, and no sensor is said to be watched. Without a receiver, or with no unit from the
+//! start, a release is the likelier reading, for it is to happen in every flight: a launch, and
+//! `launch_confirmed` fails.
 //!
 //! A wire that is shorted closed, or cannot be read, hides a release that is no fall: it is then captive for
 //! ever, and no sensor is said to be watched. To call silence and a change a launch there would make one of a
@@ -362,6 +366,12 @@ const EARLY_US: u64 = 10_000_000;
 /// taxies with a loose cable, slower than anything flies.
 const UNDER_WAY_M2PS2: f32 = 100.0;
 
+/// How long a wire stays open that neither a dead inertial unit nor the climb rate explains, before it is a
+/// launch, seconds. Shorter, and two faults are one: a torn cable under a unit that is dead for so long.
+/// Longer, and a single fault, the unit's, leaves a vehicle that carries itself unwatched for so long. It is
+/// steered within a minute.
+const UNSHOWN_S: f32 = 60.0;
+
 /// What a tick comes to, before it is dated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Verdict {
@@ -564,7 +574,14 @@ impl LaunchDetector {
             return Verdict::Suspected;
         }
         if !is_early && (self.has_departed || !would_show) {
-            return Verdict::Launched(Confirmation::Unconfirmed);
+            // A unit that has died, or lies, shows neither a release nor that there is none: the climb rate is
+            // the only witness.
+            let waits = !self.has_departed
+                && self.character.is_comparable()
+                && self.climb.is_known(edge_us, now_us)
+                && !self.climb.is_another()
+                && !Self::has_lasted(edge_us, now_us, UNSHOWN_S);
+            return if waits { Verdict::Suspected } else { Verdict::Launched(Confirmation::Unconfirmed) };
         }
         self.wire.call_broken();
         count(&mut self.counts.torn_cables);

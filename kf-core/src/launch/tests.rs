@@ -260,13 +260,54 @@ fn a_torn_cable_is_no_launch() {
 /// Where nobody can say whether the cable is torn, it is a launch, and says that it is not confirmed.
 #[test]
 fn without_force_a_torn_cable_is_a_launch_without_confirmation() {
-    for now in [Now { load: None, ..TORN }, Now { vibration: 0.0, load: Some(1.0), ..TORN }] {
+    let torn = Now { fixes: Fixes::None, ..TORN };
+    for now in [Now { load: None, ..torn }, Now { vibration: 0.0, load: Some(1.0), ..torn }] {
         let mut rig = Rig::captive();
         rig.gust = 0.0;
         rig.gust_sigma = if now.vibration == 0.0 { 0.0 } else { 0.02 };
         let launch = rig.run(10.0, now).unwrap();
         assert_eq!(launch.by, Confirmation::Unconfirmed);
         assert_eq!(launch.confirmed_us - launch.first_edge_us, 3_000_000);
+    }
+}
+
+/// A unit that has died and a cable that is torn are no launch as long as the fixes show the mother ship's
+/// climb rate. A release that a dead unit does not feel is seen in it: at the limit if it sinks, when the
+/// vehicle is first steered, or after a minute.
+#[test]
+fn with_a_dead_unit_the_climb_rate_decides() {
+    for dead in [Now { load: None, ..TORN }, Now { vibration: 0.0, ..TORN }] {
+        let captive = || {
+            let mut rig = Rig::captive();
+            (rig.gust, rig.gust_sigma) = (0.0, 0.0);
+            rig.run(2.0, Now { is_sending: true, is_open: Some(false), ..dead });
+            rig
+        };
+        for change_mps in [-3.0, 3.0] {
+            let mut rig = captive();
+            let edge_us = rig.now_us() + TICK_US;
+            assert_eq!(rig.run(40.0, dead), None);
+            assert!(rig.suspected_for_s().is_some_and(|suspected_s| suspected_s > 39.0));
+            rig.climb_mps += 0.5 * change_mps;
+            assert_eq!(rig.run(10.0, dead), None);
+            rig.climb_mps += 0.5 * change_mps;
+            let launch = rig.run(1.0, dead).unwrap();
+            assert_eq!((launch.first_edge_us, launch.by), (edge_us, Confirmation::Unconfirmed));
+        }
+        for (change_mps, limit_us) in [(-3.0, 3_000_000), (0.0, 60_000_000)] {
+            let mut rig = captive();
+            assert_eq!(rig.run(0.5, dead), None);
+            rig.climb_mps += change_mps;
+            let launch = rig.run(60.0, dead).unwrap();
+            assert_eq!(launch.confirmed_us - launch.first_edge_us, limit_us);
+        }
+        // A receiver that falls silent too is no witness any more.
+        let mut rig = captive();
+        assert_eq!(rig.run(10.0, dead), None);
+        assert_eq!(
+            rig.run(2.0, Now { fixes: Fixes::None, ..dead }).map(|launch| launch.by),
+            Some(Confirmation::Unconfirmed)
+        );
     }
 }
 
@@ -287,11 +328,12 @@ fn a_wire_that_breaks_in_a_fall_that_is_none_is_no_launch() {
         assert_eq!(rig.run(20.0, falls), None);
         assert_eq!(rig.state(), LaunchState::Captive);
     }
-    // A unit that lies so shows neither a release nor that there is none.
+    // A unit that lies so shows neither a release nor that there is none: 3 m/s off the climb rate do.
     let mut rig = Rig::captive();
     assert_eq!(rig.run(10.0, Now { is_sending: false, ..CAPTIVE }), None);
     assert_eq!(rig.run(1.0, falls), None);
     let edge_us = rig.now_us() + TICK_US;
+    rig.climb_mps -= 3.0;
     let launch = rig.run(5.0, Now { is_open: Some(true), ..falls }).unwrap();
     assert_eq!((launch.confirmed_us, launch.by), (edge_us + 3_000_000, Confirmation::Unconfirmed));
     // Without fixes nobody denies it, and with them it falls.
@@ -379,6 +421,7 @@ fn free_fall_that_was_none_hides_no_release() {
 fn a_unit_that_was_silent_at_the_edge_denies_no_launch() {
     let mut rig = Rig::captive();
     rig.run(0.5, Now { load: None, ..CAPTIVE });
+    rig.climb_mps -= 3.0;
     assert_eq!(rig.run(1.5, Now { load: None, ..TORN }), None);
     assert_eq!(rig.run(5.0, TORN).map(|launch| launch.by), Some(Confirmation::Unconfirmed));
 }

@@ -222,10 +222,11 @@ pub struct VerticalChannel {
     is_captive_leap: bool,
     /// For how long the samples have been the same on all axes, seconds. A unit has noise: one that repeats
     /// itself says no more than a gap does, and costs as much once it reads something else. For longer than
-    /// the longest gap it is an ideal one that rests.
+    /// the longest gap it has stopped, or is an ideal one that rests.
     repeated_s: f32,
-    /// Velocities have contradicted the match while they were the same.
-    is_repetition_contradicted: bool,
+    /// It is no ideal one: three samples in a row have differed, or velocities have contradicted that it
+    /// rests.
+    has_noise: bool,
     /// In captive flight the last fix that was taken is all that the altitude rests on, and the next may
     /// contradict it.
     is_unconfirmed: bool,
@@ -264,7 +265,7 @@ impl VerticalChannel {
             spikes: 0,
             is_captive_leap: false,
             repeated_s: 0.0,
-            is_repetition_contradicted: false,
+            has_noise: false,
             is_unconfirmed: false,
             outlying: None,
             altitude: Sum::default(),
@@ -386,9 +387,9 @@ impl VerticalChannel {
         }
     }
 
-    /// Whether velocities contradict samples that were the same for a while.
-    fn is_repetition_contradicted(&self) -> bool {
-        self.is_repetition_contradicted || self.matching.as_ref().is_some_and(VelocityMatch::is_doubted)
+    /// Whether the unit repeats itself for longer than may be bridged, though it has noise.
+    fn stands_still(&self) -> bool {
+        self.has_noise && self.repeated_s > self.config.longest_gap_s
     }
 
     /// Velocities have contradicted the level. One that had agreed with them was moved by something brief:
@@ -410,7 +411,8 @@ impl VerticalChannel {
     fn lose(&mut self) {
         match self.phase {
             Phase::Captive => {
-                *self = Self { counts: self.counts, ..Self::new(self.config) };
+                let (counts, has_noise) = (self.counts, self.has_noise);
+                *self = Self { counts, has_noise, ..Self::new(self.config) };
             }
             Phase::Free { .. } | Phase::Lost => self.phase = Phase::Lost,
         }
@@ -448,9 +450,10 @@ impl VerticalChannel {
         }
         let is_captive = self.phase == Phase::Captive;
         let repeats = force == last.force && gyro_radps == last.rate;
-        // The vehicle has moved meanwhile, so the unit has stood still: neither level nor altitude are what
-        // they seem.
-        if is_captive && !repeats && self.repeated_s > longest_gap_s && self.is_repetition_contradicted() {
+        // What the vehicle has done while the unit stood still, nobody knows: neither level nor altitude are
+        // what they seem.
+        let is_doubted = || self.matching.as_ref().is_some_and(VelocityMatch::is_doubted);
+        if is_captive && !repeats && self.repeated_s > longest_gap_s && (self.has_noise || is_doubted()) {
             return Err(StrapdownError::Gap);
         }
         if Guard::PlausibleReading.stands()
@@ -478,7 +481,7 @@ impl VerticalChannel {
         if is_captive && self.matching.as_ref().is_some_and(|matching| matching.is_void(time_us)) {
             if let Some(matching) = self.matching.take_if(|matching| matching.is_contradicted()) {
                 let has_lasted = matching.has_lasted();
-                self.is_repetition_contradicted |= self.repeated_s > longest_gap_s;
+                self.has_noise |= self.repeated_s > longest_gap_s;
                 self.contradict(has_lasted);
                 if !has_lasted {
                     // A fit that begins with a level that is far off makes a gyro's bias of it.
@@ -495,7 +498,9 @@ impl VerticalChannel {
         } else if is_captive && !self.levelling.take(&mut down, force, gyro_radps, step_s, &self.config) {
             self.counts.untrimmed = self.counts.untrimmed.saturating_add(1);
             if self.levelling.is_stuck() {
+                let repeated_s = self.repeated_s;
                 self.lose();
+                self.repeated_s = repeated_s;
                 return Ok(());
             }
         }
@@ -519,7 +524,7 @@ impl VerticalChannel {
             self.repeated_s += step_s;
             0.0
         } else {
-            self.is_repetition_contradicted = false;
+            self.has_noise |= self.repeated_s == 0.0;
             core::mem::take(&mut self.repeated_s)
         };
         let gap_s = if repeated_s > longest_gap_s { step_s } else { step_s.max(repeated_s) };
@@ -538,6 +543,7 @@ impl VerticalChannel {
         match self.phase {
             Phase::Captive => {
                 !self.is_unconfirmed
+                    && !self.stands_still()
                     && self.levelling.elapsed_s() >= self.config.minimum_s
                     && self.anchor.elapsed_s() >= self.config.minimum_s
                     && (self.tie.climb_m2ps2() <= ALIGNED_M2PS2 || !Guard::TieKnowsGaps.stands())

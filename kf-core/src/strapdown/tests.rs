@@ -383,9 +383,10 @@ fn a_hold_is_a_launch_until_it_is_resumed() {
     let (mut launched, mut held) = (carried.rig.channel.clone(), carried.rig.channel.clone());
     launched.launch();
     held.hold();
-    let good = sample([0.0, 0.0, -G], [0.0; 3]);
     for tick in 1..=600 {
         let time_us = carried.rig.time_us() + tick * STEP_US;
+        let noise = if tick % 2 == 0 { 0.001 } else { -0.001 };
+        let good = sample([0.0, 0.0, noise - G], [0.0; 3]);
         assert_eq!(launched.inertial(time_us, &good), held.inertial(time_us, &good));
         assert_eq!(held.reference(time_us, 5_000.0), Err(StrapdownError::Launched));
         assert_eq!(held.velocity(time_us, [9.0, 9.0]), Err(StrapdownError::Launched));
@@ -522,7 +523,8 @@ fn a_gust_at_the_start_does_not_end_the_levelling() {
     let mut rig = Rig::new();
     for tick in 0..60 * SECOND {
         let fading = (-(tick as f64) * STEP_S / 0.3).exp();
-        rig.step(&sample([0.4, -1.1 * fading, -G + 4.8 * fading], [0.0, 0.0, 0.0]));
+        let noise = if tick % 2 == 0 { 0.001 } else { -0.001 };
+        rig.step(&sample([0.4, -1.1 * fading, -G + 4.8 * fading + noise], [0.0, 0.0, 0.0]));
         if rig.tick.is_multiple_of(40) {
             rig.channel.reference(rig.time_us(), 1_000.0).unwrap();
         }

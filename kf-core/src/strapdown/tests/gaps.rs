@@ -210,28 +210,43 @@ fn a_unit_that_repeats_itself_is_mended_like_a_gap() {
     assert!(rig.channel.is_mending() && rig.channel.altitude_m().is_some());
 }
 
-/// Velocities that have contradicted a unit which stood still, before a suspicion of a launch, say nothing of
-/// the next time that it reads the same.
+/// A unit that has noise and repeats itself for longer than may be bridged has stopped: it says nothing
+/// meanwhile, and begins anew when it lives again. One without noise is ideal, and rests.
 #[test]
-fn what_contradicted_one_repetition_is_not_held_against_the_next() {
+fn a_unit_with_noise_that_repeats_itself_for_long_has_stopped() {
     let noise =
         |tick: u64| sample([0.0, 0.0, if tick.is_multiple_of(2) { 0.01 } else { -0.01 } - G], [0.0; 3]);
-    let stands_still = |rig: &mut Rig| (0..300).for_each(|_| rig.step(&noise(0)));
+    for has_noise in [true, false] {
+        let mut rig = Rig::captive(30);
+        if has_noise {
+            (0..20).for_each(|tick| rig.step(&noise(tick)));
+        }
+        for tick in 1..600 {
+            rig.step(&noise(0));
+            let stands_still = has_noise && tick as f32 * 0.005 > Config::MEMS.longest_gap_s + 0.01;
+            if tick as f32 * 0.005 < Config::MEMS.longest_gap_s - 0.01 || stands_still {
+                assert_eq!(rig.channel.altitude_m().is_none(), stands_still, "{has_noise} {tick}");
+            }
+        }
+        rig.tick += 1;
+        let expected = if has_noise { Err(StrapdownError::Gap) } else { Ok(()) };
+        assert_eq!(rig.channel.inertial(rig.time_us(), &noise(1)), expected);
+        // The next time that it stands still it is known for what it is.
+        (0..600).for_each(|_| rig.step(&noise(1)));
+        assert_eq!(rig.channel.stands_still(), has_noise);
+    }
+}
+
+/// A unit that has stopped says nothing however often the alignment begins anew meanwhile.
+#[test]
+fn a_unit_that_has_stopped_is_not_aligned_while_it_has() {
     let mut rig = Rig::captive(30);
-    rig.step(&noise(1));
-    stands_still(&mut rig);
-    rig.channel.is_repetition_contradicted = true;
-    rig.channel.hold();
-    rig.step(&noise(1));
-    rig.channel.resume_captive();
-    stands_still(&mut rig);
-    rig.tick += 1;
-    assert_eq!(rig.channel.inertial(rig.time_us(), &noise(1)), Ok(()));
-    // Where they contradict it, it does not go on.
-    stands_still(&mut rig);
-    rig.channel.is_repetition_contradicted = true;
-    rig.tick += 1;
-    assert_eq!(rig.channel.inertial(rig.time_us(), &noise(1)), Err(StrapdownError::Gap));
+    let turning =
+        |tick: u64| sample([0.0, 1.0, -G], [0.0, 0.0, if tick < 20 { 0.001 * tick as f64 } else { 0.1 }]);
+    for tick in 0..30_000 {
+        rig.step(&turning(tick));
+        assert!(tick < 300 || rig.channel.altitude_m().is_none(), "{tick}");
+    }
 }
 
 /// A unit that is shaken leaves a wild rate as the last one that was taken. Neither the next wild one nor the
