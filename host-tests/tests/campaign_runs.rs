@@ -149,3 +149,22 @@ fn a_torn_cable_is_no_launch_when_the_unit_has_died() {
     assert_eq!(violations(7026, 186), [""; 0]);
     assert_eq!(violations(7018, 922), [""; 0]);
 }
+
+/// The inertial unit reads twelve g for a fifth of a second as it is switched on: what a departure is held
+/// against has forgotten that a minute later.
+#[test]
+fn wild_samples_at_power_on_hide_no_release() {
+    assert_eq!(violations(7044, 1168), [""; 0]);
+}
+
+/// The wire is shorted from 0.15 s after the hooks open, for 0.9 s: it has opened once.
+#[test]
+fn a_wire_that_is_shorted_for_a_moment_after_the_release_hides_none() {
+    assert_eq!(violations(7043, 1460), [""; 0]);
+}
+
+/// The flight computer's clock leaps by 2 s, the receiver's does not; a barometer steps 2.5 s later.
+#[test]
+fn a_clock_that_leaps_keeps_no_barometer_from_its_flag() {
+    assert_eq!(violations(7045, 523), [""; 0]);
+}

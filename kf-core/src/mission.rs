@@ -23,7 +23,7 @@ use crate::time::microseconds;
 
 use calibrated::Calibrated;
 use effects::{EffectUse, effect_sum};
-use resume::{BOUNCE_US, TakenBack};
+use latching::{Decision, Latching, TakenBack};
 
 /// How often a source's readings were used or not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -100,6 +100,7 @@ pub struct Mission<const HEAD: usize, const TAIL: usize, const E: usize> {
     phase: Phase,
     first_us: Option<u64>,
     last_us: u64,
+    /// The launch discrete at the last tick.
     launch_was: bool,
     tracker: ReferenceTracker,
     signals: SignalTracker,
@@ -111,21 +112,11 @@ pub struct Mission<const HEAD: usize, const TAIL: usize, const E: usize> {
     stuck: [StuckDetector; SENSORS],
     last_accepted_us: [Option<u64>; SENSORS],
     calibration: Calibration<HEAD, TAIL, E>,
-    /// From the first edge on, as `free_flight` and `cross_check` are begun: a suspected launch is flown as
-    /// one, in secret, so that nothing depends on how long it takes to confirm it.
-    latch: Option<LatchRecord>,
-    /// What the latch's failed checks do not have yet.
-    unchecked: Option<StatisticalChecks>,
+    latching: Latching,
     free_flight: FreeFlight,
     cross_check: CrossCheck,
     /// Made by [`Self::resume`], and no tick since.
     is_resumed: bool,
-    /// The launch is no suspicion.
-    is_launched: bool,
-    /// The last suspicion of a launch that was none.
-    taken_back: Option<TakenBack>,
-    /// The reference came back while a launch was suspected.
-    has_reacquired: bool,
     counters: Counters,
 }
 
@@ -156,14 +147,10 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             stuck: core::array::from_fn(|_| StuckDetector::default()),
             last_accepted_us: [None; SENSORS],
             calibration: Calibration::new(config)?,
-            latch: None,
-            unchecked: None,
+            latching: Latching::START,
             free_flight: FreeFlight::new(config),
             cross_check: CrossCheck::new(microseconds(config.monitor.window_s)),
             is_resumed: false,
-            is_launched: false,
-            taken_back: None,
-            has_reacquired: false,
             counters: Counters::default(),
             config: config.clone(),
         })
@@ -172,12 +159,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
     /// The calibration as latched at launch, once there was one.
     #[must_use]
     pub fn latch(&self) -> Option<&LatchRecord> {
-        self.latch.as_ref().filter(|_| self.is_launched)
-    }
-
-    /// Whether a launch is suspected: the calibration is held.
-    const fn is_held(&self) -> bool {
-        self.latch.is_some() && !self.is_launched
+        self.latching.record().filter(|_| self.latching.is_launched())
     }
 
     /// Time of the last tick that was taken, microseconds; 0 before the first.
@@ -209,7 +191,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
 
         let latched_now = self.follow_launch(input, time_us);
         if self.phase == Phase::Settling
-            && !self.is_held()
+            && !self.latching.is_held()
             && time_us.saturating_sub(first_us) >= microseconds(self.config.settling_s)
         {
             self.phase = Phase::Calibrating;
@@ -232,7 +214,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         let regressors_m = use_of_effects.regressors_m();
         let fix = accepted.map(|accepted| self.correct_fix(accepted, &mut use_of_effects));
         let gps_rejection = gps_rejection.or(fix.and_then(|fix| self.check_fix(time_us, fix, carried)));
-        if let (None, Some(fix)) = (&self.latch, &fix) {
+        if let (Latching::Captive { .. }, Some(fix)) = (&self.latching, &fix) {
             let has_settled = self.phase == Phase::Calibrating;
             self.calibration.follow_reference(&self.config, time_us, fix, &self.tracker, has_settled);
         }
@@ -241,12 +223,12 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             self.take_readings(time_us, input, reference_m, &mut use_of_effects);
         self.count_effects(&use_of_effects);
 
-        self.has_reacquired |= self.is_held() && accepted.is_some_and(|fix| fix.interval_s.is_none());
+        if let Some(AcceptedFix { interval_s: None, .. }) = accepted {
+            self.latching.note_reacquired();
+        }
         let step = if self.is_calibrating() {
             let fix = match fix {
-                Some(fix) if core::mem::take(&mut self.has_reacquired) => {
-                    Some(AcceptedFix { interval_s: None, ..fix })
-                }
+                Some(fix) if self.latching.take_reacquired() => Some(AcceptedFix { interval_s: None, ..fix }),
                 fix => fix,
             };
             let step =
@@ -299,11 +281,12 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
                         if self.watch(sensor, time_us, reading_m - effects_m - reference_m, out) => {}
                     _ => {
                         let said = self.check_each_other(sensor, time_us, reading_m - effects_m);
-                        output.cross_check = said.filter(|_| self.is_launched).or(output.cross_check);
+                        output.cross_check =
+                            said.filter(|_| self.latching.is_launched()).or(output.cross_check);
                     }
                 }
             }
-            if self.is_launched {
+            if self.latching.is_launched() {
                 let has_standard = reference_m.is_some() && self.has_standard();
                 out.trust = self.free_flight.trust(sensor, time_us, has_standard);
             }
@@ -322,12 +305,12 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             | 1 << Check::ReadingsConsistent as u16
             | 1 << Check::InnovationsPlausible as u16;
         !self.config.monitor.reference_check
-            || self.latch.as_ref().is_none_or(|latch| latch.failed_checks & OF_TWO_LEVELS != OF_TWO_LEVELS)
+            || self.latching.record().is_none_or(|latch| latch.failed_checks & OF_TWO_LEVELS != OF_TWO_LEVELS)
     }
 
     /// Whether the filter takes data.
     fn is_calibrating(&self) -> bool {
-        self.phase == Phase::Calibrating && !self.is_held()
+        self.phase == Phase::Calibrating && !self.latching.is_held()
     }
 
     /// Takes a fix if it is a measurement, and no outlier.
@@ -368,54 +351,54 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         let launch = input.launch;
         let changed = launch != self.launch_was;
         self.launch_was = launch;
-        if self.is_launched {
-            if changed {
-                self.counters.launch_repeats = self.counters.launch_repeats.saturating_add(1);
+        let is_suspected = input.launch_doubt == LaunchDoubt::Suspected;
+        match &mut self.latching {
+            Latching::Latched { decision: Decision::Launched, .. } => {
+                if changed {
+                    self.counters.launch_repeats = self.counters.launch_repeats.saturating_add(1);
+                }
+                return false;
             }
-            return false;
-        }
-        if !launch && input.launch_doubt != LaunchDoubt::Suspected {
-            if self.is_held() {
+            Latching::Captive { .. } if !launch && !is_suspected => return false,
+            Latching::Captive { .. } => self.hold(time_us),
+            Latching::Latched { record, decision: Decision::Suspected { has_reacquired, .. } }
+                if !launch && !is_suspected =>
+            {
+                let taken_back = Some(TakenBack::now(time_us, record));
+                self.latching = Latching::Captive { taken_back, has_reacquired: *has_reacquired };
                 self.resume_reference();
-                self.taken_back = self.latch.take().map(|latch| TakenBack {
-                    time_us,
-                    is_bounce: time_us.saturating_sub(latch.time_us) <= BOUNCE_US,
-                    failed_checks: latch.failed_checks,
-                });
-                self.unchecked = None;
                 self.signals.resume_captive();
                 self.formulas.resume_captive();
                 self.counters.launch_suspicions = self.counters.launch_suspicions.saturating_add(1);
+                return false;
             }
-            return false;
-        }
-        if self.latch.is_none() {
-            // Contacts that part bounce: all of it is one suspicion, so that what was held at one bounce is
-            // good until the next one's is stored.
-            if self.taken_back.is_some_and(|taken_back| taken_back.may_be_a_bounce(time_us)) {
-                self.counters.launch_suspicions = self.counters.launch_suspicions.saturating_sub(1);
-            }
-            self.hold(time_us);
-        } else {
-            self.check_held();
+            Latching::Latched { decision: Decision::Suspected { .. }, .. } => _ = self.check_held(),
         }
         if launch {
-            self.is_launched = true;
-            self.phase = Phase::FreeFlight;
-            while self.unchecked.is_some() {
-                self.check_held();
-            }
-            if let Some(latch) = &mut self.latch {
-                let mut failed = FailedChecks::from_bits(latch.failed_checks);
-                failed.note(Check::LaunchConfirmed, input.launch_doubt != LaunchDoubt::Unconfirmed);
-                latch.failed_checks = failed.bits();
-            }
+            self.confirm(input.launch_doubt);
         }
         launch
     }
 
+    /// Makes the latch of what is held.
+    fn confirm(&mut self, doubt: LaunchDoubt) {
+        while self.check_held() {}
+        self.phase = Phase::FreeFlight;
+        if let Latching::Latched { record, decision } = &mut self.latching {
+            *decision = Decision::Launched;
+            let mut failed = FailedChecks::from_bits(record.failed_checks);
+            failed.note(Check::LaunchConfirmed, doubt != LaunchDoubt::Unconfirmed);
+            record.failed_checks = failed.bits();
+        }
+    }
+
     /// Copies the calibration at the first edge, and begins the watch.
     fn hold(&mut self, time_us: u64) {
+        // Contacts that part bounce: all of it is one suspicion, so that what was held at one bounce is good
+        // until the next one's is stored.
+        if self.latching.bounce(time_us).is_some() {
+            self.counters.launch_suspicions = self.counters.launch_suspicions.saturating_sub(1);
+        }
         let mut delivering = false;
         let mut silent = false;
         let mut faults = self.counters.out_of_order > 0
@@ -447,20 +430,28 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         let mut failed = FailedChecks::from_bits(latch.failed_checks);
         let unchecked = StatisticalChecks::begin(&self.config, latch.duration_s, &self.tracker, &mut failed);
         latch.failed_checks = failed.bits();
-        self.unchecked = Some(unchecked);
-        self.latch = Some(latch);
+        let has_reacquired = matches!(self.latching, Latching::Captive { has_reacquired: true, .. });
+        let decision = Decision::Suspected { unchecked: Some(unchecked), has_reacquired };
+        self.latching = Latching::Latched { record: latch, decision };
         self.signals.begin_free_flight(time_us);
     }
 
-    /// Makes a part of the checks that a held calibration still lacks. Ends: every part is made once.
-    fn check_held(&mut self) {
-        let (Some(unchecked), Some(latch)) = (&mut self.unchecked, &mut self.latch) else { return };
-        let mut failed = FailedChecks::from_bits(latch.failed_checks);
-        let is_done = unchecked.evaluate_next(&self.config, &self.calibration, &mut failed);
-        latch.failed_checks = failed.bits();
+    /// Makes a part of the checks that a held calibration still lacks; whether it lacks more. Ends: every part
+    /// is made once.
+    fn check_held(&mut self) -> bool {
+        let Latching::Latched { record, decision: Decision::Suspected { unchecked, .. } } =
+            &mut self.latching
+        else {
+            return false;
+        };
+        let Some(checks) = unchecked else { return false };
+        let mut failed = FailedChecks::from_bits(record.failed_checks);
+        let is_done = checks.evaluate_next(&self.config, &self.calibration, &mut failed);
+        record.failed_checks = failed.bits();
         if is_done {
-            self.unchecked = None;
+            *unchecked = None;
         }
+        !is_done
     }
 
     /// The readings that are measurements, free of constant effects, and why the others are not.
@@ -501,13 +492,13 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
     /// Eq. 16 for one sensor: `residual_m` is the reading less effects and reference. False where the error
     /// was not judged, because it may be the reference's.
     fn watch(&mut self, sensor: Sensor, time_us: u64, residual_m: f32, output: &mut SensorOutput) -> bool {
-        match &self.latch {
-            Some(latch) => {
+        match &self.latching {
+            Latching::Latched { record: latch, decision } => {
                 let error_m = residual_m - latch.sensors[sensor.index()].bias_m;
                 let is_current = self.tracker.is_current(time_us);
                 let watched = self.free_flight.take(sensor, time_us, error_m, is_current);
                 match watched {
-                    Some(watched) if self.is_launched => {
+                    Some(watched) if matches!(decision, Decision::Launched) => {
                         output.error_m = Some(watched.error_m);
                         output.moving_average_m = watched.moving_average_m;
                     }
@@ -518,7 +509,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
                     return false;
                 }
             }
-            None => {
+            Latching::Captive { .. } => {
                 let error_m = residual_m - output.bias_m;
                 output.error_m = error_m.is_finite().then_some(error_m);
                 if !residual_m.is_finite() {
@@ -542,14 +533,14 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         time_us: u64,
         altitude_m: f32,
     ) -> Option<CrossCheckOutput> {
-        let bias_m = self.latch.as_ref()?.sensors.get(sensor.index())?.bias_m;
+        let bias_m = self.latching.record()?.sensors.get(sensor.index())?.bias_m;
         self.cross_check.take(sensor, time_us, altitude_m - bias_m)
     }
 
     /// The coefficients: as latched, or as they stand.
     #[inline]
     fn coefficients(&self) -> [f32; E] {
-        match &self.latch {
+        match self.latching.record() {
             Some(latch) => core::array::from_fn(|effect| latch.coefficient(effect)),
             None => self.calibration.estimator().coefficients(),
         }
@@ -559,7 +550,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
     fn output(&self, time_us: u64) -> TickOutput {
         let has_standard = self.tracker.is_fresh(time_us) && self.has_standard();
         // A latched calibration is the latch, whether or not the filter that made it is still there.
-        let calibrated = match &self.latch {
+        let calibrated = match self.latching.record() {
             Some(latch) => Calibrated::of_latch(latch),
             None => Calibrated::of_estimator(self.calibration.estimator()),
         };
@@ -570,7 +561,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             signed_nis: None,
             error_m: None,
             moving_average_m: None,
-            trust: if self.is_launched {
+            trust: if self.latching.is_launched() {
                 self.free_flight.trust(sensor, time_us, has_standard)
             } else {
                 Trust::Calibrating
@@ -642,6 +633,7 @@ fn check<const E: usize>(config: &MissionConfig<E>) -> Result<(), ConfigError> {
 
 mod calibrated;
 mod effects;
+mod latching;
 mod reference;
 mod resume;
 #[cfg(test)]

@@ -102,6 +102,13 @@ impl Computer {
         }
     }
 
+    /// How much further the receiver's clock is than the flight computer's, microseconds.
+    pub fn set_receivers_lead(&mut self, lead_us: i64) {
+        if let Some(run) = &mut self.run {
+            run.computer.sensors.set_receivers_lead(lead_us);
+        }
+    }
+
     /// One tick, and what the task below it keeps; with a dip, up to that.
     pub fn tick(&mut self, input: &TickInput, dip: Option<&Dip>) -> Option<Step> {
         let Self { memory, run, .. } = self;

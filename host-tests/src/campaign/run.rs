@@ -197,6 +197,9 @@ impl Case {
             }
             now_us += TICK_US;
             input.time_us = now_us;
+            // Satellites keep the time, whatever the flight computer's clock does.
+            let true_us = FIRST_US + tick as u64 * TICK_US;
+            computer.set_receivers_lead(true_us.cast_signed().wrapping_sub(now_us.cast_signed()));
             let dip = dips.next_if(|(at, _)| *at <= tick).map(|(_, dip)| dip);
             let Some(step) = computer.tick(&input, dip.as_ref()) else {
                 watched.take_nothing(true);

@@ -48,11 +48,13 @@ impl Climb {
     }
 
     /// Whether a fall would have been seen.
+    #[inline(never)]
     pub(super) fn is_known(&self, since_us: u64, now_us: u64) -> bool {
         self.was_known(since_us)
             && self.last_us.is_some_and(|last_us| now_us.saturating_sub(last_us) <= FRESH_US)
     }
 
+    #[inline(never)]
     fn was_known(&self, since_us: u64) -> bool {
         self.captive_us.is_some_and(|captive_us| since_us.saturating_sub(captive_us) <= FRESH_US)
     }

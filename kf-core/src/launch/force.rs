@@ -16,11 +16,9 @@ const SPREAD_S: f32 = 10.0;
 const LEAST_CAPTIVE_S: f32 = 5.0;
 /// What is further off the captive mean than half a g is learnt only once it has lasted for so long, seconds:
 /// a turn lasts, wild samples of a unit do not, and would hide a departure for as long as the spread
-/// remembers them.
+/// remembers them. Before the first sample the mean is one g.
 const UNLIKELY_MPS2: f32 = 4.9;
 const REGIME_S: f32 = 1.0;
-/// Captive samples from which on anything is unlikely, seconds: the mean is known to a gust's size by then.
-const LEAST_LIKELY_S: f32 = 1.0;
 /// Samples further apart than this, seconds, are not smoothed together, and a fall between them is not known.
 const LONGEST_GAP_S: f32 = 0.1;
 /// Keeps Heron's step from dividing by nothing, m/s^2.
@@ -29,15 +27,14 @@ const LEAST_FORCE_MPS2: f32 = 0.01;
 const LARGEST_FORCE_MPS2: f32 = 1_000.0;
 
 /// Which side of the captive mean the force is on.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Side {
-    #[default]
     Within,
     Below,
     Above,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Force {
     last_us: Option<u64>,
     /// Square of the specific force, smoothed, (m/s^2)^2.
@@ -52,6 +49,23 @@ pub(super) struct Force {
     side: Side,
     departed_us: Option<u64>,
     falling_us: Option<u64>,
+}
+
+impl Default for Force {
+    fn default() -> Self {
+        Self {
+            last_us: None,
+            square: 0.0,
+            magnitude: 0.0,
+            captive_mean: STANDARD_GRAVITY_MPS2,
+            captive_variance: 0.0,
+            captive_s: 0.0,
+            unlikely_s: 0.0,
+            side: Side::Within,
+            departed_us: None,
+            falling_us: None,
+        }
+    }
 }
 
 impl Force {
@@ -93,7 +107,7 @@ impl Force {
         // against.
         if let (true, Some(gap_s), None) = (is_captive, gap_s, self.falling_us) {
             let apart = self.magnitude - self.captive_mean;
-            let is_unlikely = apart.abs() > UNLIKELY_MPS2 && self.captive_s >= LEAST_LIKELY_S;
+            let is_unlikely = apart.abs() > UNLIKELY_MPS2;
             self.unlikely_s = if is_unlikely { self.unlikely_s + gap_s } else { 0.0 };
             if is_unlikely && self.unlikely_s < REGIME_S {
                 return Some(force);

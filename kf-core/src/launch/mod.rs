@@ -49,6 +49,9 @@
 //! | closed | silent from then on | near free fall for [`LaunchConfig::fall_s`] | launched, [`Confirmation::StuckWire`] |
 //! | any but open | any | any other | captive |
 //!
+//! A wire that reads closed for less than a second has not closed: a departure about its first opening counts
+//! at the next one.
+//!
 //! A wire counts as unreadable once it has not been read for the limit's time. A broken wire that reads
 //! closed for the debounce time is whole again. One that opens five times, each within a second of the time
 //! before, is a loose contact, and broken; it is whole again once it has read closed for the limit's time. A
@@ -534,6 +537,7 @@ impl LaunchDetector {
     #[inline(never)]
     fn judge_open(&mut self, now_us: u64, edge_us: u64, is_settled: bool, is_early: bool) -> Verdict {
         if !is_settled {
+            self.has_departed = self.has_departed && self.wire.has_reopened();
             return Verdict::Suspected;
         }
         let window_us = microseconds(self.config.window_s);
@@ -555,9 +559,12 @@ impl LaunchDetector {
         }
         // A release is felt no longer before the edge than the cable's slack takes. A force that has been low
         // for longer shows none, where the climb rate would show its fall.
-        let is_older =
-            self.force.below_since_us().is_some_and(|below_us| edge_us.saturating_sub(below_us) > window_us)
-                && self.climb.is_known(edge_us, now_us);
+        let climb_is_known = self.climb.is_known(edge_us, now_us);
+        let is_older = climb_is_known
+            && self
+                .force
+                .below_since_us()
+                .is_some_and(|below_us| edge_us.saturating_sub(below_us) > window_us);
         if self.climb.has_fallen(edge_us) || (self.character.has_changed() && !is_older) {
             return Verdict::Launched(match (self.has_departed, was_alive) {
                 (true, _) => Confirmation::Force,
@@ -578,7 +585,7 @@ impl LaunchDetector {
             // the only witness.
             let waits = !self.has_departed
                 && self.character.is_comparable()
-                && self.climb.is_known(edge_us, now_us)
+                && climb_is_known
                 && !self.climb.is_another()
                 && !Self::has_lasted(edge_us, now_us, UNSHOWN_S);
             return if waits { Verdict::Suspected } else { Verdict::Launched(Confirmation::Unconfirmed) };
@@ -597,7 +604,6 @@ impl LaunchDetector {
     /// `says_nothing`: the wire is broken or cannot be read; otherwise it reads closed.
     #[inline(never)]
     fn judge_without(&mut self, now_us: u64, says_nothing: bool) -> Verdict {
-        self.has_departed = false;
         if let Some(sign) = self.sign {
             self.sign = self.followed(sign, now_us, says_nothing);
             if self.sign.is_none() {

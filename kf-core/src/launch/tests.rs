@@ -426,6 +426,32 @@ fn a_unit_that_was_silent_at_the_edge_denies_no_launch() {
     assert_eq!(rig.run(5.0, TORN).map(|launch| launch.by), Some(Confirmation::Unconfirmed));
 }
 
+/// A unit reads twelve g for a fifth of a second as it is switched on.
+#[test]
+fn wild_samples_at_power_on_hide_no_departure() {
+    let mut rig = Rig::new();
+    rig.run(0.3, CAPTIVE);
+    rig.run(0.2, Now { load: Some(12.0), ..CAPTIVE });
+    rig.run(20.0, CAPTIVE);
+    assert_eq!(rig.run(5.0, RELEASED).map(|launch| launch.by), Some(Confirmation::Force));
+}
+
+/// The wire is shorted for 0.9 s soon after it has opened: the departure about its first opening counts at the
+/// next one. After a longer rest it does not.
+#[test]
+fn a_wire_that_closes_for_a_moment_has_opened_once() {
+    let carries_itself = Now { vibration: CAPTIVE.vibration, load: Some(1.0), fixes: Fixes::None, ..TORN };
+    for (shorted_s, is_launch) in [(0.9, true), (1.1, false)] {
+        let mut rig = Rig::captive();
+        let jolt = Now { load: Some(0.5), ..carries_itself };
+        assert_eq!(rig.run(0.1, jolt), None);
+        assert_eq!(rig.run(0.1, carries_itself), None);
+        assert_eq!(rig.run(shorted_s, Now { is_open: Some(false), ..carries_itself }), None);
+        let launch = rig.run(5.0, carries_itself);
+        assert_eq!(launch.map(|launch| launch.by), is_launch.then_some(Confirmation::Unconfirmed));
+    }
+}
+
 /// One wild sample in captive flight must not hide for ten seconds, in what it does to the spread, how the
 /// roughness changes at a release.
 #[test]

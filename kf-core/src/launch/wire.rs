@@ -28,9 +28,10 @@ pub(super) enum Reading {
 pub(super) struct Wire {
     /// First reading of this opening.
     edge_us: Option<u64>,
+    has_reopened: bool,
     is_settled: bool,
     is_broken: bool,
-    /// Since when a broken wire has read closed.
+    /// Since when it has read closed.
     closed_us: Option<u64>,
     /// When it was read last, or first asked.
     read_us: Option<u64>,
@@ -60,8 +61,12 @@ impl Wire {
         self.was_open = is_open;
         let debounce_us = microseconds(config.debounce_s);
         if is_open {
-            self.closed_us = None;
+            let closed_us = self.closed_us.take();
             if !self.is_broken {
+                if self.edge_us.is_none() {
+                    self.has_reopened =
+                        closed_us.is_some_and(|closed_us| now_us.saturating_sub(closed_us) < RESTLESS_US);
+                }
                 let edge_us = *self.edge_us.get_or_insert(now_us);
                 self.is_settled = now_us.saturating_sub(edge_us) >= debounce_us;
             }
@@ -95,6 +100,11 @@ impl Wire {
 
     const fn is_restless(&self) -> bool {
         self.openings >= RESTLESS
+    }
+
+    /// Whether it had closed for less than a second before this opening: the two are one.
+    pub(super) const fn has_reopened(&self) -> bool {
+        self.has_reopened
     }
 
     /// Whether it closes with this reading; for the time after launch.

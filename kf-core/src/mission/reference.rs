@@ -20,7 +20,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
     /// The reference now, free of its effects, metres; `None` when it is lost.
     pub(super) fn reference_m(&self, time_us: u64) -> Option<f32> {
         let altitude_m = self.tracker.altitude_m(time_us)?;
-        if self.latch.is_some()
+        if self.latching.record().is_some()
             && let Some(carried_m) = self.free_flight.carried_m()
         {
             return Some(carried_m + self.tracker.climbed_m(time_us));
@@ -39,7 +39,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
     /// What the next fix is to be held against, if it comes now; `None` in captive flight, and where the
     /// reference is lost.
     pub(super) fn carried(&self, time_us: u64) -> Option<Carried> {
-        self.latch.as_ref()?;
+        self.latching.record()?;
         Some(Carried {
             altitude_m: self.reference_m(time_us)?,
             rate_mps: self.tracker.carrying_rate_mps(),
@@ -54,7 +54,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         fix: AcceptedFix,
         carried: Option<Carried>,
     ) -> Option<Rejection> {
-        self.latch.as_ref()?;
+        self.latching.record()?;
         let altitude_m = self.freed_m(fix.altitude_m);
         let carried_m = carried.map_or(altitude_m, |carried| carried.altitude_m);
         let rates_mps = (carried.and_then(|carried| carried.rate_mps), self.tracker.carrying_rate_mps());

@@ -1,5 +1,6 @@
 //! A mission that goes on after a restart.
 
+use super::latching::{Decision, Latching};
 use super::{Counters, Mission};
 use crate::effect::{EffectSubject, Formulas, SignalTracker};
 use crate::free_flight::WATCHED;
@@ -9,41 +10,18 @@ use crate::sensor::Sensor;
 use crate::snapshot::{Fields, MissionMark, MissionSnapshot, RaisedFlags, SnapshotError, Stage};
 use crate::time::microseconds;
 
-/// Contacts that part bounce for so long at most, microseconds: the wire's debounce.
-pub(super) const BOUNCE_US: u64 = 20_000;
-
-/// A suspicion of a launch that was taken back.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct TakenBack {
-    /// When, microseconds.
-    pub(super) time_us: u64,
-    /// It was as short as a bounce. One that lasted was decided: of a wire that is broken nothing is
-    /// suspected any more.
-    pub(super) is_bounce: bool,
-    /// Of what was held for it.
-    pub(super) failed_checks: u16,
-}
-
-impl TakenBack {
-    /// Whether the parting contacts may have bounced just now: what was held is still kept, and a restart
-    /// that finds the wire open goes on from that.
-    pub(super) const fn may_be_a_bounce(&self, now_us: u64) -> bool {
-        self.is_bounce && now_us.saturating_sub(self.time_us) < BOUNCE_US
-    }
-}
-
 impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E> {
     /// The mission's state, to be kept; `None` until a launch is at least suspected. What is held during a
     /// suspicion is what the launch will latch, but for what confirming it changes: that is in
     /// [`Self::mark`].
     #[must_use]
     pub fn snapshot(&self) -> Option<MissionSnapshot> {
-        let (first_us, latch) = (self.first_us?, self.latch.as_ref()?);
+        let (first_us, latch) = (self.first_us?, self.latching.record()?);
         Some(MissionSnapshot {
             first_us,
             last_us: self.last_us,
             // Who goes on from what was held does so after the launch.
-            launch_was: self.launch_was || self.is_held(),
+            launch_was: self.launch_was || self.latching.is_held(),
             latch: latch.clone(),
             free_flight: self.free_flight.kept(),
             cross_check: self.cross_check.trust(),
@@ -61,25 +39,18 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
     #[must_use]
     #[inline]
     pub fn mark(&self) -> MissionMark {
-        if let (None, Some(taken_back)) = (&self.latch, &self.taken_back)
-            && taken_back.may_be_a_bounce(self.last_us)
-        {
+        if let Some(bounce) = self.latching.bounce(self.last_us) {
             return MissionMark {
                 stage: Stage::Suspected,
                 flags: RaisedFlags::default(),
-                failed_checks: taken_back.failed_checks,
+                failed_checks: bounce.failed_checks,
                 suspicions: self.counters.launch_suspicions.wrapping_sub(1) as u8 % MissionMark::SUSPICIONS,
             };
         }
-        let stage = match (&self.latch, self.is_launched) {
-            (None, _) => Stage::Captive,
-            (Some(_), false) => Stage::Suspected,
-            (Some(_), true) => Stage::Launched,
-        };
         MissionMark {
-            stage,
+            stage: self.latching.stage(),
             flags: self.raised_flags(),
-            failed_checks: self.latch.as_ref().map_or(0, |latch| latch.failed_checks),
+            failed_checks: self.latching.record().map_or(0, |latch| latch.failed_checks),
             suspicions: self.counters.launch_suspicions as u8 % MissionMark::SUSPICIONS,
         }
     }
@@ -87,7 +58,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
     /// The flags that are raised now.
     #[must_use]
     pub fn raised_flags(&self) -> RaisedFlags {
-        if !self.is_launched {
+        if !self.latching.is_launched() {
             return RaisedFlags::default();
         }
         let flags = Sensor::ALL.into_iter().map(|sensor| (sensor, self.free_flight.flag(sensor)));
@@ -98,7 +69,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
 
     /// What is not in a snapshot follows from what is.
     fn resume(&mut self, cross_check: Trust, flags: RaisedFlags) {
-        if let Some(latch) = &self.latch {
+        if let Some(latch) = self.latching.record() {
             self.cross_check.begin(latch);
         }
         self.cross_check.raise(cross_check);
@@ -112,7 +83,6 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         }
         self.phase = Phase::FreeFlight;
         self.counters.restarts = self.counters.restarts.saturating_add(1);
-        self.is_launched = true;
         self.is_resumed = true;
     }
 
@@ -152,7 +122,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         let (first_us, last_us, launch_was) = fields.times()?;
         self.read_latch(&mut fields)?;
         if !self.read_watches(&mut fields)? {
-            self.latch = None;
+            self.latching = Latching::START;
             return Err(SnapshotError::OtherMission);
         }
         let cross_check = fields.cross_check()?;
@@ -195,14 +165,14 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
 
     #[inline(never)]
     fn read_latch(&mut self, fields: &mut Fields<'_>) -> Result<(), SnapshotError> {
-        self.latch = Some(fields.latch()?);
+        self.latching = Latching::Latched { record: fields.latch()?, decision: Decision::Launched };
         Ok(())
     }
 
     /// False where they are not of this configuration and latch.
     #[inline(never)]
     fn read_watches(&mut self, fields: &mut Fields<'_>) -> Result<bool, SnapshotError> {
-        if let Some(latch) = &self.latch {
+        if let Some(latch) = self.latching.record() {
             self.free_flight.begin(&self.config, latch, 0.0);
         }
         self.free_flight.restore_standing(fields.standing()?);
@@ -242,11 +212,10 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
 
     /// What the mark knows better than a snapshot from before it.
     fn apply_mark(&mut self, mark: &MissionMark) {
-        if let Some(latch) = &mut self.latch {
-            latch.failed_checks = mark.failed_checks;
-        }
+        let Latching::Latched { record, decision } = &mut self.latching else { return };
+        record.failed_checks = mark.failed_checks;
         if mark.stage == Stage::Suspected {
-            self.is_launched = false;
+            *decision = Decision::Suspected { unchecked: None, has_reacquired: false };
             // The filter is a new one: if it has to calibrate after all, it settles first.
             self.phase = Phase::Settling;
             self.first_us = None;

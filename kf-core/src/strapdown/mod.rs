@@ -524,7 +524,7 @@ impl VerticalChannel {
             self.repeated_s += step_s;
             0.0
         } else {
-            self.has_noise |= self.repeated_s == 0.0;
+            self.has_noise = self.has_noise || self.repeated_s == 0.0;
             core::mem::take(&mut self.repeated_s)
         };
         let gap_s = if repeated_s > longest_gap_s { step_s } else { step_s.max(repeated_s) };

@@ -18,7 +18,7 @@ use crate::metered::{Metered, MeteredUart, WorkObserver};
 use crate::mother_ship::{MotherShipFault, MotherShipModel};
 use crate::ms5611::{EXAMPLE_CALIBRATION, Ms5611Model};
 use crate::source::{Air, Held, Motion, Source};
-use crate::ublox::{self, ColdStart, ReceiverModel, Solution};
+use crate::ublox::{self, ColdStart, ReceiverModel, Solution, TIME_OF_WEEK_MS};
 
 /// Speed of the receiver's line, baud: a flight may have more fixes a second than any receiver makes, and 200
 /// of them take 200 kbaud.
@@ -241,6 +241,13 @@ impl<Observer: WorkObserver> ModelledSuite<Observer> {
                 model.navigate(altitude_m);
             }
         }
+    }
+
+    /// How much further the receiver's clock is than the flight computer's, microseconds: one of the two has
+    /// leapt, or the flight computer was away.
+    pub fn set_receivers_lead(&mut self, lead_us: i64) {
+        let model = &mut self.board.receiver.driver.port_mut().0.port;
+        model.time_of_week_ms = TIME_OF_WEEK_MS.saturating_add_signed(lead_us / 1_000);
     }
 
     /// A fault begins, or ends.

@@ -131,6 +131,9 @@ pub struct ReceiverModel<Surroundings> {
     incoming: Incoming,
 }
 
+/// Time of week at time 0, ms, of a receiver that nobody has set another for.
+pub const TIME_OF_WEEK_MS: u64 = 200_000_000;
+
 impl<Surroundings: Source<Option<Solution>>> ReceiverModel<Surroundings> {
     /// A receiver of generation 8, or of 9 and later, that has just got power, at a line speed in baud.
     pub const fn new(generation: u8, baud: u32, solutions: Surroundings) -> Self {
@@ -142,7 +145,7 @@ impl<Surroundings: Source<Option<Solution>>> ReceiverModel<Surroundings> {
             last: None,
             line: Line::new(baud),
             latency_us: 50_000,
-            time_of_week_ms: 200_000_000,
+            time_of_week_ms: TIME_OF_WEEK_MS,
             untold_solutions: 0,
             skipped_epochs: 0,
             generation,
