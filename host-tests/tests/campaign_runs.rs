@@ -163,6 +163,12 @@ fn a_wire_that_is_shorted_for_a_moment_after_the_release_hides_none() {
     assert_eq!(violations(7043, 1460), [""; 0]);
 }
 
+/// The wire bounces for a second, and the hooks open 1.7 s later.
+#[test]
+fn a_wire_that_has_bounced_hides_no_release() {
+    assert_eq!(violations(7048, 838), [""; 0]);
+}
+
 /// The flight computer's clock leaps by 2 s, the receiver's does not; a barometer steps 2.5 s later.
 #[test]
 fn a_clock_that_leaps_keeps_no_barometer_from_its_flag() {

@@ -54,7 +54,7 @@
 //!
 //! A wire counts as unreadable once it has not been read for the limit's time. A broken wire that reads
 //! closed for the debounce time is whole again. One that opens five times, each within a second of the time
-//! before, is a loose contact, and broken; it is whole again once it has read closed for the limit's time. A
+//! before, is a loose contact, and broken; it is whole again once it has read closed for a second. A
 //! wire that is open at the first tick opened there. A launch is final.
 //!
 //! In the first ten seconds there is nothing that a change could be told from, and nothing calibrated that a

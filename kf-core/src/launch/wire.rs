@@ -6,7 +6,7 @@ use crate::time::microseconds;
 /// Openings, each within the time below of the one before, that make a wire a loose contact: a plug that is
 /// pulled bounces for some 10 ms, of which the tick sees one or two edges.
 const RESTLESS: u8 = 5;
-/// See [`RESTLESS`], microseconds.
+/// See [`RESTLESS`], microseconds. A contact that is at rest for longer is not a loose one any more.
 const RESTLESS_US: u64 = 1_000_000;
 
 /// What the wire says of a launch.
@@ -78,7 +78,7 @@ impl Wire {
         }
         self.is_settled = false;
         let closed_us = *self.closed_us.get_or_insert(now_us);
-        let rest_us = if self.is_restless() { microseconds(config.undecided_s) } else { debounce_us };
+        let rest_us = if self.is_restless() { RESTLESS_US } else { debounce_us };
         if self.is_broken && now_us.saturating_sub(closed_us) >= rest_us {
             self.is_broken = false;
             self.openings = 0;

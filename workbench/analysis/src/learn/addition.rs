@@ -2,28 +2,24 @@
 
 use std::collections::BTreeMap;
 
-use kf_core::effect::{EffectId, EffectTerm, Regressor};
-use model::{Effect, Model, ModelError};
+use kf_core::effect::{EffectTerm, Regressor};
+use model::{Effect, Model};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 use time::Date;
 
-use super::document::{DocumentError, RevisionErrors, with_effect, with_revision};
-use super::filter::{LearnError, learn};
+use super::add_error::AddError;
+use super::concerns::{JudgedOn, concerns, doubts, untold};
+use super::document::{RevisionErrors, with_effect, with_revision};
+use super::filter::learn;
 use crate::name::Name;
 
 use super::score::{Scorer, Scores, SensorScore, flown, pooled_rms_m};
-use crate::diagnose::{
-    Diagnosis, HeldOutVerdict, NamedReplay, Verdict, WantedEffect, Work, envelope_m, study_remembering,
-};
-use crate::progress::{Cancelled, Progress, step};
+use crate::diagnose::{HeldOutVerdict, NamedReplay, WantedEffect, Work, envelope_m, study_remembering};
+use crate::progress::{Progress, step};
 use executor::Executor;
 use flight_data::Flight;
 use replay::{GivenTimes, Replay, ReplayError, missing_columns};
-
-/// A coefficient within this many sigmas of zero is treated as absent.
-const SIGNIFICANT_SIGMAS: f64 = 3.0;
 
 /// A flight and what the user says of it.
 #[derive(Clone, Debug)]
@@ -59,18 +55,6 @@ pub struct Request<'a> {
     pub learning: Vec<NamedFlight<'a>>,
     /// Flights to judge by.
     pub held_out: Vec<NamedFlight<'a>>,
-}
-
-/// What the errors before and after are of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
-#[serde(rename_all = "snake_case")]
-pub enum JudgedOn {
-    /// The held-out flights, by the mission; where one of them has nothing to calibrate on, all of them about
-    /// biases fitted to them.
-    HeldOutFlights,
-    /// Stretches of the learning flights, each predicted from the rest.
-    HeldOutManoeuvres,
 }
 
 /// A sensor on a flight without and with the effect.
@@ -147,54 +131,6 @@ pub struct Addition {
 impl Addition {
     /// The version that is written.
     pub const VERSION: u32 = 1;
-}
-
-/// Why an effect cannot be added at all.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum AddError {
-    /// A flight has not got what the regressor is made of.
-    #[error("{file}: {effect} can't be learned, the flight has no {}", columns.join(", "))]
-    Lacks {
-        /// The flight.
-        file: String,
-        /// The effect.
-        effect: &'static str,
-        /// The columns that it needs and the flight lacks.
-        columns: Vec<&'static str>,
-    },
-    /// The flights say nothing of it.
-    #[error(
-        "{effect} can't be learned: what it acts on has no reading, or its regressor does not move or has gaps, in {files}; \
-         `pylon diagnose` says what to fly"
-    )]
-    NotExcited {
-        /// The effect.
-        effect: &'static str,
-        /// The flights.
-        files: String,
-    },
-    /// The caller wanted no more.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-    /// The filter refused.
-    #[error(transparent)]
-    Learn(#[from] LearnError),
-    /// The text cannot be changed.
-    #[error(transparent)]
-    Document(#[from] DocumentError),
-    /// It is no model, or would not be one with the effect.
-    #[error(transparent)]
-    Model(#[from] ModelError),
-    /// A flight cannot be flown.
-    #[error("{file}: {error}")]
-    Replay {
-        /// The flight.
-        file: String,
-        /// Why.
-        #[source]
-        error: ReplayError,
-    },
 }
 
 /// What the caller has from before. It must be of the very flights and the model of a [`Request`]: nothing
@@ -407,79 +343,4 @@ fn scores(flights: &[FlightChange], side: impl Fn(&SensorChange) -> SensorScore)
         flight.sensors.iter().map(|(name, change)| (name.clone(), side(change))).collect::<Scores>()
     };
     flights.iter().map(of).collect()
-}
-
-/// What speaks against an effect.
-fn concerns(
-    diagnosis: &Diagnosis,
-    effect: &Effect,
-    judged_on: JudgedOn,
-    judged_m: [Option<f64>; 2],
-    verdict: &HeldOutVerdict,
-) -> Vec<String> {
-    let mut concerns = Vec::new();
-    let term = &effect.term;
-    let name = term.id().name();
-    let sigmas = f64::from(term.coefficient.abs()) / f64::from(term.sigma);
-    if sigmas < SIGNIFICANT_SIGMAS || sigmas.is_nan() {
-        concerns.push(format!(
-            "these flights can't identify it: the coefficient {} is within {SIGNIFICANT_SIGMAS} sigma ({}) of zero",
-            term.coefficient, term.sigma
-        ));
-    }
-    let mut sets = diagnosis.sensors.values().flat_map(|sensor| &sensor.indistinguishable);
-    if let Some(set) = sets.find(|set| set.iter().any(|other| other == name)) {
-        let others: Vec<&str> = set.iter().map(|other| &**other).filter(|other| *other != name).collect();
-        concerns.push(format!(
-            "these flights can't identify it: they can't tell it from {} (`pylon diagnose` says what to fly)",
-            others.join(", ")
-        ));
-    }
-    if verdict.is_worse {
-        let [before, after] =
-            judged_m.map(|rms_m| rms_m.map_or_else(|| "-".to_owned(), |m| format!("{m:.3}")));
-        concerns.push(format!(
-            "the held-out {} are less likely with it, beyond chance: twice the log likelihood changes by {:.1}, chance is \
-             {:.1} (1 sigma); raw rms {before} m before, {after} m after",
-            held_out_name(judged_on),
-            verdict.gain,
-            verdict.gain_sigma
-        ));
-    }
-    concerns
-}
-
-/// What was held out, in the plural.
-pub(super) const fn held_out_name(judged_on: JudgedOn) -> &'static str {
-    match judged_on {
-        JudgedOn::HeldOutFlights => "flights",
-        JudgedOn::HeldOutManoeuvres => "manoeuvres",
-    }
-}
-
-/// What a test that cannot tell leaves open.
-fn untold(judged_on: JudgedOn, verdict: &HeldOutVerdict) -> Option<String> {
-    (!verdict.can_tell && !verdict.is_worse).then(|| {
-        format!(
-            "the held-out {} can't tell whether it acts there: it would move them by less than chance hides",
-            held_out_name(judged_on)
-        )
-    })
-}
-
-/// What of a diagnosis the user should know beside the concerns.
-fn doubts(diagnosis: &Diagnosis, effect: EffectId) -> Vec<String> {
-    let mut doubts = Vec::new();
-    let subject = effect.subject().name();
-    if let Some(sensor) = diagnosis.sensors.get(subject) {
-        if sensor.verdict == Verdict::UnknownEffect {
-            doubts.push(format!("nothing in the catalogue explains all of {subject}'s misfit: this effect may stand in for another"));
-        }
-        let others: Vec<&str> =
-            sensor.missing.iter().map(|other| &**other).filter(|other| *other != effect.name()).collect();
-        if !others.is_empty() {
-            doubts.push(format!("the model lacks {} as well", others.join(", ")));
-        }
-    }
-    doubts
 }

@@ -4,18 +4,20 @@
 //! 2. `filter` learns it with the core's own filter.
 //! 3. `document` writes it into the model's text, which stays as it was but for that.
 //! 4. `score` flies the mission before and after.
-//! 5. `addition` puts these together and says what speaks against it.
+//! 5. `addition` puts these together, and `concerns` says what speaks against it.
 //! 6. `ladder` scores every revision of a model.
 
+mod add_error;
 mod addition;
+mod concerns;
 mod document;
 mod filter;
 mod ladder;
 mod score;
 
-pub use addition::{
-    AddError, Addition, FlightChange, JudgedOn, NamedFlight, Remembered, Request, add, add_remembering,
-};
+pub use add_error::AddError;
+pub use addition::{Addition, FlightChange, NamedFlight, Remembered, Request, add, add_remembering};
+pub use concerns::JudgedOn;
 pub use document::DocumentError;
 pub use filter::{LearnError, Learned, learn};
 pub(crate) use ladder::numbers;

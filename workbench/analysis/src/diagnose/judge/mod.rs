@@ -5,6 +5,7 @@ mod facts;
 mod learning_problem;
 mod probable;
 mod pruning;
+mod sensor;
 
 use std::collections::BTreeMap;
 
@@ -12,7 +13,7 @@ use kf_core::effect::EffectId;
 use kf_core::sensor::Sensor;
 
 use super::candidates::Candidate;
-use super::diagnosis::{Diagnosis, SensorDiagnosis, Verdict};
+use super::diagnosis::{Diagnosis, Verdict};
 use super::epochs::Epochs;
 use super::excitation::{Excitation, excitation};
 use super::information::Information;
@@ -24,16 +25,11 @@ use super::roughness::lacks_airspeed;
 use super::search::{Explanation, Search};
 use super::simplicity::simpler;
 use super::suspects::Suspects;
-use super::unknown;
-use crate::name::Name;
 use crate::progress::{Cancelled, Progress, step};
 
 /// A coefficient whose parts differ by more than this, in mean squares of what they should, comes from a
 /// wrong formula.
 const UNEVEN: f64 = 5.0;
-
-/// What remains unexplained makes the verdict when it is more than this share of what was explained.
-const REST: f64 = 0.25;
 
 /// Effects that look alike by the laws of flight, so that the one stands in for the other when its own signal
 /// was not recorded: lift makes the load factor of the angle of attack times the dynamic pressure; thrust and
@@ -172,133 +168,6 @@ impl Judge<'_> {
         Ok((diagnosis, findings))
     }
 
-    /// One sensor's diagnosis (`None`: the reference), and the size of its misfit, metres.
-    fn sensor(&self, findings: &Findings, subject: Option<Sensor>) -> (SensorDiagnosis, f64) {
-        let mut diagnosis = SensorDiagnosis::default();
-        let explanation = &findings.explanation;
-        let mut misfit_m: f64 = 0.0;
-        let mut explained = 0.0;
-        let mut uneven = false;
-        let mut strongest: Option<(f64, Verdict)> = None;
-        let mut sized: Vec<(f64, usize)> = Vec::new();
-        // Beside a larger misfit that no effect can be, a smaller one may be what is left of it.
-        let beyond = (0..findings.rivals.len()).filter(|k| self.is_beyond(findings, *k));
-        let explained_beyond = beyond.map(|k| findings.rivals[k].explained).fold(0.0, f64::max);
-        for (k, rivals) in findings.rivals.iter().enumerate() {
-            let set = self.set(rivals);
-            let concerns =
-                set.iter().any(|(effect, _)| effect.subject().name() == subject.map_or("gps", Sensor::name));
-            if !concerns {
-                continue;
-            }
-            let size_m = self.size_m(findings, k);
-            misfit_m = misfit_m.max(size_m);
-            explained += rivals.explained;
-            let verdict = match set.as_slice() {
-                _ if !findings.is_even(k)
-                    || rivals.explained < explained_beyond
-                    || self.is_beyond(findings, k) =>
-                {
-                    uneven = true;
-                    Verdict::UnknownEffect
-                }
-                [_] => {
-                    sized.push((size_m, k));
-                    Verdict::Identified
-                }
-                more => {
-                    diagnosis
-                        .indistinguishable
-                        .push(more.iter().map(|(effect, _)| effect.name().into()).collect());
-                    diagnosis.probabilities.push(more.iter().map(|(_, probability)| *probability).collect());
-                    Verdict::Indistinguishable
-                }
-            };
-            if strongest.is_none_or(|(size, _)| size_m > size) {
-                strongest = Some((size_m, verdict));
-            }
-        }
-        sized.sort_by(|a, b| b.0.total_cmp(&a.0));
-        diagnosis.missing = sized
-            .iter()
-            .map(|(_, k)| self.candidates[findings.rivals[*k].column].effect().name().into())
-            .collect();
-
-        let mut unexplained = 0.0;
-        let mut is_better = false;
-        if let Some(sensor) = subject.filter(|sensor| sensor.flies_free()) {
-            let own: Vec<usize> = self.columns_on(Some(sensor));
-            let found = unknown::unexplained(
-                self.problem,
-                self.epochs,
-                &explanation.fit,
-                &explanation.columns,
-                &own,
-                explained,
-                sensor.index(),
-                unknown::Doubts { is_alone: self.is_alone(), has_climb_rate: self.has_climb_rate },
-            );
-            is_better = found.is_better;
-            diagnosis.follows = found.follows;
-            if let Some(first) = diagnosis.follows.first() {
-                unexplained = first.evidence;
-                misfit_m = misfit_m.max(first.size_m);
-            }
-            let excess = unknown::free_flight_excess(
-                self.problem,
-                &explanation.fit,
-                &explanation.columns,
-                sensor.index(),
-                self.regressors_noise_m2(findings, sensor),
-            );
-            let noise = &explanation.fit.noise.sensors[sensor.index()];
-            if self.epochs.iter().any(|epochs| epochs.series.has_both_phases()) {
-                diagnosis.free_flight_factor = Some(noise.free_flight_factor);
-            }
-            // A receiver is noisier in the air than on the ground, too.
-            if let Some(excess) = excess.filter(|_| !self.is_alone()) {
-                unexplained += excess;
-                misfit_m =
-                    misfit_m.max(noise.free_flight_factor * noise.wander.sigma_m).max(noise.free_white_m);
-            }
-        }
-        // Wind makes a formula that lacks the airspeed wrong by more than a signal may be right by chance.
-        let lacks_airspeed = self.lacks_airspeed_for(findings, subject);
-        // Of one sensor against the receiver what the receiver's effects explain is explained of it too.
-        if findings.posterior.is_some() && subject.is_some() && self.is_alone() {
-            explained = findings.rivals.iter().map(|rivals| rivals.explained).sum();
-        }
-        let is_unknown = if lacks_airspeed {
-            unexplained > explained
-        } else {
-            is_better || unexplained > REST * explained
-        };
-        diagnosis.verdict = match strongest {
-            Some((_, verdict)) if !is_unknown => verdict,
-            _ if is_unknown || uneven => Verdict::UnknownEffect,
-            _ => self.quiet(findings, subject),
-        };
-        if is_unknown {
-            // What was chosen may be no more than the nearest likeness of what really acts.
-            diagnosis.indistinguishable.clear();
-            diagnosis.probabilities.clear();
-            diagnosis.missing.clear();
-        }
-        diagnosis.advice = self.advise(findings, subject, &diagnosis);
-        diagnosis.candidates = self.candidate_facts(findings, subject);
-        if findings.posterior.is_none() {
-            // A place that ended as an unknown effect, or as nothing, has no probability.
-            let is_said = |effect: &Name| {
-                diagnosis.missing.contains(effect)
-                    || diagnosis.indistinguishable.iter().any(|set| set.contains(effect))
-            };
-            for candidate in &mut diagnosis.candidates {
-                candidate.probability = candidate.probability.filter(|_| is_said(&candidate.effect));
-            }
-        }
-        (diagnosis, misfit_m)
-    }
-
     /// The effects of a set that can't be told apart, the most probable first: the chosen one, its rivals,
     /// and those that lack their signal and would look like one of them, and so are as probable as it. Those
     /// below [`SUSPECT`] are not listed, but for the second: what more than one could have made is never
@@ -358,15 +227,6 @@ impl Judge<'_> {
             sensor.flies_free() && self.epochs.iter().any(|epochs| epochs.series.has(sensor.index()))
         };
         Sensor::ALL.iter().filter(flying).count() < 2
-    }
-
-    /// The verdict of a sensor that shows nothing.
-    fn quiet(&self, findings: &Findings, subject: Option<Sensor>) -> Verdict {
-        if subject.is_none() || self.excitation(findings, subject).is_enough() {
-            Verdict::NoSignificantMisfit
-        } else {
-            Verdict::InsufficientExcitation
-        }
     }
 
     fn excitation(&self, findings: &Findings, subject: Option<Sensor>) -> Excitation {
@@ -434,13 +294,5 @@ impl Judge<'_> {
             findings.explanation.columns.iter().filter(|other| !self.suspects.same_effect(**other, column));
         let picks: Vec<usize> = others.copied().chain([column]).collect();
         self.suspects.positions(&picks)
-    }
-
-    /// Whether an effect chosen on a sensor is made of an airspeed that was not measured.
-    fn lacks_airspeed_for(&self, findings: &Findings, subject: Option<Sensor>) -> bool {
-        findings.explanation.columns.iter().any(|column| {
-            let candidate = &self.candidates[*column];
-            candidate.sensor() == subject && lacks_airspeed(self.epochs, candidate.effect())
-        })
     }
 }

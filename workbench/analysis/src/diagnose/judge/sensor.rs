@@ -1,0 +1,203 @@
+//! One sensor's verdict: of the places at which effects were found, and of what none of them explains.
+//!
+//! | strongest place | what is left beside it | verdict |
+//! |---|---|---|
+//! | any, or none | much | unknown effect |
+//! | one effect | little | identified |
+//! | several effects | little | indistinguishable |
+//! | no effect can be this | little | unknown effect |
+//! | none | little | no significant misfit, or insufficient excitation |
+
+use kf_core::sensor::Sensor;
+
+use super::super::diagnosis::{SensorDiagnosis, Verdict};
+use super::super::roughness::lacks_airspeed;
+use super::super::unknown;
+use super::{Findings, Judge};
+use crate::name::Name;
+
+/// What remains unexplained makes the verdict when it is more than this share of what was explained.
+const REST: f64 = 0.25;
+
+/// What the chosen effects say of one sensor.
+#[derive(Default)]
+struct Places {
+    /// The largest: its size, metres, and what it is.
+    strongest: Option<(f64, Verdict)>,
+    /// Evidence that all of them explain.
+    explained: f64,
+    /// The effects that stand alone, the largest first.
+    missing: Vec<Name>,
+    /// Those that do not, with their probabilities.
+    sets: Vec<(Vec<Name>, Vec<f64>)>,
+}
+
+/// What no effect explains of one sensor.
+#[derive(Default)]
+struct Remainder {
+    /// Its evidence.
+    evidence: f64,
+    /// A signal that is in no effect explains more than the effects.
+    is_better: bool,
+    /// Its size, metres.
+    size_m: f64,
+}
+
+impl Remainder {
+    /// Whether it is too much for what was explained to be the cause. Wind makes a formula that lacks the
+    /// airspeed wrong by more than a signal may be right by chance.
+    fn is_much(&self, explained: f64, lacks_airspeed: bool) -> bool {
+        if lacks_airspeed {
+            self.evidence > explained
+        } else {
+            self.is_better || self.evidence > REST * explained
+        }
+    }
+}
+
+impl Judge<'_> {
+    /// One sensor's diagnosis (`None`: the reference), and the size of its misfit, metres.
+    pub(super) fn sensor(&self, findings: &Findings, subject: Option<Sensor>) -> (SensorDiagnosis, f64) {
+        let mut diagnosis = SensorDiagnosis::default();
+        let places = self.places(findings, subject);
+        let remainder = match subject.filter(|sensor| sensor.flies_free()) {
+            Some(sensor) => self.remainder(findings, sensor, places.explained, &mut diagnosis),
+            None => Remainder::default(),
+        };
+        // Of one sensor against the receiver what the receiver's effects explain is explained of it too.
+        let explained = if findings.posterior.is_some() && subject.is_some() && self.is_alone() {
+            findings.rivals.iter().map(|rivals| rivals.explained).sum()
+        } else {
+            places.explained
+        };
+        let is_unknown = remainder.is_much(explained, self.lacks_airspeed_for(findings, subject));
+        diagnosis.verdict = match places.strongest {
+            _ if is_unknown => Verdict::UnknownEffect,
+            Some((_, verdict)) => verdict,
+            None => self.quiet(findings, subject),
+        };
+        // Of an unknown effect, what was chosen may be no more than the nearest likeness of what really acts.
+        if !is_unknown {
+            diagnosis.missing = places.missing;
+            (diagnosis.indistinguishable, diagnosis.probabilities) = places.sets.into_iter().unzip();
+        }
+        diagnosis.advice = self.advise(findings, subject, &diagnosis);
+        diagnosis.candidates = self.candidate_facts(findings, subject);
+        if findings.posterior.is_none() {
+            // A place that ended as an unknown effect, or as nothing, has no probability.
+            let is_said = |effect: &Name| {
+                diagnosis.missing.contains(effect)
+                    || diagnosis.indistinguishable.iter().any(|set| set.contains(effect))
+            };
+            for candidate in &mut diagnosis.candidates {
+                candidate.probability = candidate.probability.filter(|_| is_said(&candidate.effect));
+            }
+        }
+        let size_m = places.strongest.map_or(0.0, |(size_m, _)| size_m.max(0.0));
+        (diagnosis, size_m.max(remainder.size_m))
+    }
+
+    fn places(&self, findings: &Findings, subject: Option<Sensor>) -> Places {
+        let mut places = Places::default();
+        let mut sized: Vec<(f64, usize)> = Vec::new();
+        // Beside a larger misfit that no effect can be, a smaller one may be what is left of it.
+        let beyond = (0..findings.rivals.len()).filter(|k| self.is_beyond(findings, *k));
+        let explained_beyond = beyond.map(|k| findings.rivals[k].explained).fold(0.0, f64::max);
+        for (k, rivals) in findings.rivals.iter().enumerate() {
+            let set = self.set(rivals);
+            let concerns =
+                set.iter().any(|(effect, _)| effect.subject().name() == subject.map_or("gps", Sensor::name));
+            if !concerns {
+                continue;
+            }
+            let size_m = self.size_m(findings, k);
+            places.explained += rivals.explained;
+            let can_be_an_effect =
+                findings.is_even(k) && rivals.explained >= explained_beyond && !self.is_beyond(findings, k);
+            let verdict = match set.as_slice() {
+                _ if !can_be_an_effect => Verdict::UnknownEffect,
+                [_] => {
+                    sized.push((size_m, k));
+                    Verdict::Identified
+                }
+                more => {
+                    places
+                        .sets
+                        .push(more.iter().map(|(effect, odds)| (Name::from(effect.name()), *odds)).unzip());
+                    Verdict::Indistinguishable
+                }
+            };
+            if places.strongest.is_none_or(|(size, _)| size_m > size) {
+                places.strongest = Some((size_m, verdict));
+            }
+        }
+        sized.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let effect = |k: usize| self.candidates[findings.rivals[k].column].effect();
+        places.missing = sized.iter().map(|(_, k)| effect(*k).name().into()).collect();
+        places
+    }
+
+    /// What no effect explains of a sensor that flies free. Into the diagnosis goes what it follows, and by
+    /// how much the sensor is noisier in free flight.
+    fn remainder(
+        &self,
+        findings: &Findings,
+        sensor: Sensor,
+        explained: f64,
+        diagnosis: &mut SensorDiagnosis,
+    ) -> Remainder {
+        let explanation = &findings.explanation;
+        let own: Vec<usize> = self.columns_on(Some(sensor));
+        let found = unknown::unexplained(
+            self.problem,
+            self.epochs,
+            &explanation.fit,
+            &explanation.columns,
+            &own,
+            explained,
+            sensor.index(),
+            unknown::Doubts { is_alone: self.is_alone(), has_climb_rate: self.has_climb_rate },
+        );
+        let mut remainder = Remainder { is_better: found.is_better, ..Remainder::default() };
+        if let Some(first) = found.follows.first() {
+            remainder.evidence = first.evidence;
+            remainder.size_m = first.size_m;
+        }
+        diagnosis.follows = found.follows;
+        let noise = &explanation.fit.noise.sensors[sensor.index()];
+        if self.epochs.iter().any(|epochs| epochs.series.has_both_phases()) {
+            diagnosis.free_flight_factor = Some(noise.free_flight_factor);
+        }
+        let excess = unknown::free_flight_excess(
+            self.problem,
+            &explanation.fit,
+            &explanation.columns,
+            sensor.index(),
+            self.regressors_noise_m2(findings, sensor),
+        );
+        // A receiver is noisier in the air than on the ground, too.
+        if let Some(excess) = excess.filter(|_| !self.is_alone()) {
+            remainder.evidence += excess;
+            let wander_m = noise.free_flight_factor * noise.wander.sigma_m;
+            remainder.size_m = remainder.size_m.max(wander_m).max(noise.free_white_m);
+        }
+        remainder
+    }
+
+    /// The verdict of a sensor that shows nothing.
+    fn quiet(&self, findings: &Findings, subject: Option<Sensor>) -> Verdict {
+        if subject.is_none() || self.excitation(findings, subject).is_enough() {
+            Verdict::NoSignificantMisfit
+        } else {
+            Verdict::InsufficientExcitation
+        }
+    }
+
+    /// Whether an effect chosen on a sensor is made of an airspeed that was not measured.
+    fn lacks_airspeed_for(&self, findings: &Findings, subject: Option<Sensor>) -> bool {
+        findings.explanation.columns.iter().any(|column| {
+            let candidate = &self.candidates[*column];
+            candidate.sensor() == subject && lacks_airspeed(self.epochs, candidate.effect())
+        })
+    }
+}

@@ -1,0 +1,98 @@
+//! What speaks against an effect that was learned.
+
+use kf_core::effect::EffectId;
+use model::Effect;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::diagnose::{Diagnosis, HeldOutVerdict, Verdict};
+
+/// A coefficient within this many sigmas of zero is treated as absent.
+const SIGNIFICANT_SIGMAS: f64 = 3.0;
+
+/// What the errors before and after are of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+#[serde(rename_all = "snake_case")]
+pub enum JudgedOn {
+    /// The held-out flights, by the mission; where one of them has nothing to calibrate on, all of them about
+    /// biases fitted to them.
+    HeldOutFlights,
+    /// Stretches of the learning flights, each predicted from the rest.
+    HeldOutManoeuvres,
+}
+
+/// What speaks against an effect.
+pub(super) fn concerns(
+    diagnosis: &Diagnosis,
+    effect: &Effect,
+    judged_on: JudgedOn,
+    judged_m: [Option<f64>; 2],
+    verdict: &HeldOutVerdict,
+) -> Vec<String> {
+    let mut concerns = Vec::new();
+    let term = &effect.term;
+    let name = term.id().name();
+    let sigmas = f64::from(term.coefficient.abs()) / f64::from(term.sigma);
+    if sigmas < SIGNIFICANT_SIGMAS || sigmas.is_nan() {
+        concerns.push(format!(
+            "these flights can't identify it: the coefficient {} is within {SIGNIFICANT_SIGMAS} sigma ({}) of zero",
+            term.coefficient, term.sigma
+        ));
+    }
+    let mut sets = diagnosis.sensors.values().flat_map(|sensor| &sensor.indistinguishable);
+    if let Some(set) = sets.find(|set| set.iter().any(|other| other == name)) {
+        let others: Vec<&str> = set.iter().map(|other| &**other).filter(|other| *other != name).collect();
+        concerns.push(format!(
+            "these flights can't identify it: they can't tell it from {} (`pylon diagnose` says what to fly)",
+            others.join(", ")
+        ));
+    }
+    if verdict.is_worse {
+        let [before, after] =
+            judged_m.map(|rms_m| rms_m.map_or_else(|| "-".to_owned(), |m| format!("{m:.3}")));
+        concerns.push(format!(
+            "the held-out {} are less likely with it, beyond chance: twice the log likelihood changes by {:.1}, chance is \
+             {:.1} (1 sigma); raw rms {before} m before, {after} m after",
+            held_out_name(judged_on),
+            verdict.gain,
+            verdict.gain_sigma
+        ));
+    }
+    concerns
+}
+
+/// What was held out, in the plural.
+pub(super) const fn held_out_name(judged_on: JudgedOn) -> &'static str {
+    match judged_on {
+        JudgedOn::HeldOutFlights => "flights",
+        JudgedOn::HeldOutManoeuvres => "manoeuvres",
+    }
+}
+
+/// What a test that cannot tell leaves open.
+pub(super) fn untold(judged_on: JudgedOn, verdict: &HeldOutVerdict) -> Option<String> {
+    (!verdict.can_tell && !verdict.is_worse).then(|| {
+        format!(
+            "the held-out {} can't tell whether it acts there: it would move them by less than chance hides",
+            held_out_name(judged_on)
+        )
+    })
+}
+
+/// What of a diagnosis the user should know beside the concerns.
+pub(super) fn doubts(diagnosis: &Diagnosis, effect: EffectId) -> Vec<String> {
+    let mut doubts = Vec::new();
+    let subject = effect.subject().name();
+    if let Some(sensor) = diagnosis.sensors.get(subject) {
+        if sensor.verdict == Verdict::UnknownEffect {
+            doubts.push(format!("nothing in the catalogue explains all of {subject}'s misfit: this effect may stand in for another"));
+        }
+        let others: Vec<&str> =
+            sensor.missing.iter().map(|other| &**other).filter(|other| *other != effect.name()).collect();
+        if !others.is_empty() {
+            doubts.push(format!("the model lacks {} as well", others.join(", ")));
+        }
+    }
+    doubts
+}
