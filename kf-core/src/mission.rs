@@ -352,7 +352,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         let changed = launch != self.launch_was;
         self.launch_was = launch;
         let is_suspected = input.launch_doubt == LaunchDoubt::Suspected;
-        match &mut self.latching {
+        match &self.latching {
             Latching::Latched { decision: Decision::Launched, .. } => {
                 if changed {
                     self.counters.launch_repeats = self.counters.launch_repeats.saturating_add(1);
@@ -361,15 +361,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             }
             Latching::Captive { .. } if !launch && !is_suspected => return false,
             Latching::Captive { .. } => self.hold(time_us),
-            Latching::Latched { record, decision: Decision::Suspected { has_reacquired, .. } }
-                if !launch && !is_suspected =>
-            {
-                let taken_back = Some(TakenBack::now(time_us, record));
-                self.latching = Latching::Captive { taken_back, has_reacquired: *has_reacquired };
-                self.resume_reference();
-                self.signals.resume_captive();
-                self.formulas.resume_captive();
-                self.counters.launch_suspicions = self.counters.launch_suspicions.saturating_add(1);
+            Latching::Latched { decision: Decision::Suspected { .. }, .. } if !launch && !is_suspected => {
+                self.take_back(time_us);
                 return false;
             }
             Latching::Latched { decision: Decision::Suspected { .. }, .. } => _ = self.check_held(),
@@ -378,6 +371,22 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             self.confirm(input.launch_doubt);
         }
         launch
+    }
+
+    /// A suspicion was none: captive flight goes on.
+    fn take_back(&mut self, time_us: u64) {
+        // By the coefficients that are held: after a restart the filter has none.
+        self.resume_reference();
+        let Latching::Latched { record, decision: Decision::Suspected { has_reacquired, .. } } =
+            &self.latching
+        else {
+            return;
+        };
+        let taken_back = Some(TakenBack::now(time_us, record));
+        self.latching = Latching::Captive { taken_back, has_reacquired: *has_reacquired };
+        self.signals.resume_captive();
+        self.formulas.resume_captive();
+        self.counters.launch_suspicions = self.counters.launch_suspicions.saturating_add(1);
     }
 
     /// Makes the latch of what is held.
