@@ -83,7 +83,7 @@
 //! and its launch is then seen, unconfirmed, when it first falls. Of two faults, one of them the cable, and
 //! the accelerometer gone with it, the receiver's climb rate decides: one who leaves with less than three
 //! quarters of its weight on its wings has lost 2 m/s at the limit. One that carries itself is seen when it
-//! first climbs or sinks otherwise than under the pylon, after [`UNSHOWN_S`] at the latest: nothing is
+//! first climbs or sinks otherwise than under the pylon, after a minute at the latest: nothing is
 //! calibrated meanwhile, and no sensor is said to be watched. Without a receiver, or with no unit from the
 //! start, a release is the likelier reading, for it is to happen in every flight: a launch, and
 //! `launch_confirmed` fails.
