@@ -21,7 +21,7 @@ const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/fault-campaign.
 /// They lie between these lines of it.
 const BEGIN: &str = "<!-- tables: written by `cargo xtask campaign --write` -->";
 const END: &str = "<!-- end of the tables -->";
-/// So many guards must be missed when they are taken out.
+/// So many guards must be noticed when they are taken out.
 const MUTANTS: usize = 10;
 
 /// Fly random flights with random faults, and hold each against the same flight without them.
@@ -110,7 +110,7 @@ fn campaign(arguments: &Arguments) -> anyhow::Result<bool> {
         println!("not as in {}: {change}", file.display());
     }
     println!(
-        "{} of {} runs break an invariant, all known; {} of {} guards are missed when they are taken out",
+        "{} of {} runs break an invariant, all known; it notices when {} of {} guards are taken out",
         matrix.violated(),
         cases.len(),
         caught.map_or(0, |caught| caught.len()),
@@ -135,16 +135,16 @@ fn lines(seed: u64, case: &Case, verdict: &Verdict) -> Vec<String> {
     verdict.violations.iter().map(line).collect()
 }
 
-/// The guards that are missed when they are taken out.
+/// The guards whose absence the campaign notices.
 fn mutants(seed: u64, cases: &[Case], verdicts: &[Verdict]) -> anyhow::Result<Vec<Guard>> {
-    let mut missed = Vec::new();
+    let mut noticed = Vec::new();
     println!("| guard taken out | runs | of these report it | first |\n|---|---|---|---|");
     for guard in Guard::ALL {
         let progress = bar(0, format!("without {guard:?}"))?;
         let Outcome { runs, reports, .. } = without(guard, seed, cases, verdicts, &|| progress.inc(1))?;
         progress.finish_and_clear();
         if !reports.is_empty() {
-            missed.push(guard);
+            noticed.push(guard);
         }
         let first = reports.first().map_or_else(
             || "-".to_owned(),
@@ -152,8 +152,8 @@ fn mutants(seed: u64, cases: &[Case], verdicts: &[Verdict]) -> anyhow::Result<Ve
         );
         println!("| {guard:?} | {runs} | {} | {first} |", reports.len());
     }
-    println!("\n{} of {} guards are missed when they are taken out", missed.len(), Guard::ALL.len());
-    Ok(missed)
+    println!("\nThe campaign notices when {} of {} guards are taken out", noticed.len(), Guard::ALL.len());
+    Ok(noticed)
 }
 
 fn write(arguments: &Arguments, tables: &str, violations: &[String]) -> anyhow::Result<()> {
