@@ -369,10 +369,10 @@ const EARLY_US: u64 = 10_000_000;
 /// taxies with a loose cable, slower than anything flies.
 const UNDER_WAY_M2PS2: f32 = 100.0;
 
-/// How long a wire stays open that neither a dead inertial unit nor the climb rate explains, before it is a
-/// launch, seconds. Shorter, and two faults are one: a torn cable under a unit that is dead for so long.
-/// Longer, and a single fault, the unit's, leaves a vehicle that carries itself unwatched for so long. It is
-/// steered within a minute.
+/// How long the wire may stay open, with a dead inertial unit and an unchanged climb rate, before that is a
+/// launch, seconds. A torn cable under a unit that stays dead for longer becomes a false launch, of two
+/// faults; a release that nothing else shows is unseen for as long, by a single one. A vehicle is steered
+/// within a minute of its release, and most faults that last for a minute are seen by the carrier's crew.
 const UNSHOWN_S: f32 = 60.0;
 
 /// What a tick comes to, before it is dated.

@@ -28,6 +28,7 @@ pub(super) enum Reading {
 pub(super) struct Wire {
     /// First reading of this opening.
     edge_us: Option<u64>,
+    /// See [`Wire::has_reopened`].
     has_reopened: bool,
     is_settled: bool,
     is_broken: bool,

@@ -85,7 +85,7 @@ impl Latching {
         }
     }
 
-    /// The reference was lost, and is back: told at the end of a suspicion, and only of one.
+    /// The reference was lost and is back. Only a suspicion remembers it.
     #[inline]
     pub(super) const fn note_reacquired(&mut self) {
         if let Self::Latched { decision: Decision::Suspected { has_reacquired, .. }, .. } = self {
@@ -102,8 +102,7 @@ impl Latching {
         }
     }
 
-    /// The suspicion that may go on in the next tick, as one of parting contacts that bounce; `now_us` is in
-    /// microseconds.
+    /// The last suspicion, if parting contacts that bounce may continue it; `now_us` is in microseconds.
     #[inline]
     pub(super) fn bounce(&self, now_us: u64) -> Option<&TakenBack> {
         match self {

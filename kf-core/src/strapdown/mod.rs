@@ -15,6 +15,10 @@
 //! The altitude is published while the tie's climb rate is known to 1 m/s: not for ever through an outage of
 //! the receiver.
 //!
+//! A unit that has shown noise and then repeats itself on all axes for longer than [`Config::longest_gap_s`]
+//! has stopped: there is no altitude meanwhile, and the alignment starts anew when it reads something else.
+//! One that never had noise is an ideal one that rests, unless velocities contradict that.
+//!
 //! [`VerticalChannel::hold`] stops the alignment while a launch is suspected,
 //! [`VerticalChannel::resume_captive`] goes on with it.
 //!

@@ -470,3 +470,36 @@ fn the_wrap_of_a_32_bit_microsecond_timer_is_none_of_the_missions() {
         assert!(run((1 << 32) - wrap_at_s * 1_000_000) == early, "{wrap_at_s}");
     }
 }
+
+/// A fix is refused in a suspicion that comes to nothing. What captive flight goes on from instead is the
+/// same altitude whether or not a restart lay between, though the new filter has not learned what is held of
+/// an effect on the reference.
+#[test]
+fn a_suspicion_that_comes_to_nothing_leaves_the_same_reference_after_a_restart() {
+    let mut config = config::<1>(true);
+    config.estimated_effects = [EffectTerm::new(EffectId::GpsLeverArm, 0.0, 10.0)];
+    let mut mission = Mission::<0, 5, 1>::new(&config).unwrap();
+    let mut flight = Flight { seed: 7, noise: 1.0 };
+    for k in 0..5_606 {
+        let mut input = flight.tick(k);
+        let pitch_rad = 0.3 + 0.3 * (k as f32 * 0.005).sin();
+        input.signals.attitude_rad = Some([0.0, pitch_rad, 0.0]);
+        if let Some(fix) = &mut input.gps {
+            fix.altitude_m += 6.0 * pitch_rad.sin() + if k >= 5_590 { 400.0 } else { 0.0 };
+        }
+        if k >= 5_590 {
+            input.launch_doubt = LaunchDoubt::Suspected;
+        }
+        mission.tick(&input);
+    }
+    let refused_us = mission.tracker.last_fix_us();
+    let refused_m = mission.tracker.altitude_m(refused_us).unwrap();
+    let mut restarted = resumed(&config, &kept(&mission), RaisedFlags::default()).unwrap();
+    let next = TickInput { gps: None, ..flight.tick(5_606) };
+    let [gone_on_m, restarted_m] = [&mut mission, &mut restarted].map(|mission| {
+        mission.tick(&next);
+        mission.tracker.altitude_m(refused_us).unwrap()
+    });
+    assert!((refused_m - gone_on_m - 400.0).abs() < 20.0, "{refused_m} {gone_on_m}");
+    assert_eq!(restarted_m, gone_on_m);
+}
