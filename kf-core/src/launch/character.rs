@@ -1,9 +1,9 @@
 //! The force's character: whether its mean on any axis, or how rough it is, has changed since the suspicion
 //! of a launch began.
 //!
-//! A vehicle that leaves loses the mother ship's lift, drag and vibration, and starts an engine: even one
-//! that carries itself, and so feels no step, is another body from then on. A tear of the cable changes none
-//! of it.
+//! A vehicle that leaves loses the mother ship's lift, drag and vibration, and starts an engine. Even if its
+//! wings carry it, so that there is no step, the force has another character from then on. A tear of the
+//! cable changes none of it.
 //!
 //! Blocks of a quarter of a second are compared with those of captive flight. The block in progress and the
 //! one before are left out when a suspicion begins: the hooks open up to a quarter of a second before the
@@ -15,9 +15,9 @@ const BLOCK_US: u64 = 250_000;
 const LEAST_SAMPLES: u16 = 10;
 /// Captive blocks in the mean and the variance: 10 s, some tens of gusts.
 const MEMORY_BLOCKS: u16 = 40;
-/// Fewer are nothing to compare with: 5 s.
+/// Captive blocks needed for a comparison: 5 s.
 const LEAST_BLOCKS: u16 = 20;
-/// A block differs by so many standard deviations, squared. Two in a row must: in Gaussian noise of 40
+/// Standard deviations, squared, by which a block differs. Two in a row must: in Gaussian noise of 40
 /// remembered blocks, where the deviation itself is known to 11 %, one of the four figures does so by chance
 /// in some 1e-7 of the blocks, and a gust that fills two blocks in some 1e-5.
 const SIGMAS_SQUARED: f32 = 36.0;
@@ -27,8 +27,8 @@ const FLOOR_MPS2: f32 = 0.1;
 const FLOOR_ROUGHNESS: f32 = 0.25;
 /// Blocks in a row that differ.
 const IN_A_ROW: u8 = 2;
-/// So many captive ones in a row are what the flight is like from then on; fewer are a flipped bit or a bump,
-/// which must not widen for ten seconds what a change is held against.
+/// Differing captive blocks in a row that are a new regime of flight. Fewer are a flipped bit or a bump, which
+/// must not widen the spread that changes are compared with for ten seconds.
 const NEW_REGIME: u8 = 3;
 /// The last block of a living unit ended no longer ago than this, microseconds: a block and a lost one.
 const LIVING_US: u64 = 600_000;
@@ -53,7 +53,7 @@ pub(super) struct Character {
     odd: u8,
     /// When the last block of a living unit ended.
     living_us: Option<u64>,
-    /// The unit has been silent since the suspicion began: a change that passes may have passed meanwhile.
+    /// The unit has been silent since the suspicion began: it may have missed a passing change.
     was_blind: bool,
 }
 
@@ -133,12 +133,17 @@ impl Character {
         differs
     }
 
-    /// Whether it is another one since the suspicion began.
+    /// Disregards the blocks so far: they show a fault of the unit.
+    pub(super) const fn disregard_changes(&mut self) {
+        self.differing = 0;
+    }
+
+    /// Whether it has changed since the suspicion began.
     pub(super) const fn has_changed(&self) -> bool {
         self.differing >= IN_A_ROW
     }
 
-    /// Whether captive flight is known well enough to be compared with.
+    /// Whether enough captive flight is known for a comparison.
     pub(super) const fn is_comparable(&self) -> bool {
         self.blocks >= LEAST_BLOCKS
     }
@@ -148,8 +153,8 @@ impl Character {
         self.is_comparable() && self.is_living(now_us)
     }
 
-    /// Whether the unit lives, and has lived since a block before the suspicion began: for as long as the
-    /// cable's slack takes, so that it has seen the hooks open if they have.
+    /// Whether the unit delivers, and has done so since a block before the suspicion began. That is as long as
+    /// the cable's slack takes, so it would have felt the hooks open.
     pub(super) fn is_living(&self, now_us: u64) -> bool {
         !self.was_blind && self.lives(now_us)
     }

@@ -1,14 +1,14 @@
-//! The climb rate by the fixes: a witness of a fall that is not the accelerometer.
+//! The climb rate of the fixes: evidence of a fall that does not depend on the accelerometer.
 
 /// A loss of climb rate that no mother ship flies in the time of a suspicion, m/s: in 3 s it is a push-over
 /// to 0.83 g, which she does not begin, with a vehicle under her, in the moment in which its cable tears.
 /// Near free fall takes 0.7 s for it.
 const FALL_MPS: f32 = 5.0;
-/// Who leaves with a share of its weight on its own wings loses some metres a second before it has levelled
-/// out, and whoever carries itself climbs or sinks otherwise as soon as it is steered, m/s. Gusts and swings
-/// of a mother ship move her by half of this.
+/// Change of climb rate that a released vehicle makes sooner or later, m/s. One that leaves with a share of
+/// its weight on its own wings loses some metres a second before it has levelled out; one that carries itself
+/// changes its climb rate as soon as it is steered. Gusts and swings of a mother ship move her by half of it.
 const OWN_MPS: f32 = 2.0;
-/// A fix older than this says nothing, microseconds: of 1 Hz, one may be late.
+/// Largest age of a fix that counts, microseconds: at 1 Hz, one may be late.
 const FRESH_US: u64 = 1_500_000;
 /// No aircraft of this class climbs or sinks faster, m/s.
 const FASTEST_MPS: f32 = 500.0;
@@ -22,9 +22,9 @@ pub(super) struct Climb {
 }
 
 impl Climb {
-    /// A fix's, upward, m/s.
+    /// Takes a fix's climb rate, upward, m/s.
     pub(super) fn take(&mut self, now_us: u64, climb_mps: f32, is_captive: bool) {
-        // NaN is none either.
+        // NaN is refused too.
         if climb_mps.is_nan() || climb_mps.abs() > FASTEST_MPS {
             return;
         }
@@ -36,13 +36,13 @@ impl Climb {
         }
     }
 
-    /// Whether it has fallen since the suspicion that began then.
+    /// Whether it has fallen since the suspicion began at that time.
     pub(super) fn has_fallen(&self, since_us: u64) -> bool {
         self.was_known(since_us) && self.captive_mps - self.last_mps >= FALL_MPS
     }
 
-    /// Whether it is not what it was when the suspicion began: weak evidence, for where nothing else on board
-    /// can show a release.
+    /// Whether it has changed since the suspicion began: weak evidence, used where nothing else on board can
+    /// show a release.
     pub(super) fn is_another(&self) -> bool {
         (self.captive_mps - self.last_mps).abs() >= OWN_MPS
     }

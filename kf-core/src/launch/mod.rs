@@ -2,7 +2,7 @@
 //! force on the vehicle and its climb rate.
 //!
 //! None of them is proof. A wire bounces, breaks under the pylon and shorts; a data link dies by itself; a
-//! cable that tears takes both at once; a gust or a fault moves the accelerometer. What each one says, from
+//! cable that tears takes both at once; a gust or a fault moves the accelerometer. What each one shows, by
 //! physics:
 //!
 //! - Wire: parts once the vehicle has moved by the connector's travel and the cable's slack, up to a quarter
@@ -38,7 +38,7 @@
 //! | open less than 5 s after the start | none, or silent | known, does not depart within the window | suspected; then `broken`, captive |
 //! | open | none, or silent | departs without a change, or not known | suspected; at the limit launched, [`Confirmation::Unconfirmed`] |
 //! | open | none, or silent | the unit has died, fixes go on | suspected; at the limit or later launched, [`Confirmation::Unconfirmed`], once the climb rate is another by 2 m/s, or a minute has passed |
-//! | open | none, or silent | low since longer before `e` than the window, and the fixes' climb rate has not fallen | as with a unit that has died |
+//! | open | none, or silent | low since longer before or after `e` than the window, and the fixes' climb rate has not fallen | as with a unit that has died |
 //! | broken or unreadable | silent from the departure on | departs | launched, [`Confirmation::ForceAndSilence`] |
 //! | broken | fall silent | changes | launched, [`Confirmation::ForceAndSilence`] |
 //! | broken | fall silent | known, no change | suspected; at the limit captive |
@@ -49,52 +49,54 @@
 //! | closed | silent from then on | near free fall for [`LaunchConfig::fall_s`] | launched, [`Confirmation::StuckWire`] |
 //! | any but open | any | any other | captive |
 //!
-//! A wire that reads closed for less than a second has not closed: a departure about its first opening counts
-//! at the next one.
+//! A wire that reads closed for less than a second is not yet closed again: if it reopens, a departure about
+//! its first opening still counts.
 //!
-//! A wire counts as unreadable once it has not been read for the limit's time. A broken wire that reads
-//! closed for the debounce time is whole again. One that opens five times, each within a second of the time
-//! before, is a loose contact, and broken; it is whole again once it has read closed for a second. A
-//! wire that is open at the first tick opened there. A launch is final.
+//! A wire is unreadable after [`LaunchConfig::undecided_s`] without a reading. A broken wire that reads
+//! closed for the debounce time is whole again. A wire that opens five times, each within a second of the
+//! last, is a loose contact: broken until it has been at rest for a second. If it rests closed it is whole
+//! again; if it rests open, it counts as opened when it last did. A wire that is open at the first tick
+//! counts as opened there. A launch is final.
 //!
-//! In the first ten seconds there is nothing that a change could be told from, and nothing calibrated that a
-//! launch would latch: a wire that opens there without a change is broken, for else a cable torn at power-on
-//! would be a launch. A start after an interruption is excepted ([`LaunchDetector::after_interruption`]): the
-//! vehicle may have been released while it lasted; unless the wire was broken before it
-//! ([`LaunchDetector::with_broken_wire`]). So is one that finds the traces of a mission
-//! ([`LaunchDetector::after_traces`]) and moves over ground at 10 m/s: nobody has switched it on, its supply
-//! has dipped, and the release may be a second away. In the first five seconds the force departs from one g,
-//! there being no captive mean yet, and nothing else can show: once the window has passed the opening is
-//! decided. To wait for the limit would be to leave the wire undecided for the next dip of the supply, and
-//! who starts with an open wire that nobody has called broken has been released.
+//! In the first ten seconds there is no captive flight to compare with, and no calibration that a launch
+//! would latch. A wire that opens then without a change is broken: otherwise a cable torn at power-on would
+//! be a launch. There are two exceptions. After an interruption ([`LaunchDetector::after_interruption`]) the
+//! vehicle may have been released meanwhile, unless the wire was broken before
+//! ([`LaunchDetector::with_broken_wire`]). A start that finds the traces of a mission
+//! ([`LaunchDetector::after_traces`]) and moves over ground at 10 m/s was a dip of the supply in flight, and
+//! the release may be a second away.
+//!
+//! In the first five seconds there is no captive mean: the force departs from one g, and nothing else can
+//! show a release, so the opening is decided once the window has passed. Waiting for the limit would leave
+//! the wire undecided at the next dip of the supply, and a start with an open wire that was not found broken
+//! counts as released.
 //!
 //! # One fault is no launch
-//! - Wire broken, bouncing, unreadable: her messages go on. Without any, force and climb rate are known and
-//!   do not change.
+//! - Wire broken, bouncing, unreadable: the messages continue. Without messages, force and climb rate are
+//!   known and do not change.
 //! - Messages that stop, or come from a stranger: the wire is closed, and holds.
-//! - Accelerometer dead at zero, stuck or wild: with a closed wire it needs the climb rate or the messages'
-//!   silence with it.
-//! - The whole cable torn: wire and messages speak with one voice, and are one witness. Force and climb rate
-//!   are the other. Nothing else on board can tell: the mother ship's motion after the tear is not known
-//!   here.
+//! - Accelerometer dead at zero, stuck or wild: while the wire is closed, only together with the climb rate
+//!   or with silent messages is it a launch.
+//! - The whole cable torn: wire and messages fail together, so they are one witness. Force and climb rate are
+//!   the other. Nothing else on board can decide: the mother ship's motion after the tear is not known.
 //!
-//! What cannot be told apart is a release that changes neither mean, roughness nor climb rate in 3 s, from a
-//! torn cable. Such a vehicle hangs within 2 m of the pylon still (below the 0.06 g that shows in still air),
-//! and its launch is then seen, unconfirmed, when it first falls. Of two faults, one of them the cable, and
-//! the accelerometer gone with it, the receiver's climb rate decides: one who leaves with less than three
-//! quarters of its weight on its wings has lost 2 m/s at the limit. One that carries itself is seen when it
-//! first climbs or sinks otherwise than under the pylon, after a minute at the latest: nothing is
-//! calibrated meanwhile, and no sensor is said to be watched. Without a receiver, or with no unit from the
-//! start, a release is the likelier reading, for it is to happen in every flight: a launch, and
-//! `launch_confirmed` fails.
+//! A release that changes neither mean, roughness nor climb rate in 3 s cannot be distinguished from a torn
+//! cable. Such a vehicle is still within 2 m of the pylon (below the 0.06 g that shows in still air), and its
+//! launch is then seen, unconfirmed, when it first falls. If both the cable and the accelerometer have
+//! failed, the receiver's climb rate decides: a vehicle that leaves with less than three quarters of its
+//! weight on its wings has lost 2 m/s at the limit. One that carries itself is seen when it first climbs or
+//! sinks otherwise than under the pylon, after a minute at the latest; until then nothing is calibrated and
+//! no sensor is reported as monitored. Without a receiver, or without an inertial unit from the start, a
+//! release is the likelier explanation, because every flight has one: it is a launch, and `launch_confirmed`
+//! fails.
 //!
-//! A wire that is shorted closed, or cannot be read, hides a release that is no fall: it is then captive for
-//! ever, and no sensor is said to be watched. To call silence and a change a launch there would make one of a
-//! data link that dies while its ship manoeuvres.
+//! A wire that is shorted closed, or cannot be read, hides a release that is no fall: the state then stays
+//! captive, and no sensor is reported as monitored. If silence and a change were a launch there, a data link
+//! that dies during a manoeuvre would be one.
 //!
 //! # What calibration sees
-//! From the first tick of a suspicion on no calibration data may be taken ([`LaunchState::doubt`]), so how
-//! long a verdict takes changes no latched bias. Where the first sign of a launch is not the wire (broken,
+//! No calibration data is taken from the first tick of a suspicion on ([`LaunchState::doubt`]), so the time
+//! that a verdict takes changes no latched bias. Where the first sign of a launch is not the wire (broken,
 //! closed or unreadable) the suspicion starts with the departure or the fall, some 30 ms of smoothing after
 //! the release; with a broken wire and no departure it starts only when the silence is noticed.
 //!
@@ -115,15 +117,20 @@
 mod character;
 mod climb;
 mod clock;
+mod config;
 mod force;
 mod link;
+mod open_wire;
+mod state;
 #[cfg(test)]
 mod tests;
 mod wire;
+mod without_wire;
+
+pub use config::LaunchConfig;
+pub use state::{Confirmation, Launch, LaunchCounts, LaunchState, WireCondition};
 
 use crate::estimator::ConfigError;
-use crate::guard::Guard;
-use crate::input::LaunchDoubt;
 use crate::time::{microseconds, seconds_between};
 use character::Character;
 use climb::Climb;
@@ -131,49 +138,9 @@ use clock::Clock;
 use force::Force;
 use link::Link;
 use wire::{Reading, Wire};
+use without_wire::Sign;
 
-/// Limits of the decision.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LaunchConfig {
-    /// How long the wire must read open without a closed reading between, seconds.
-    pub debounce_s: f32,
-    /// How far from the edge a departure of force, and how long after the first sign a last message, may lie,
-    /// seconds.
-    pub window_s: f32,
-    /// Departure of the specific force's magnitude from its captive mean, as a share of that mean.
-    pub departure: f32,
-    /// The same in standard deviations of the captive magnitude, smoothed over 30 ms.
-    pub departure_sigmas: f32,
-    /// Messages are silent after so many of their own mean intervals.
-    pub silent_intervals: u16,
-    /// How long an open wire that nothing confirms, a wire that cannot be read, or a sign of the force that
-    /// nothing confirms, is left undecided, seconds.
-    pub undecided_s: f32,
-    /// Specific force below which it is near free fall, g.
-    pub fall_load: f32,
-    /// Near free fall that, with silence or the climb rate, shows a launch, seconds.
-    pub fall_s: f32,
-    /// Near free fall that alone shows a launch, where no wire contradicts it, seconds.
-    pub long_fall_s: f32,
-}
-
-impl LaunchConfig {
-    /// From the module's physics. `undecided_s`: an engine must have been started, some blocks compared, and
-    /// slow messages missed.
-    pub const DEFAULT: Self = Self {
-        debounce_s: 0.02,
-        window_s: 0.25,
-        departure: 0.3,
-        departure_sigmas: 4.0,
-        silent_intervals: 5,
-        undecided_s: 3.0,
-        fall_load: 0.3,
-        fall_s: 0.3,
-        long_fall_s: 2.0,
-    };
-}
-
-/// What one tick brought.
+/// Inputs of one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LaunchInput {
     /// Time of the tick, microseconds. One that leaps, runs back or stands still is taken for the next tick.
@@ -190,151 +157,6 @@ pub struct LaunchInput {
     pub ground_speed_squared_m2ps2: Option<f32>,
 }
 
-/// What confirmed a launch.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Confirmation {
-    /// Open wire, the force departed from its captive mean, and is another one.
-    Force,
-    /// Open wire, the messages fell silent, and force or climb rate is another one.
-    Silence,
-    /// The wire was broken or could not be read: departure or change of force, and silence.
-    ForceAndSilence,
-    /// The wire is stuck closed: near free fall and silence.
-    StuckWire,
-    /// Near free fall by force and climb rate; without fixes, for long.
-    FreeFall,
-    /// Wire and messages alone, or the vehicle's motion alone, and nobody who could contradict them.
-    Unconfirmed,
-}
-
-impl Confirmation {
-    /// The name used in telemetry and reports.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Force => "force",
-            Self::Silence => "silence",
-            Self::ForceAndSilence => "force_and_silence",
-            Self::StuckWire => "stuck_wire",
-            Self::FreeFall => "free_fall",
-            Self::Unconfirmed => "unconfirmed",
-        }
-    }
-}
-
-/// A launch.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Launch {
-    /// When the suspicion began: the first edge, or the first sign in the force or the messages;
-    /// microseconds.
-    pub first_edge_us: u64,
-    /// When it was confirmed, microseconds.
-    pub confirmed_us: u64,
-    /// By what.
-    pub by: Confirmation,
-}
-
-/// What is known after a tick.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LaunchState {
-    /// Under the pylon: calibration data may be taken.
-    Captive,
-    /// Perhaps launched: no calibration data is taken, and the calibration held.
-    Suspected {
-        /// Since when, microseconds.
-        since_us: u64,
-    },
-    /// Launched.
-    Launched(Launch),
-}
-
-impl LaunchState {
-    /// For [`crate::input::TickInput::launch`].
-    #[must_use]
-    pub const fn is_launched(self) -> bool {
-        matches!(self, Self::Launched(_))
-    }
-
-    /// For [`crate::input::TickInput::launch_doubt`].
-    #[must_use]
-    pub const fn doubt(self) -> LaunchDoubt {
-        match self {
-            Self::Captive => LaunchDoubt::None,
-            Self::Suspected { .. } => LaunchDoubt::Suspected,
-            Self::Launched(launch) => match launch.by {
-                Confirmation::Unconfirmed => LaunchDoubt::Unconfirmed,
-                _ => LaunchDoubt::None,
-            },
-        }
-    }
-}
-
-/// What the wire is taken for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum WireCondition {
-    /// It reads closed.
-    Closed,
-    /// It reads open, and nothing has contradicted it.
-    Open,
-    /// It reads open, and was found to be no launch: messages came all the same, or nothing else changed.
-    Broken,
-    /// It has not been read for longer than the time limit.
-    Unreadable,
-}
-
-impl WireCondition {
-    /// The name used in telemetry and reports.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Closed => "closed",
-            Self::Open => "open",
-            Self::Broken => "broken",
-            Self::Unreadable => "unreadable",
-        }
-    }
-}
-
-/// What was counted. All saturate.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct LaunchCounts {
-    /// Openings that were shorter than the debounce.
-    pub bounces: u32,
-    /// Openings that were longer, and closed again before anything was decided.
-    pub reclosures: u32,
-    /// Times that the wire was found broken.
-    pub broken_wires: u32,
-    /// Times that the wire opened and the messages were silent, or none, and the vehicle moved and shook as
-    /// before.
-    pub torn_cables: u32,
-    /// Times that a broken wire was whole again.
-    pub mended_wires: u32,
-    /// Ticks at which the wire could not be read.
-    pub unreadable: u32,
-    /// Suspicions by force or silence that came to nothing.
-    pub false_alarms: u32,
-    /// Specific forces that are none: not finite, beyond any unit, or exactly zero on all axes (a dead one; a
-    /// falling one has noise).
-    pub forces_refused: u32,
-    /// Silences under the pylon after which messages came again.
-    pub link_losses: u32,
-    /// Messages dated in the future or before the last one.
-    pub messages_refused: u32,
-    /// Ticks whose time was not after the last one's: each is taken for the next tick.
-    pub out_of_order: u32,
-    /// Messages that came after the launch was confirmed.
-    pub messages_after_launch: u32,
-    /// Times that the wire closed after the launch was confirmed.
-    pub closures_after_launch: u32,
-}
-
-/// A sign of launch while the wire shows none.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Sign {
-    Force { since_us: u64, has_lasted: bool },
-    Silence { since_us: u64 },
-}
-
 /// Decides when the vehicle has left; see the module.
 #[derive(Clone, Debug)]
 pub struct LaunchDetector {
@@ -342,11 +164,12 @@ pub struct LaunchDetector {
     state: LaunchState,
     /// The first tick's time.
     first_us: Option<u64>,
-    /// There was a mission before this start: it is an interruption if it turns out to be in flight.
+    /// There was a mission before this start. If the vehicle turns out to be in flight, it was an
+    /// interruption.
     had_mission: bool,
     /// The start was an interruption.
     was_interrupted: bool,
-    /// The force has departed about this opening of the wire: whatever it does later does not undo that.
+    /// The force has departed about this opening of the wire. What it does later does not undo that.
     has_departed: bool,
     clock: Clock,
     wire: Wire,
@@ -357,7 +180,7 @@ pub struct LaunchDetector {
     sign: Option<Sign>,
     /// The last message before a silence that was no launch.
     refuted_silence_us: Option<u64>,
-    /// Begin of a fall that the climb rate has not shown.
+    /// Start of a fall that the climb rate has not confirmed.
     refuted_fall_us: Option<u64>,
     counts: LaunchCounts,
 }
@@ -365,17 +188,11 @@ pub struct LaunchDetector {
 /// The force's character is known after 5 s of captive flight (`character.rs`); the inertial unit and the
 /// receiver take some seconds until they deliver.
 const EARLY_US: u64 = 10_000_000;
-/// Who moves over ground as fast as this, squared, is not being made ready: (10 m/s)^2, faster than anybody
-/// taxies with a loose cable, slower than anything flies.
+/// Ground speed from which the vehicle is in flight, squared: (10 m/s)^2. Nothing taxies as fast with a loose
+/// cable, and nothing flies as slowly.
 const UNDER_WAY_M2PS2: f32 = 100.0;
 
-/// How long the wire may stay open, with a dead inertial unit and an unchanged climb rate, before that is a
-/// launch, seconds. A torn cable under a unit that stays dead for longer becomes a false launch, of two
-/// faults; a release that nothing else shows is unseen for as long, by a single one. A vehicle is steered
-/// within a minute of its release, and most faults that last for a minute are seen by the carrier's crew.
-const UNSHOWN_S: f32 = 60.0;
-
-/// What a tick comes to, before it is dated.
+/// The verdict of a tick, before it gets its time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Verdict {
     Captive,
@@ -388,7 +205,7 @@ pub(crate) fn count(counter: &mut u32) {
 }
 
 impl LaunchDetector {
-    /// A detector that has seen nothing, on the mother ship.
+    /// A detector without history, under the mother ship.
     ///
     /// # Errors
     /// [`ConfigError::OutOfRange`]: a limit is not positive and finite, or the fall's are not in order.
@@ -426,7 +243,7 @@ impl LaunchDetector {
         })
     }
 
-    /// After a restart that has interrupted a flight: a wire that is open may have opened in it.
+    /// After a restart that has interrupted a flight: an open wire may have opened meanwhile.
     #[must_use]
     pub const fn after_interruption(self) -> Self {
         Self { was_interrupted: true, ..self }
@@ -439,32 +256,32 @@ impl LaunchDetector {
         Self { had_mission: true, ..self }
     }
 
-    /// After a restart of one that had found the wire broken. It is whole again as any broken wire is.
+    /// After a restart before which the wire was found broken. It becomes whole again like any broken wire.
     #[must_use]
     pub fn with_broken_wire(mut self) -> Self {
         self.wire.call_broken();
         self
     }
 
-    /// As it was after the last tick.
+    /// The verdict after the last tick.
     #[must_use]
     pub const fn state(&self) -> LaunchState {
         self.state
     }
 
-    /// What the wire is taken for.
+    /// The wire's condition.
     #[must_use]
     pub const fn wire(&self) -> WireCondition {
         self.wire.condition()
     }
 
-    /// What was counted.
+    /// The counters.
     #[must_use]
     pub const fn counts(&self) -> &LaunchCounts {
         &self.counts
     }
 
-    /// Takes everything that is new at one tick.
+    /// Decides on the inputs of one tick.
     pub fn tick(&mut self, input: &LaunchInput) -> LaunchState {
         let (input, leap_us) = &self.clock.without_leaps(input);
         if *leap_us < 0 {
@@ -491,7 +308,9 @@ impl LaunchDetector {
         self.wire.take(input, &self.config, &mut self.counts);
         let is_captive = self.state == LaunchState::Captive;
         if let Some(force_mps2) = self.force.take(input, is_captive, &self.config, &mut self.counts) {
-            self.character.take(now_us, force_mps2, is_captive && self.force.falling_since_us().is_none());
+            // What the force is like while the wire bounces may already be free flight.
+            let is_usual = is_captive && self.force.falling_since_us().is_none() && !self.wire.is_restless();
+            self.character.take(now_us, force_mps2, is_usual);
         }
         if let Some(climb_mps) = input.climb_mps {
             self.climb.take(now_us, climb_mps, is_captive);
@@ -526,7 +345,7 @@ impl LaunchDetector {
         now_us.saturating_sub(since_us) >= microseconds(limit_s)
     }
 
-    /// Whether a message came so late after a sign of launch that the umbilical must still be there.
+    /// Whether a message came so long after a sign of launch that the umbilical must still be connected.
     #[inline(never)]
     fn is_attached_after(&self, sign_us: u64) -> bool {
         self.link
@@ -534,176 +353,9 @@ impl LaunchDetector {
             .is_some_and(|last_us| last_us > sign_us.saturating_add(microseconds(self.config.window_s)))
     }
 
-    #[inline(never)]
-    fn judge_open(&mut self, now_us: u64, edge_us: u64, is_settled: bool, is_early: bool) -> Verdict {
-        if !is_settled {
-            self.has_departed = self.has_departed && self.wire.has_reopened();
-            return Verdict::Suspected;
-        }
-        let window_us = microseconds(self.config.window_s);
-        self.has_departed |=
-            self.force.departed_us().is_some_and(|departed_us| departed_us.abs_diff(edge_us) <= window_us);
-        let was_alive = self.link.is_alive_at(edge_us, &self.config);
-        let is_silent = was_alive && self.link.is_silent(now_us, &self.config);
-        if is_silent && !Guard::ListenUntilDecided.stands() {
-            return Verdict::Launched(Confirmation::Silence);
-        }
-        if self.is_attached_after(edge_us) {
-            self.wire.call_broken();
-            count(&mut self.counts.broken_wires);
-            return Verdict::Captive;
-        }
-        let is_over = Self::has_lasted(edge_us, now_us, self.config.undecided_s);
-        if was_alive && !is_silent && !is_over {
-            return Verdict::Suspected;
-        }
-        // A release is felt no longer before the edge than the cable's slack takes. A force that has been low
-        // for longer shows none, where the climb rate would show its fall.
-        let climb_is_known = self.climb.is_known(edge_us, now_us);
-        let is_older = climb_is_known
-            && self
-                .force
-                .below_since_us()
-                .is_some_and(|below_us| edge_us.saturating_sub(below_us) > window_us);
-        if self.climb.has_fallen(edge_us) || (self.character.has_changed() && !is_older) {
-            return Verdict::Launched(match (self.has_departed, was_alive) {
-                (true, _) => Confirmation::Force,
-                (false, true) => Confirmation::Silence,
-                (false, false) => Confirmation::Unconfirmed,
-            });
-        }
-        let would_show = self.character.is_living(now_us) && !is_older;
-        let is_all_seen = would_show
-            && !self.has_departed
-            && !self.character.is_comparable()
-            && Self::has_lasted(edge_us, now_us, self.config.window_s);
-        if !is_over && !is_all_seen {
-            return Verdict::Suspected;
-        }
-        if !is_early && (self.has_departed || !would_show) {
-            // A unit that has died, or lies, shows neither a release nor that there is none: the climb rate is
-            // the only witness.
-            let waits = !self.has_departed
-                && self.character.is_comparable()
-                && climb_is_known
-                && !self.climb.is_another()
-                && !Self::has_lasted(edge_us, now_us, UNSHOWN_S);
-            return if waits { Verdict::Suspected } else { Verdict::Launched(Confirmation::Unconfirmed) };
-        }
-        self.wire.call_broken();
-        count(&mut self.counts.torn_cables);
-        self.refuted_silence_us = self.link.last_us();
-        Verdict::Captive
-    }
-
-    /// Whether the vehicle moves or shakes otherwise than it did until the suspicion began.
+    /// Whether the vehicle's motion or vibration has changed since the suspicion began.
     fn has_changed(&self, since_us: u64) -> bool {
         self.character.has_changed() || self.climb.has_fallen(since_us)
-    }
-
-    /// `says_nothing`: the wire is broken or cannot be read; otherwise it reads closed.
-    #[inline(never)]
-    fn judge_without(&mut self, now_us: u64, says_nothing: bool) -> Verdict {
-        if let Some(sign) = self.sign {
-            self.sign = self.followed(sign, now_us, says_nothing);
-            if self.sign.is_none() {
-                count(&mut self.counts.false_alarms);
-            }
-        }
-        if self.sign.is_none() {
-            self.sign = self.new_sign(now_us, says_nothing);
-        }
-        let by = match self.sign {
-            None => return Verdict::Captive,
-            Some(Sign::Silence { since_us }) => self.shown_by_silence(since_us, now_us),
-            Some(Sign::Force { since_us, has_lasted }) => {
-                if self.link.is_alive_at(since_us, &self.config) {
-                    let by =
-                        if says_nothing { Confirmation::ForceAndSilence } else { Confirmation::StuckWire };
-                    (has_lasted && self.link.is_silent(now_us, &self.config)).then_some(by)
-                } else {
-                    self.shown_by_force(since_us, now_us, says_nothing)
-                }
-            }
-        };
-        by.map_or(Verdict::Suspected, Verdict::Launched)
-    }
-
-    /// A broken wire, and messages that have ended.
-    fn shown_by_silence(&self, since_us: u64, now_us: u64) -> Option<Confirmation> {
-        if self.has_changed(since_us) {
-            return Some(Confirmation::ForceAndSilence);
-        }
-        Self::has_lasted(since_us, now_us, self.config.undecided_s).then_some(Confirmation::Unconfirmed)
-    }
-
-    /// The force alone, without messages: only together with the climb rate.
-    fn shown_by_force(&self, since_us: u64, now_us: u64, says_nothing: bool) -> Option<Confirmation> {
-        let is_fall = self.force.falling_since_us().is_some_and(|falling_us| falling_us <= now_us);
-        let lasts = |limit_s| is_fall && Self::has_lasted(since_us, now_us, limit_s);
-        if self.climb.has_fallen(since_us) {
-            if lasts(self.config.fall_s) {
-                return Some(Confirmation::FreeFall);
-            }
-            if says_nothing {
-                return Some(Confirmation::Unconfirmed);
-            }
-        }
-        let stands_alone = says_nothing && !self.climb.is_known(since_us, now_us);
-        (lasts(self.config.long_fall_s) && (stands_alone || !Guard::ClosedWireHolds.stands()))
-            .then_some(Confirmation::FreeFall)
-    }
-
-    fn new_sign(&self, now_us: u64, says_nothing: bool) -> Option<Sign> {
-        let departed = self.force.departed_us().filter(|departed_us| *departed_us == now_us);
-        if let Some(since_us) = departed.filter(|_| says_nothing) {
-            return Some(Sign::Force { since_us, has_lasted: true });
-        }
-        let fall = self
-            .force
-            .falling_since_us()
-            .filter(|since_us| !self.is_attached_after(*since_us) && self.refuted_fall_us != Some(*since_us));
-        if let Some(since_us) = fall {
-            return Some(Sign::Force { since_us, has_lasted: false });
-        }
-        let is_cut = self.wire.condition() == WireCondition::Broken
-            && self.link.is_silent(now_us, &self.config)
-            && self.refuted_silence_us != self.link.last_us();
-        is_cut.then_some(Sign::Silence { since_us: now_us })
-    }
-
-    /// The sign as it stands now; `None`: it came to nothing.
-    fn followed(&mut self, sign: Sign, now_us: u64, says_nothing: bool) -> Option<Sign> {
-        match sign {
-            Sign::Silence { since_us } => {
-                let is_refuted = Self::has_lasted(since_us, now_us, self.config.undecided_s)
-                    && !self.has_changed(since_us)
-                    && self.character.is_known(now_us);
-                if is_refuted {
-                    self.refuted_silence_us = self.link.last_us();
-                }
-                (!is_refuted && self.link.is_silent(now_us, &self.config)).then_some(sign)
-            }
-            Sign::Force { since_us, has_lasted } => {
-                if self.is_attached_after(since_us) {
-                    return None;
-                }
-                let falling_us = self.force.falling_since_us();
-                let goes_on = falling_us == Some(since_us);
-                if !self.link.is_alive_at(since_us, &self.config) {
-                    // A unit that goes on reading a fall which the climb rate does not show is dead.
-                    if Self::has_lasted(since_us, now_us, self.config.undecided_s) {
-                        self.refuted_fall_us = falling_us;
-                        return None;
-                    }
-                    return (goes_on || (says_nothing && has_lasted)).then_some(sign);
-                }
-                let has_lasted = has_lasted
-                    || (goes_on && Self::has_lasted(since_us, now_us, self.config.fall_s))
-                    || (says_nothing && self.force.departed_us() == Some(since_us));
-                (has_lasted || goes_on).then_some(Sign::Force { since_us, has_lasted })
-            }
-        }
     }
 }
 

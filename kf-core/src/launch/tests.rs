@@ -3,6 +3,7 @@
 use proptest::prelude::*;
 
 use super::*;
+use crate::input::LaunchDoubt;
 
 mod clock;
 
@@ -539,6 +540,47 @@ fn a_bouncing_wire_is_broken_until_it_rests() {
         }
     }
     assert_eq!(launched.map(|launch| launch.by), Some(Confirmation::ForceAndSilence));
+}
+
+/// A plug that bounces in the release itself and comes to rest open is no broken wire: a second later it has
+/// opened. One whose vehicle still hangs is broken, and stays so while it is open.
+#[test]
+fn a_bouncing_wire_that_rests_open_has_opened() {
+    for is_released in [true, false] {
+        let mut rig = Rig::new();
+        assert_eq!(rig.run(20.0, Now { is_sending: false, ..CAPTIVE }), None);
+        let vibration = if is_released { 1.0 } else { 0.3 };
+        let open = Now { is_open: Some(true), is_sending: false, vibration, ..CAPTIVE };
+        for _ in 0..6 {
+            assert_eq!(rig.run(0.05, open), None);
+            assert_eq!(rig.run(0.05, Now { is_open: Some(false), ..open }), None);
+        }
+        assert_eq!(rig.detector.wire(), WireCondition::Broken);
+        assert_eq!(rig.run(0.9, open), None);
+        assert_eq!(rig.detector.wire(), WireCondition::Broken);
+        let launch = rig.run(10.0, open);
+        assert_eq!(launch.map(|launch| launch.by), is_released.then_some(Confirmation::Unconfirmed));
+        if !is_released {
+            assert_eq!((rig.state(), rig.detector.wire()), (LaunchState::Captive, WireCondition::Broken));
+            assert_eq!((rig.detector.counts().torn_cables, rig.detector.counts().mended_wires), (1, 1));
+        }
+    }
+}
+
+/// A cable tears, and its accelerometer reads a fall 1.9 s later: a release is felt about the edge, so the
+/// fixes must show that fall. If they do, it is a launch.
+#[test]
+fn a_fall_after_a_torn_cable_needs_the_climb_rate() {
+    for (fixes, is_launch) in [(Fixes::Level, false), (Fixes::ByLoad, true)] {
+        let mut rig = Rig::captive();
+        assert_eq!(rig.run(1.9, TORN), None);
+        let falls = Now { load: Some(0.1), fixes, ..TORN };
+        assert_eq!(rig.run(1.0, falls).is_some(), is_launch);
+        if !is_launch {
+            assert_eq!(rig.run(30.0, TORN), None);
+            assert_eq!((rig.state(), rig.detector.wire()), (LaunchState::Captive, WireCondition::Broken));
+        }
+    }
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The umbilical's discrete: debounced, and what it is worth.
+//! The umbilical's discrete: debounced, and whether it can be trusted.
 
 use super::{LaunchConfig, LaunchCounts, LaunchInput, WireCondition, count};
 use crate::time::microseconds;
@@ -9,12 +9,12 @@ const RESTLESS: u8 = 5;
 /// See [`RESTLESS`], microseconds. A contact that is at rest for longer is not a loose one any more.
 const RESTLESS_US: u64 = 1_000_000;
 
-/// What the wire says of a launch.
+/// What the wire shows of a launch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Reading {
-    /// There was none.
+    /// No launch.
     Closed,
-    /// Perhaps.
+    /// A possible launch.
     Open {
         edge_us: u64,
         /// For longer than the debounce.
@@ -63,17 +63,22 @@ impl Wire {
         let debounce_us = microseconds(config.debounce_s);
         if is_open {
             let closed_us = self.closed_us.take();
+            if self.is_broken && !self.is_restless() {
+                return;
+            }
+            if self.edge_us.is_none() {
+                self.has_reopened =
+                    closed_us.is_some_and(|closed_us| now_us.saturating_sub(closed_us) < RESTLESS_US);
+            }
+            let open_us = now_us.saturating_sub(*self.edge_us.get_or_insert(now_us));
             if !self.is_broken {
-                if self.edge_us.is_none() {
-                    self.has_reopened =
-                        closed_us.is_some_and(|closed_us| now_us.saturating_sub(closed_us) < RESTLESS_US);
-                }
-                let edge_us = *self.edge_us.get_or_insert(now_us);
-                self.is_settled = now_us.saturating_sub(edge_us) >= debounce_us;
+                self.is_settled = open_us >= debounce_us;
+            } else if open_us >= RESTLESS_US {
+                self.call_whole(counts);
             }
             return;
         }
-        if let Some(edge_us) = self.edge_us.take() {
+        if let Some(edge_us) = self.edge_us.take().filter(|_| !self.is_broken) {
             count(if self.is_settled { &mut counts.reclosures } else { &mut counts.bounces });
             self.note_opening(edge_us, counts);
         }
@@ -81,14 +86,18 @@ impl Wire {
         let closed_us = *self.closed_us.get_or_insert(now_us);
         let rest_us = if self.is_restless() { RESTLESS_US } else { debounce_us };
         if self.is_broken && now_us.saturating_sub(closed_us) >= rest_us {
-            self.is_broken = false;
-            self.openings = 0;
-            count(&mut counts.mended_wires);
+            self.call_whole(counts);
         }
     }
 
-    /// A wire that opens and closes again and again is a loose contact: it would hide a launch among its
-    /// edges.
+    fn call_whole(&mut self, counts: &mut LaunchCounts) {
+        self.is_broken = false;
+        self.openings = 0;
+        count(&mut counts.mended_wires);
+    }
+
+    /// A wire that opens and closes repeatedly is a loose contact, and broken: a launch would be lost among its
+    /// edges. Once it is at rest, closed or open, it says as much as any other wire.
     fn note_opening(&mut self, edge_us: u64, counts: &mut LaunchCounts) {
         let is_next = edge_us.saturating_sub(self.opened_us) < RESTLESS_US;
         self.openings = if is_next { self.openings.saturating_add(1) } else { 1 };
@@ -99,7 +108,8 @@ impl Wire {
         }
     }
 
-    const fn is_restless(&self) -> bool {
+    /// Whether it is a loose contact that has not come to rest yet.
+    pub(super) const fn is_restless(&self) -> bool {
         self.openings >= RESTLESS
     }
 
@@ -114,7 +124,8 @@ impl Wire {
     }
 
     pub(super) fn call_broken(&mut self) {
-        *self = Self { is_broken: true, edge_us: None, is_settled: false, closed_us: None, ..*self };
+        *self =
+            Self { is_broken: true, edge_us: None, is_settled: false, closed_us: None, openings: 0, ..*self };
     }
 
     pub(super) const fn condition(&self) -> WireCondition {

@@ -18,6 +18,10 @@ pub fn leave_out(flight: &mut Flight) -> Vec<Note> {
     let (Some(first), Some(second)) = (flight.time_s.first().copied(), flight.time_s.get(1).copied()) else {
         return Vec::new();
     };
+    // Nothing leaps where no step is longer than the rows that belong together.
+    if flight.time_s.is_sorted_by(|one, next| next - one <= TOGETHER_S) {
+        return Vec::new();
+    }
     let begins_after = second - first > LEAP_S;
     let near_s = TOGETHER_S + WITNESSES as f64 * usual_step_s(&flight.time_s);
     let mut latest = if begins_after { second } else { first };

@@ -1,0 +1,137 @@
+//! The verdict while the wire reads open and has not been found broken: the table's rows that begin with
+//! "open".
+
+use super::{Confirmation, LaunchDetector, Verdict, count};
+use crate::guard::Guard;
+use crate::time::microseconds;
+
+/// Longest time that the wire may stay open, with a dead inertial unit and an unchanged climb rate, before
+/// that is a launch, seconds. If the cable has torn and the unit stays dead for longer, two faults make a
+/// false launch; if the vehicle was released, one fault hides it for this long. A vehicle is steered within
+/// a minute of its release, and the carrier's crew sees most faults that last a minute.
+const UNSHOWN_S: f32 = 60.0;
+
+/// The table's column "messages".
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Messages {
+    /// One came later after the edge than the cable's slack allows: the umbilical is still there.
+    CameLater,
+    /// They were alive at the edge, and are not silent yet.
+    Alive,
+    /// They were alive at the edge, and are silent now.
+    FellSilent,
+    /// There were none at the edge.
+    Absent,
+}
+
+/// The table's column "force and climb rate".
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Motion {
+    /// The force has another character, or the climb rate has fallen.
+    Changed,
+    /// The force departed about the edge, and has no other character.
+    Departed,
+    /// The inertial unit delivers, and would have shown a release.
+    Unchanged,
+    /// The inertial unit is dead, or reads a fall that did not begin with the opening and that the climb rate
+    /// does not show.
+    NotKnown,
+}
+
+impl LaunchDetector {
+    #[inline(never)]
+    pub(super) fn judge_open(
+        &mut self,
+        now_us: u64,
+        edge_us: u64,
+        is_settled: bool,
+        is_early: bool,
+    ) -> Verdict {
+        if !is_settled {
+            self.has_departed = self.has_departed && self.wire.has_reopened();
+            return Verdict::Suspected;
+        }
+        let window_us = microseconds(self.config.window_s);
+        self.has_departed |=
+            self.force.departed_us().is_some_and(|departed_us| departed_us.abs_diff(edge_us) <= window_us);
+        let is_over = Self::has_lasted(edge_us, now_us, self.config.undecided_s);
+        let messages = self.messages_since(edge_us, now_us);
+        if messages == Messages::FellSilent && !Guard::ListenUntilDecided.stands() {
+            return Verdict::Launched(Confirmation::Silence);
+        }
+        match messages {
+            Messages::CameLater => {
+                self.wire.call_broken();
+                count(&mut self.counts.broken_wires);
+                return Verdict::Captive;
+            }
+            Messages::Alive if !is_over => return Verdict::Suspected,
+            Messages::Alive | Messages::FellSilent | Messages::Absent => {}
+        }
+        let motion = self.motion_since(edge_us, now_us);
+        // Without a captive character only a departure can show a release, and it comes within the window.
+        let is_decidable = is_over
+            || (motion == Motion::Unchanged
+                && !self.character.is_comparable()
+                && Self::has_lasted(edge_us, now_us, self.config.window_s));
+        match motion {
+            Motion::Changed => Verdict::Launched(match messages {
+                _ if self.has_departed => Confirmation::Force,
+                Messages::Absent => Confirmation::Unconfirmed,
+                _ => Confirmation::Silence,
+            }),
+            _ if !is_decidable => Verdict::Suspected,
+            Motion::NotKnown if !is_early && self.waits_for_climb(edge_us, now_us) => Verdict::Suspected,
+            Motion::Departed | Motion::NotKnown if !is_early => Verdict::Launched(Confirmation::Unconfirmed),
+            Motion::Departed | Motion::NotKnown | Motion::Unchanged => {
+                self.wire.call_broken();
+                count(&mut self.counts.torn_cables);
+                self.refuted_silence_us = self.link.last_us();
+                Verdict::Captive
+            }
+        }
+    }
+
+    fn messages_since(&self, edge_us: u64, now_us: u64) -> Messages {
+        if self.is_attached_after(edge_us) {
+            Messages::CameLater
+        } else if !self.link.is_alive_at(edge_us, &self.config) {
+            Messages::Absent
+        } else if self.link.is_silent(now_us, &self.config) {
+            Messages::FellSilent
+        } else {
+            Messages::Alive
+        }
+    }
+
+    fn motion_since(&mut self, edge_us: u64, now_us: u64) -> Motion {
+        // A release is felt within the window. A force that became too low before or after it is not the
+        // release's, if the climb rate would show the fall.
+        let is_other_fall = self
+            .force
+            .below_since_us()
+            .is_some_and(|below_us| below_us.abs_diff(edge_us) > microseconds(self.config.window_s))
+            && self.climb.is_known(edge_us, now_us);
+        if is_other_fall {
+            self.character.disregard_changes();
+        }
+        if self.climb.has_fallen(edge_us) || self.character.has_changed() {
+            Motion::Changed
+        } else if self.has_departed {
+            Motion::Departed
+        } else if self.character.is_living(now_us) && !is_other_fall {
+            Motion::Unchanged
+        } else {
+            Motion::NotKnown
+        }
+    }
+
+    /// A unit that is dead, or reads too little, cannot show whether there was a release: the climb rate is
+    /// the only witness.
+    fn waits_for_climb(&self, edge_us: u64, now_us: u64) -> bool {
+        self.character.is_comparable()
+            && self.climb.is_known(edge_us, now_us)
+            && !self.climb.is_another()
+            && !Self::has_lasted(edge_us, now_us, UNSHOWN_S)
+    }
+}
